@@ -73,7 +73,7 @@ def known(case: Case) -> Known:
 
 
 def judged(name: str, case: Case, method: str, rtol: float) -> str:
-    """Return ok, told, stopped, refused or slow; or what is wrong."""
+    """Return ok, reported, stopped, refused or slow; or what is wrong."""
     compiled = codegen.compile(system_of(name, case))
     try:
         with np.errstate(all="ignore"):
@@ -90,7 +90,7 @@ def judged(name: str, case: Case, method: str, rtol: float) -> str:
     off = known(case).share(run.y[:, -1:], rtol)
     if off <= 1:
         return "ok"
-    return f"WRONG by {off:.1e}" if trusted(run, compiled) else "told"
+    return f"WRONG by {off:.1e}" if trusted(run, compiled) else "reported"
 
 
 def verdicts(methods: Sequence[str]) -> Iterator[tuple[str, str, float, str]]:

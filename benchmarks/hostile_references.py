@@ -314,7 +314,7 @@ def reference(case: Hostile) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _told(case: Hostile) -> tuple[str, dict[str, Any] | None]:
+def _reported(case: Hostile) -> tuple[str, dict[str, Any] | None]:
     begun = time.perf_counter()
     try:
         found = reference(case)
@@ -345,7 +345,7 @@ def main(names: Sequence[str]) -> None:
         or (not names and store.get(c.key, {}).get("digest") != digest(c))
     ]
     with ProcessPoolExecutor(AT_ONCE) as pool:
-        for key, found in pool.map(_told, wanted):
+        for key, found in pool.map(_reported, wanted):
             store.pop(key, None)
             if found:
                 store[key] = found

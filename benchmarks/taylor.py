@@ -68,11 +68,11 @@ class _Contest:
             lambda p: p.ratio,
             limit,
         )
-        return self._told(
+        return self._printed(
             f"{self.case.name}, {other} at {rtol:.0e}", own, (error, wanted), pairs, heyoka
         )
 
-    def _told(
+    def _printed(
         self, what: str, own: float, errors: tuple[float, float], pairs: Pairs, heyoka: bool
     ) -> tuple[Row, Row]:
         times = [time_text(s) for s in pairs.best]

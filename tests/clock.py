@@ -25,7 +25,7 @@ def calls(function, *arguments):
 
 
 def growth_in_calls(limit, work, small, large):
-    """Tell whether ``work(large)`` makes less than ``limit`` times the calls of ``work(small)``.
+    """Return whether ``work(large)`` makes less than ``limit`` times the calls of ``work(small)``.
 
     Both run once before: the first run of anything imports modules and fills caches.
     """
@@ -38,7 +38,7 @@ ATTEMPTS = 6
 
 
 def within(bound, measure):
-    """Tell whether a measurement is below ``bound``, both taken anew until one is, a few times.
+    """Return whether a measurement is below ``bound``, both taken anew until one is, a few times.
 
     Another process makes single runs slow, on either side; a law that is broken stays broken.
     """
@@ -46,7 +46,7 @@ def within(bound, measure):
 
 
 def growth_within(limit, work, small, large):
-    """Tell whether ``work(large)`` takes less than ``limit`` times the time of ``work(small)``.
+    """Return whether ``work(large)`` takes less than ``limit`` times the time of ``work(small)``.
 
     For work inside C, such as that of regular expressions, whose calls say nothing.
     """

@@ -5,7 +5,7 @@
 that follows is what they must have printed, where ``...`` stands for anything, and numbers agree if they
 are as near as their digits say; a block with a caption is a file of that name. A block ``console`` is not
 run: `NOT_RUN` says what may stand there. With several pages each runs in a process and a folder of its own,
-and what was wrong with each is told as JSON.
+and what was wrong with each is printed as JSON.
 """
 
 import contextlib
@@ -64,7 +64,7 @@ def blocks(page: str) -> Iterator[Block]:
 
 
 def agrees(shown: str, printed: str) -> bool:
-    """Tell whether what a page shows is what was printed, but for ``...`` and digits beyond those shown."""
+    """Return whether what a page shows is what was printed, but for ``...`` and digits beyond."""
     pattern, wanted = [], []
     for k, part in enumerate(shown.strip().split("...")):
         pattern.append(".*?" if k else "")
@@ -89,7 +89,7 @@ def _near(shown: str, printed: str) -> bool:
 
 
 def _called(words: list[str]) -> None:
-    """Call the command line; a status other than 0 is told, as a shell would not."""
+    """Call the command line; a status other than 0 is reported, as a shell would not."""
     from eom.__main__ import main
 
     try:
@@ -165,7 +165,7 @@ def _check_status(printed: str, place: str) -> None:
 
 def apart(path: Path) -> str:
     """Run a page in a process and a folder of its own; return what is wrong, or nothing."""
-    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as told:
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as report:
         child = os.fork()
         if child == 0:
             wrong = 1
@@ -174,13 +174,13 @@ def apart(path: Path) -> str:
                 assert run(path) > 0, "nothing was run"
                 wrong = 0
             except BaseException:
-                traceback.print_exc(file=told)
+                traceback.print_exc(file=report)
             finally:
-                told.flush()
+                report.flush()
                 os._exit(wrong)
         _, status = os.waitpid(child, 0)
-        told.seek(0)
-        return (told.read() or f"status {status}") if status else ""
+        report.seek(0)
+        return (report.read() or f"status {status}") if status else ""
 
 
 def main(pages: list[Path]) -> None:

@@ -59,7 +59,7 @@ MODULES = {
     "eom.views.tree.joint_trees": "joint_tree",
     "eom.views.tree.sketches": "sketch tree_frames",
 }
-"""Names of modules that documents tell users to import, beside those of the packages."""
+"""Names of modules that documents ask users to import, beside those of the packages."""
 DUNDERS = ("__call__", "__getitem__")
 """Methods with underscores that a user writes as brackets; they need docstrings as others do."""
 

@@ -50,8 +50,8 @@ def lines(done):
 def test_a_wrong_formula_on_the_command_line(check):
     done = check(WRONG, *ARROWS)
     assert done.exit_code == 1
-    told = lines(done)
-    assert told[:8] == [
+    reported = lines(done)
+    assert reported[:8] == [
         "formula",
         "  meanings: preset arrow-tilde",
         "  given: constant_mass",
@@ -61,9 +61,9 @@ def test_a_wrong_formula_on_the_command_line(check):
         "    " + " " * WRONG.rindex(r"\vec") + "^" * len(r"\vec\omega"),
         "    why: the dimensions differ; got 1/s; expected kg m^2/s",
     ]
-    assert told[8].startswith(r"    repair: a term is too much: $\vec{\omega}$")
-    assert told[9] == f"            {RIGHT}"
-    assert told[-1] == "  1 equation: 1 wrong"
+    assert reported[8].startswith(r"    repair: a term is too much: $\vec{\omega}$")
+    assert reported[9] == f"            {RIGHT}"
+    assert reported[-1] == "  1 equation: 1 wrong"
 
 
 def test_a_right_formula_names_the_assumptions_that_it_needs(check):
@@ -87,7 +87,7 @@ def test_a_note_with_its_counts(check, note):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (["--quiet"], ["wrong", "ill-formed"]),
         (["--only", "wrong"], ["wrong"]),
@@ -99,11 +99,11 @@ def test_a_note_with_its_counts(check, note):
         (["--only", "definition"], []),
     ],
 )
-def test_only_and_quiet_tell_less_and_change_no_status(check, note, words, told):
+def test_only_and_quiet_print_less_and_change_no_status(check, note, words, reported):
     done = check(note, *ARROWS, *words)
     assert done.exit_code == 1
     heads = [line.partition(": ")[2] for line in lines(done) if line.startswith("  line ")]
-    assert heads == told
+    assert heads == reported
     assert "4 equations" in lines(done)[-1]
 
 

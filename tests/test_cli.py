@@ -318,7 +318,7 @@ def test_generate_needs_a_folder_or_a_report(run):
 
 @pytest.mark.sparse(only=("t-handle", "bicycle-wheel", "double-pendulum"))
 @pytest.mark.parametrize("name", catalogue.names())
-def test_accuracy_tells_of_every_result(run, name):
+def test_accuracy_reports_every_result(run, name):
     from eom import load_scene
 
     done = run("accuracy", name, "--target", "numpy", "--samples", 3)

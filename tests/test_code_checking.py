@@ -145,7 +145,7 @@ def is_gone(number):
 
 
 def left(note):
-    """Numbers of the processes that a note tells of and that are still there."""
+    """Numbers of the processes that a note names and that are still there."""
     return [n for n in note.read_text().split() if not is_gone(n)]
 
 
@@ -190,16 +190,16 @@ def namespaces():
 
 @needs_proc
 def test_code_that_ends_its_warden_gets_no_result(checked, place):
-    """It cannot reach one that stands outside of its namespace; elsewhere that is told as what it is."""
+    """It cannot reach one that stands outside of its namespace; elsewhere that is reported as it is."""
     begin = "import os, signal\nos.kill(os.getppid(), signal.SIGKILL)\n"
     if place == "namespace":
         if not namespaces():
             pytest.skip("no namespaces are allowed here")
-        told = checked(
+        reported = checked(
             "import os\n"
             + RIGHT.replace("w1, w2, w3 = y", "os.getppid() == 1 or 1 / 0; w1, w2, w3 = y")
         )
-        assert told.is_right  # the warden is the first process there
+        assert reported.is_right  # the warden is the first process there
         assert checked(begin + RIGHT).is_right
         return
     with pytest.raises(InputError, match="ended its warden"):

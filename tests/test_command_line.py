@@ -231,17 +231,17 @@ def raising(error):
 
 
 @pytest.mark.parametrize(
-    ("error", "status", "told"),
+    ("error", "status", "reported"),
     [
         (InputError("bad", hint="worse"), UNUSABLE, "error: bad"),
         (FileNotFoundError(2, "No such file"), UNUSABLE, "error: No such file"),
         (KeyboardInterrupt(), INTERRUPTED, "interrupted"),
     ],
 )
-def test_exit_status(error, status, told):
+def test_exit_status(error, status, reported):
     done = raising(error)
     assert done.exit_code == status
-    assert done.stderr.startswith(told)
+    assert done.stderr.startswith(reported)
     assert done.stdout == ""
 
 
@@ -293,7 +293,7 @@ def test_waiting_in_a_terminal(quiet, work, shown, tmp_path):
     )  # fmt: skip
     os.close(follower)
     out = process.communicate(timeout=60)[0]
-    told = b""
+    reported = b""
     while True:
         try:
             part = os.read(leader, 65536)
@@ -301,8 +301,8 @@ def test_waiting_in_a_terminal(quiet, work, shown, tmp_path):
             break
         if not part:
             break
-        told += part
+        reported += part
     os.close(leader)
     assert out == b"done\n"
-    assert (b"a long work" in told) == shown
-    assert (b"compiling: lowering 25%" in told) == shown
+    assert (b"a long work" in reported) == shown
+    assert (b"compiling: lowering 25%" in reported) == shown

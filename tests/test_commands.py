@@ -127,11 +127,11 @@ def test_the_closing_table_says_why_and_what_was_left_out(run):
 @needs_compiler
 def test_the_closing_table_says_how_good_the_run_is(run):
     done = run("simulate", "t-handle", "--method", "DOP853", "--points", 40)
-    told = rows_of(done)
-    assert told["accuracy"].startswith("good to about ")
+    reported = rows_of(done)
+    assert reported["accuracy"].startswith("good to about ")
     assert "by a second run with taylor" in " ".join(done.output.split())
-    assert told["errors grow"].endswith(" 1/s")
-    assert "notice" not in told
+    assert reported["errors grow"].endswith(" 1/s")
+    assert "notice" not in reported
     without = rows_of(run("simulate", "t-handle", "--method", "DOP853", "--no-accuracy"))
     assert not {"accuracy", "errors grow", "notice"} & set(without)
 
@@ -144,11 +144,11 @@ def test_a_run_without_a_digit_says_so_in_colour_and_in_json(run, tmp_path, monk
     words = ["simulate", scene, "--t-end", 60, "--points", 200]
     plain = run(*words)
     assert plain.exit_code == 0
-    told = rows_of(plain)
-    assert told["accuracy"].startswith("no digit is left after t = ")
-    assert told["notice"].startswith("after t = ")
+    reported = rows_of(plain)
+    assert reported["accuracy"].startswith("no digit is left after t = ")
+    assert reported["notice"].startswith("after t = ")
     assert "hardly drift proves nothing" in " ".join(plain.output.split())
-    assert float(told["drift of energy"].split()[0]) < 1e-8
+    assert float(reported["drift of energy"].split()[0]) < 1e-8
     whole = json.loads(run(*words, "--json").stdout)
     assert whole["notice"].startswith("after t = ")
     data = whole["accuracy"]
@@ -160,7 +160,7 @@ def test_a_run_without_a_digit_says_so_in_colour_and_in_json(run, tmp_path, monk
 
 
 @needs_compiler
-def test_the_notice_of_a_run_is_told_without_an_estimate_too(run, tmp_path):
+def test_the_notice_of_a_run_is_reported_without_an_estimate_too(run, tmp_path):
     """What rkmk cannot resolve: rates of 1e-7 rad/s beside a spin of 10."""
     scene = tmp_path / "steady.toml"
     lines = catalogue.path_of("t-handle").read_text().replace("0.05", "1e-7").splitlines()
@@ -177,10 +177,10 @@ def test_a_run_that_took_long_is_not_run_again(run, monkeypatch):
     from eom.commands import simulating
 
     monkeypatch.setattr(simulating, "LONGEST", -1.0)
-    told = rows_of(run("simulate", "t-handle"))
-    assert told["accuracy"].startswith("not estimated: the run took ")
+    reported = rows_of(run("simulate", "t-handle"))
+    assert reported["accuracy"].startswith("not estimated: the run took ")
     data = json.loads(run("simulate", "t-handle", "--json").output)
-    assert set(data["accuracy"]) == {"told"}
+    assert set(data["accuracy"]) == {"text"}
     assert (
         json.loads(run("simulate", "t-handle", "--json", "--no-accuracy").output)["accuracy"]
         is None

@@ -40,9 +40,9 @@ def test_blocks_of_all_pages_run_and_print_what_is_shown():
         env={**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
     )
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert set(told) == set(pages)
-    wrong = "\n".join(f"{page}\n{words}" for page, words in told.items() if words)
+    reported = json.loads(done.stdout)
+    assert set(reported) == set(pages)
+    wrong = "\n".join(f"{page}\n{words}" for page, words in reported.items() if words)
     assert not wrong, wrong
 
 

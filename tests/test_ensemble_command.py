@@ -33,7 +33,7 @@ def test_numbers_are_those_of_the_library(run):
     shares = [0.1, 0.5]
     done = run(*SOME, "--points", 4, "--quantiles", "0.1,0.5", "--json", "--threads", 1)
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
+    reported = json.loads(done.stdout)
     scene = eom.Scene.ready("t-handle")
     varied = {"omega_1": Normal(0.05, 0.01), "I2": Uniform(3.9e-4, 4.1e-4)}
     sampler = Sampler({**varied, "omega_2": 10.0, "omega_3": 0.05}, 700, 5)
@@ -43,11 +43,11 @@ def test_numbers_are_those_of_the_library(run):
         scene.derive(), sampler, (0, 2), parameters, rtol=1e-7, t_eval=[0.5, 1.0, 1.5, 2.0],
         statistics=Statistics(names, quantiles=True), keep=False,
     )  # fmt: skip
-    assert (told["count"], told["seed"], told["ends"]) == (700, 5, {"end": 700})
-    assert (told["t"], told["steps"]) == (found.t.tolist(), found.steps)
-    assert set(told["statistics"]) == set(names)
+    assert (reported["count"], reported["seed"], reported["ends"]) == (700, 5, {"end": 700})
+    assert (reported["t"], reported["steps"]) == (found.t.tolist(), found.steps)
+    assert set(reported["statistics"]) == set(names)
     for name, summary in found.statistics.items():
-        columns = told["statistics"][name]
+        columns = reported["statistics"][name]
         assert columns["mean"] == summary.mean.tolist()
         assert columns["deviation"] == summary.deviation.tolist()
         assert (columns["least"], columns["greatest"]) == (
@@ -56,7 +56,7 @@ def test_numbers_are_those_of_the_library(run):
         )
         for k, share in enumerate(shares):
             assert columns[f"{share:g}"] == summary.quantile(shares)[:, k].tolist()
-    assert told["drift"]["H"] == found.drift["H"].maximum[0] < 1e-6
+    assert reported["drift"]["H"] == found.drift["H"].maximum[0] < 1e-6
 
 
 def test_a_file_of_distributions_says_the_same_and_options_come_first(run, tmp_path):
@@ -70,8 +70,8 @@ def test_a_file_of_distributions_says_the_same_and_options_come_first(run, tmp_p
     by_options = json.loads(run(*SOME, "--json").stdout)
     assert by_file["statistics"] == by_options["statistics"]
     less = run("t-handle", "--samples", file, "--count", 3, "--vary", "omega_1=0.1", *words)
-    told = json.loads(less.stdout)
-    assert (told["count"], told["seed"], told["vary"]["omega_1"]) == (3, 1, "0.1")
+    reported = json.loads(less.stdout)
+    assert (reported["count"], reported["seed"], reported["vary"]["omega_1"]) == (3, 1, "0.1")
 
 
 def test_the_table_says_how_trajectories_ended_and_grids_are_crossed(run):
@@ -91,13 +91,13 @@ def test_attitudes_are_drawn_as_rotations(run):
     done = run(
         "heavy-top", "--vary", "q0,q1,q2,q3=attitude()", "--count", 300, "--json", "--t-end", 0.1
     )
-    told = json.loads(done.stdout)
-    assert told["drift"]["q_norm"] < 1e-9
-    assert told["statistics"]["q1"]["deviation"][0] == pytest.approx(0.5, abs=0.05)
+    reported = json.loads(done.stdout)
+    assert reported["drift"]["q_norm"] < 1e-9
+    assert reported["statistics"]["q1"]["deviation"][0] == pytest.approx(0.5, abs=0.05)
 
 
 @pytest.mark.slow
-def test_a_trajectory_that_stops_early_is_counted_and_told(run, tmp_path):
+def test_a_trajectory_that_stops_early_is_counted_and_reported(run, tmp_path):
     """At a singular angle from the start."""
     words = ["--vary", "theta=grid(1.0, 1.5707963267948966, 2)", "--t-end", 0.01]
     ready = catalogue.path_of("t-handle-in-angles").read_text()
@@ -105,11 +105,11 @@ def test_a_trajectory_that_stops_early_is_counted_and_told(run, tmp_path):
     file.write_text(ready.replace('integrate = "quaternion"', ""))
     done = run(file, *words, "--json")
     assert done.exit_code == 1
-    told = json.loads(done.stdout)
-    assert told["ends"] == {"end": 1, "singular": 1}
-    assert told["stopped"] == [[1, 1]]
-    assert told["statistics"]["theta"]["count"] == [1]
-    assert told["statistics"]["theta"]["deviation"] == [None]
+    reported = json.loads(done.stdout)
+    assert reported["ends"] == {"end": 1, "singular": 1}
+    assert reported["stopped"] == [[1, 1]]
+    assert reported["statistics"]["theta"]["count"] == [1]
+    assert reported["statistics"]["theta"]["deviation"] == [None]
 
 
 def test_a_store_is_read_again_and_holds_the_trajectories(run, tmp_path):
@@ -128,7 +128,7 @@ def test_a_store_is_read_again_and_holds_the_trajectories(run, tmp_path):
     assert "another ensemble" in other.stderr
 
 
-def test_what_is_stored_is_told_before_the_run_and_what_does_not_fit_is_refused(
+def test_what_is_stored_is_reported_before_the_run_and_what_does_not_fit_is_refused(
     run, tmp_path, monkeypatch
 ):
     words = ["t-handle", *VARY, "--t-end", 2, "--count"]
@@ -230,9 +230,9 @@ def test_angles_of_a_joint_vary_in_the_place_of_its_quaternion(run, tmp_path):
     file = tmp_path / "ball.toml"
     file.write_text(TREE, encoding="utf-8")
     angles = [f"q_ball_{k}" for k in (1, 2, 3)]
-    told = run(file, "--vary", "q_ball_2=grid(0.1, 0.3, 3)", "--t-end", 1e-9, "--json",
+    reported = run(file, "--vary", "q_ball_2=grid(0.1, 0.3, 3)", "--t-end", 1e-9, "--json",
                "--statistics", ",".join(angles))  # fmt: skip
-    assert told.exit_code == 0, told.output
-    found = json.loads(told.stdout)["statistics"]
+    assert reported.exit_code == 0, reported.output
+    found = json.loads(reported.stdout)["statistics"]
     means = [found[n]["mean"][-1] for n in angles]
     assert means == pytest.approx([0.3, 0.2, 0.1], abs=1e-7)

@@ -1,4 +1,4 @@
-"""The option --event of `eom simulate`: what it tells, writes and refuses."""
+"""The option --event of `eom simulate`: what it prints, writes and refuses."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def run(*words):
 
 
 @needs_compiler
-def test_events_are_told_and_saved(tmp_path):
+def test_events_are_reported_and_saved(tmp_path):
     file = tmp_path / "run.csv"
     done = run("t-handle", "--event", "omega_2 rising", "--event", "omega_2", "--out", file)
     assert done.exit_code == 0, done.output

@@ -64,7 +64,7 @@ def test_the_list():
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         ((), "no topic"),
         (("point-mas",), "did you mean point-mass?"),
@@ -76,10 +76,10 @@ def test_the_list():
         (("inertia-of-rod", "--slip", "transpose"), "no line of this topic can have the slip"),
     ],
 )
-def test_options_that_cannot_be_used(words, told, tmp_path, monkeypatch):
+def test_options_that_cannot_be_used(words, reported, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     refused = run("exercise", *words)
     assert refused.exit_code == 2
     assert refused.stdout == ""
-    assert told in refused.stderr
+    assert reported in refused.stderr
     assert list(tmp_path.iterdir()) == []

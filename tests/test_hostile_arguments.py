@@ -105,7 +105,7 @@ def test_methods_take_nothing_wrong_either(table, name):
 
 
 @pytest.mark.parametrize(
-    ("argument", "value", "told"),
+    ("argument", "value", "reported"),
     [
         ("t_span", None, "t_span is of the wrong type"),
         ("t_span", 10, "t_span is of the wrong type"),
@@ -122,11 +122,11 @@ def test_methods_take_nothing_wrong_either(table, name):
         ("method", None, "method is of the wrong type"),
     ],
 )
-def test_what_is_told_of_arguments_of_runs(calls, argument, value, told):
+def test_what_is_reported_arguments_of_runs(calls, argument, value, reported):
     simulate, right = calls["simulate"]
     with pytest.raises(InputError) as caught:
         simulate(**{**right, argument: value})
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
 
 
 def test_symbols_and_plain_expressions_make_a_system():

@@ -78,9 +78,9 @@ def test_projection_events_and_pictures_go_with_it(run, scene, tmp_path):
     words = ["--project", "all", "--event", "theta - 1", "--event", "sin(psi - 1)", "--json"]
     done = run("simulate", scene[True], "--method", "taylor", *words, "--plot", picture)
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert len(told["events"]["theta - 1"]) == 4
-    assert told["drift"]["q_norm"]["relative"] < 1e-14
+    reported = json.loads(done.stdout)
+    assert len(reported["events"]["theta - 1"]) == 4
+    assert reported["drift"]["q_norm"]["relative"] < 1e-14
     assert picture.read_bytes().startswith(b"\x89PNG")
     refused = run("simulate", scene[True], "--method", "taylor", "--event", "psi - 1")
     assert refused.exit_code == 2
@@ -92,10 +92,10 @@ def test_starts_of_an_ensemble_vary_by_angles(run, scene):
     words = ["--vary", "theta=grid(0.1, 0.3, 2)", "--t-end", 0.01, "--json"]
     done = run("ensemble", scene[True], *words)
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
+    reported = json.loads(done.stdout)
     assert "psi, phi: from -pi to pi" in done.stderr
-    assert told["statistics"]["theta"]["least"][0] == pytest.approx(0.2, abs=2e-3)
-    assert told["statistics"]["theta"]["greatest"][0] == pytest.approx(0.4, abs=2e-3)
+    assert reported["statistics"]["theta"]["least"][0] == pytest.approx(0.2, abs=2e-3)
+    assert reported["statistics"]["theta"]["greatest"][0] == pytest.approx(0.4, abs=2e-3)
 
 
 def test_the_old_key_is_refused_in_one_clear_error(run, scene):

@@ -116,14 +116,14 @@ def test_what_ends_an_ensemble_ends_its_other_chunks():
     y, w = sp.symbols("y w", real=True)
     turning = codegen.compile(System.from_rates("turning", {y: sp.cos(w * y)}), "c")
 
-    def told(share):
+    def reported(share):
         raise RuntimeError("enough")
 
     speeds = np.where(np.arange(512) < 256, 1.0, 1e9)
     with pytest.raises(RuntimeError, match="enough"):
         codegen.ensemble(
             turning, {"y": 0.0}, (0, 1e4), {"w": speeds}, "DOP853", chunk=256, threads=2,
-            progress=told,
+            progress=reported,
         )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ Rules, for everything that `tests/public.py` finds:
 - each parameter and each field is named between double backquotes, there or in a docstring that it
   refers to between single ones; a field may have a text of its own behind it. One that is its name is
   left out: ``name`` and ``title`` that are text, and what is called as its type (``system: System``);
-- what a function returns is told by a sentence with "return", a noun at the beginning of a property,
+- what a function returns is reported by a sentence with "return", a noun at the beginning of a property,
   or by its type where that is a class under these rules;
 - an array that is returned or held has its shape in words in brackets, as (3,) or (n, N);
 - an error that the function raises, or what it calls directly, is named behind "Raises";
@@ -88,7 +88,7 @@ def named_in(words):
 
 
 def says_itself(name, annotation):
-    """Tell whether a parameter is its name: a name or title, or what is called as its type."""
+    """Return whether a parameter is its name: a name or title, or what is called as its type."""
     if name in {"name", "title"}:
         return annotation.startswith("str")
     kinds = set(re.findall(r"\w+", annotation)) - {"None"}
@@ -127,7 +127,7 @@ def unnamed_fields(words, cls):
     yield from not_named({n: a for n, a in fields(cls).items() if n not in own}, words)
 
 
-def untold_results(words, function):
+def unreported_results(words, function):
     kind = returned(function)
     known = set(classes_in(kind, function.__module__)) & set(CLASSES.values())
     if kind != "None" and not known and not re.search(r"\b[Rr]eturns?\b", words):
@@ -135,8 +135,8 @@ def untold_results(words, function):
 
 
 def shapeless_results(words, function):
-    told = any(SHAPE.search(t) for t in [words, *named_in(words)])
-    if ARRAY.search(returned(function)) and not told:
+    reported = any(SHAPE.search(t) for t in [words, *named_in(words)])
+    if ARRAY.search(returned(function)) and not reported:
         yield "an array without a shape is returned"
 
 
@@ -147,16 +147,16 @@ def shapeless_fields(words, cls):
     for field, annotation in fields(cls).items():
         if ARRAY.search(str(annotation)):
             places = [k for k, s in enumerate(sentences) if f"``{field}``" in s]
-            told = [own.get(field, ""), *(" ".join(sentences[k : k + 3]) for k in places)]
-            if not any(SHAPE.search(t) or "all arrays" in t for t in told):
+            reported = [own.get(field, ""), *(" ".join(sentences[k : k + 3]) for k in places)]
+            if not any(SHAPE.search(t) or "all arrays" in t for t in reported):
                 yield f"{field} has no shape"
 
 
-def untold_errors(words, obj):
+def unreported_errors(words, obj):
     functions = makers(obj) if inspect.isclass(obj) else [obj]
     raised = set().union(*map(errors, functions))
-    told = {e for t in [words, *named_in(words)] for e in re.findall(r"`(\w+Error)`", t)}
-    yield from sorted(raised - told)
+    reported = {e for t in [words, *named_in(words)] for e in re.findall(r"`(\w+Error)`", t)}
+    yield from sorted(raised - reported)
     if raised and not re.search(r"[Rr]aise|[Ee]rrors", words):
         yield "does not say that it raises"
 
@@ -171,10 +171,10 @@ RULES = {
     no_sentence: EVERYTHING | CALLABLE,
     unnamed_parameters: CALLABLE,
     unnamed_fields: CLASSES,
-    untold_results: METHODS,
+    unreported_results: METHODS,
     shapeless_results: CALLABLE,
     shapeless_fields: CLASSES,
-    untold_errors: {n: obj for n, obj in (CALLABLE | CLASSES).items() if n not in NEVER},
+    unreported_errors: {n: obj for n, obj in (CALLABLE | CLASSES).items() if n not in NEVER},
     no_example: {n: f for n, f in FUNCTIONS.items() if n not in SLOW},
 }
 """Each rule, and what it holds for."""
@@ -197,11 +197,11 @@ def calls(x: float) -> Array:
 @dataclass(frozen=True)
 class Vague:
     values: Array
-    told: int = 0
+    reported: int = 0
     """How many."""
 
     def __post_init__(self):
-        refused(self.told)
+        refused(self.reported)
 
 
 def test_the_rules_see_what_is_missing():
@@ -210,16 +210,16 @@ def test_the_rules_see_what_is_missing():
     assert list(unnamed_parameters("Return ``y``.", calls)) == ["x"]
     assert not list(unnamed_parameters("Return ``x``.", calls))
     assert list(not_named({"what": "str"}, "Raises `InputError`.")) == ["what"]
-    assert list(unnamed_fields("What has ``told``.", Vague)) == ["values"]
-    assert list(untold_results("Do it.", calls))
-    assert not list(untold_results("Return it.", calls))
+    assert list(unnamed_fields("What has ``reported``.", Vague)) == ["values"]
+    assert list(unreported_results("Do it.", calls))
+    assert not list(unreported_results("Return it.", calls))
     assert list(shapeless_results("Return it.", calls))
     assert not list(shapeless_results("Return it, (n,).", calls))
     assert list(shapeless_fields("What has ``values``.", Vague)) == ["values has no shape"]
     assert not list(shapeless_fields("What has ``values`` (n, 3).", Vague))
-    assert "InputError" in untold_errors("Do it.", calls)
-    assert "InputError" in untold_errors("Do it.", Vague)
-    assert not list(untold_errors("Do it. Raises `InputError`.", refused))
+    assert "InputError" in unreported_errors("Do it.", calls)
+    assert "InputError" in unreported_errors("Do it.", Vague)
+    assert not list(unreported_errors("Do it. Raises `InputError`.", refused))
 
 
 # -- the facts ------------------------------------------------------------------------------------

@@ -119,7 +119,7 @@ def test_rounding_errors_of_taylor_are_a_random_walk(monkeypatch):
 
 @pytest.mark.slow
 @needs_compiler
-def test_long_run_tells_exponents_with_error_bars(run):
+def test_long_run_reports_exponents_with_error_bars(run):
     done = run("stress", "long-run", "--quick", *BOTH)
     assert "long-run" in done.stdout
     assert "DOP853: largest error of a constant" in done.stdout
@@ -135,7 +135,7 @@ def test_help_and_list_of_checks(run):
 
 
 @pytest.mark.slow
-def test_lost_accuracy_is_told(run):
+def test_lost_accuracy_is_reported(run):
     done = run("stress", "extreme-bodies", "--quick", "--method", "taylor")
     if native.compiler():
         assert "may cost" in done.stdout
@@ -143,7 +143,7 @@ def test_lost_accuracy_is_told(run):
 
 def test_nothing_measured_is_no_pass():
     assert Findings(()).verdict == ABSENT
-    assert Findings((Figure("told", 1.0),)).verdict == ABSENT
+    assert Findings((Figure("reported", 1.0),)).verdict == ABSENT
     assert Findings((Figure("held", 1.0, 2.0), Figure("nan", math.nan, 2.0))).verdict == FAIL
 
 
@@ -238,7 +238,7 @@ def stubborn(asked):
 
 
 @pytest.mark.slow
-def test_hangs_crashes_and_exceptions_are_told_and_the_next_one_is_answered():
+def test_hangs_crashes_and_exceptions_are_reported_and_the_next_one_is_answered():
     with Worker(stubborn) as worker:
         assert worker.ask("fine", 60).value == "fine"
         assert worker.ask("raise", 60).trouble == "ValueError: raise"
@@ -288,7 +288,7 @@ def test_random_scenes_are_the_same_each_time_and_of_many_kinds():
     assert any(not any(w.values()) for w in omegas)
 
 
-def test_the_closed_form_tells_what_a_step_costs():
+def test_the_closed_form_shows_what_a_step_costs():
     """On the separatrix errors grow exponentially, about a stable axis they do not."""
     rows = {b.name: b for b in extremes.BODIES}
     tame = extremes.reference(rows["1e-14 from a stable axis"]).per_step(1e-12)

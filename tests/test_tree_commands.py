@@ -65,7 +65,7 @@ def test_a_file_goes_all_the_way(run, spring, tmp_path):
     assert "drift of energy" in done.output
 
 
-def test_states_that_no_output_needs_are_told(run, spring):
+def test_states_that_no_output_needs_are_reported(run, spring):
     spring.write_text(SPRING.replace(', "energies"', ""), encoding="utf-8")
     done = run("simulate", spring, "--target", "numpy")
     assert "w_float_1" in done.output

@@ -8,7 +8,7 @@ degrees smaller). With alpha = q0' + i q3' and beta = q1' + i q2'
 
 An angle grows without limit, an argument is known but for whole turns. alpha and beta are sums of four
 terms, multiples of the form's own alpha, beta and their conjugates, whose continuous phases
-the form tells. Where one term is larger than the others together, the argument of the sum stays
+the form says. Where one term is larger than the others together, the argument of the sum stays
 within a right angle of that term's: this fixes the turns. Where none is, there is no closed form here.
 Source: Klein and Sommerfeld, Theorie des Kreisels (1897), ch. 1 (alpha, beta); the rest is Rouche's.
 
@@ -245,7 +245,7 @@ class FreeWinding:
 
 @dataclass(frozen=True)
 class TopWinding:
-    """The heavy top, whose forms tell their phases by themselves."""
+    """The heavy top, whose forms give their phases by themselves."""
 
     form: Nutating | Uniform
 
@@ -283,7 +283,7 @@ def own_axes(form: Any) -> tuple[float, float, float, float]:
 
 
 def winding(form: Any) -> Winding | None:
-    """Return how a form winds, in its `own_axes`; None where it does not tell."""
+    """Return how a form winds, in its `own_axes`; None where it does not say."""
     if isinstance(form, Steady):
         return Spinning(form)
     if isinstance(form, Periodic):

@@ -308,7 +308,7 @@ def free_body(
     t = 0, scalar first; C_BI = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q) takes inertial components
     to the body, and dq/dt = q (0, omega)/2. ``t``: times of any shape, s, of either sign.
     Returns (omega, quaternion), shapes (3, ...) and (4, ...) where ... is the shape of ``t``; the
-    quaternion is continuous in time. `free_motion` also tells the kind of the motion.
+    quaternion is continuous in time. `free_motion` also gives the kind of the motion.
 
     Raises `InputError` for moments that no body has (not positive, or one above the sum of the other
     two by more than rounding, a part in 1e12), data that are not finite or of the wrong shape, an

@@ -81,7 +81,7 @@ def _spinning(held: Held, a: Stated) -> Spinning | None:
 
 
 def moving(values: Program, results: Sequence[int]) -> bool:
-    """Tell whether instructions depend on states or time."""
+    """Return whether instructions depend on states or time."""
     part = replace(values, results={OMEGA: tuple(results)})
     return not {"state", "time"}.isdisjoint(
         values.instructions[k].op for k in needed(part, [OMEGA])
@@ -97,7 +97,7 @@ def inertia(held: Held, a: Stated) -> Matrix:
 
 
 def moves(held: Held, body: Spinning, torque: Torque | None = None) -> bool:
-    """Tell whether all rates are those of the body under a torque, none if None; J is the stated one."""
+    """Return whether all rates are those of the body under a torque, none if None; J is the stated one."""
     return held.proved(lambda point: residuals(held, body, point, torque))
 
 
@@ -318,7 +318,7 @@ class Held:
         return [v or 0 for v in found]
 
     def proved(self, residuals: Callable[[RandomPoint], Iterable[int]]) -> bool:
-        """Tell whether residuals are zero at `POINTS` random points: then they are identically.
+        """Return whether residuals are zero at `POINTS` random points: then they are identically.
 
         But for a chance of at most `degree` of the rates over `PRIME`, to the power of the number of
         points; of rates of a degree above `LARGEST` nothing is proved.

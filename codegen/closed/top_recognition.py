@@ -111,7 +111,7 @@ def _modulo(
 
 
 def _proved(held: Held, body: Spinning, axes: tuple[int, int, int]) -> bool:
-    """Tell whether all rates are those of a top about the last axis, with the coefficients they have."""
+    """Return whether all rates are those of a top about the last axis, with the coefficients they have."""
     whole = _as_top(body)
 
     def test(point: RandomPoint) -> list[int]:

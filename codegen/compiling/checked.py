@@ -140,10 +140,10 @@ def _checked_out(out: Array, shape: tuple[int, ...]) -> Array:
 
 
 def in_whole_doubles(array: Array) -> bool:
-    """Tell whether the distances between elements are whole numbers of doubles."""
+    """Return whether the distances between elements are whole numbers of doubles."""
     return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
 
 
 def _fills_in_place(out: Array, arguments: Sequence[Any]) -> bool:
-    """Tell whether no argument lies in ``out``, so that filling it changes none."""
+    """Return whether no argument lies in ``out``, so that filling it changes none."""
     return in_whole_doubles(out) and not any(np.may_share_memory(out, a) for a in arguments)

@@ -204,7 +204,7 @@ def compile(  # noqa: A001 - the word that users expect
     ``rules``: the laws by which operations may be exchanged, of `codegen.ir.fold.RULE_SETS`:
     ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
     ``stable``: apply every identity of `codegen.passes.stable` against cancellation; those that cost no
-    time are always applied. `codegen.accuracy` tells where it helps. ``attitudes``: bodies among the states
+    time are always applied. `codegen.accuracy` shows where it helps. ``attitudes``: bodies among the states
     of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives states them itself.
     ``progress``: called with the stage, one of `codegen.ir.compile_progress.STAGES` in this order, and the
     share of it that is done, 0 to 1; where target auto finds no C compiler, text and compiler come once

@@ -28,7 +28,7 @@ from eom.system import System, as_expression
 
 Expr = Any
 if TYPE_CHECKING:
-    _Alone: TypeAlias = Any  # SymPy tells type checkers nothing
+    _Alone: TypeAlias = Any  # SymPy has no types for checkers
 else:
     _Alone = sp.Basic
 _JUMPS = BRANCHES | TRUTH_VALUES | {"floor", "mod"}
@@ -149,7 +149,7 @@ def _expanded(system: System, event: Event) -> Expr:
 
 
 def _is_turns(angle: Expr, n: Expr) -> bool:
-    """Tell whether a whole number stands in an angle as a factor of whole turns alone."""
+    """Return whether a whole number stands in an angle as a factor of whole turns alone."""
     return bool((sp.expand(angle).coeff(n) / (2 * sp.pi)).is_Integer)
 
 

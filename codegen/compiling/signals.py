@@ -179,7 +179,7 @@ class Inputs:
         return values
 
     def hides(self, t_old: float, t: float, span: float) -> bool:
-        """Tell whether further values along a step show what the method's own calls in it did not."""
+        """Return whether further values along a step show what the method's own calls in it did not."""
         if not self._places or abs(t - t_old) <= FINEST * span:
             self._calls.clear()
             return False

@@ -106,7 +106,7 @@ class Forms:
         return tuple(sorted((*first, *(k for k in second if k not in gates))))
 
     def is_gate(self, k: int) -> bool:
-        """Tell whether a factor is a condition."""
+        """Return whether a factor is a condition."""
         return k >= 0 and self.b.instructions[k].op in TRUTH_VALUES
 
     def _single(self, form: Form) -> tuple[Fraction, Monomial]:
@@ -140,7 +140,7 @@ def merged(f: dict[Monomial, Fraction], g: dict[Monomial, Fraction]) -> dict[Mon
 
 
 def _carried(coefficient: Fraction) -> bool:
-    """Tell whether a coefficient is small enough to be multiplied on."""
+    """Return whether a coefficient is small enough to be multiplied on."""
     return bits(coefficient) <= COEFFICIENT_BITS
 
 
@@ -333,7 +333,7 @@ class Products:
         self._heap: list[tuple[int, Pair]] = []
 
     def use(self, factors: Factors) -> None:
-        """Tell that one more form uses the product of ``factors`` (in order)."""
+        """Note that one more form uses the product of ``factors`` (in order)."""
         self._uses[factors] += 1
         self._left.setdefault(factors, list(factors))
 

@@ -1,6 +1,6 @@
 """Taylor coefficients of programs: one recurrence a primitive operation, as data.
 
-The normalised coefficient of order k of a value v is v_k = v^(k) / k!. Each row of `RULES` tells how
+The normalised coefficient of order k of a value v is v_k = v^(k) / k!. Each row of `RULES` says how
 it follows from those of the arguments and from lower ones of the value (Jorba and Zou, A software
 package for the numerical integration of ODEs by means of high-order Taylor methods, Experimental
 Mathematics 14 (2005), sect. 2; Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), table
@@ -45,7 +45,7 @@ class Order(ABC):
     prepared: Prepared
 
     def moves(self, a: Series) -> bool:
-        """Tell whether a value has coefficients beyond order 0."""
+        """Return whether a value has coefficients beyond order 0."""
         return self.prepared.varies[a]
 
     @abstractmethod
@@ -299,7 +299,7 @@ def _whole_power(b: Builder, base: int, exponent: int) -> int:
 
 
 def _extend(varies: list[bool], instructions: Sequence[Instruction]) -> None:
-    """Tell of all instructions whether they have coefficients beyond order 0."""
+    """Return of all instructions whether they have coefficients beyond order 0."""
     for op, args, _ in instructions[len(varies) :]:
         moving = op not in _STILL if op not in OPS else any(varies[a] for a in args)
         varies.append(moving and op not in STEPS)

@@ -188,7 +188,7 @@ def ensemble(
     default one a processor; ``client``: a client of `dask.distributed` does it instead. ``progress``:
     called with the share that is done.
 
-    Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` tells it.
+    Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` says so.
     Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
     `InputError` for unusable arguments, samples that are not finite or contradict the system's
     assumptions (`AssumptionError`), a store that cannot be written or holds another ensemble, and before

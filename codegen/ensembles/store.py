@@ -4,7 +4,7 @@ A folder holds ``ensemble.json`` (what it is of), ``manifest/`` (one record a fi
 checksum of its numbers), and the data: one Zarr group of arrays with the trajectories as last axis, or
 one Parquet file a chunk with a row a trajectory. Records are written last, and appear whole or not at
 all: a chunk without a record, or whose numbers do not have its checksum, is computed anew. What says what
-the store is of, and what describes its arrays, is written anew where it is damaged: records tell by the
+the store is of, and what describes its arrays, is written anew where it is damaged: records show by the
 fingerprint whether chunks are of this ensemble.
 """
 
@@ -149,7 +149,7 @@ class ZarrStore(Store):
         return {"shape": (*shape, self.contents.count), "chunks": chunks, "dtype": kind}
 
     def _describes(self, group: Any, column: str) -> Callable[[], bool]:
-        """Return what tells whether the array of a column is there as it should be."""
+        """Return what says whether the array of a column is there as it should be."""
 
         def fits() -> bool:
             array = group[column]
@@ -239,7 +239,7 @@ def _is_group(path: Path) -> bool:
 def _without(path: Path, is_whole: Callable[[], bool]) -> list[str]:
     """Remove the description of a group or array of Zarr unless it is whole; return its name then.
 
-    The numbers stay: whether they are right their checksums tell.
+    The numbers stay: whether they are right their checksums show.
     """
     file = path / "zarr.json"
     if not file.exists():

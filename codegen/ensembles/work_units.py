@@ -44,7 +44,7 @@ MOST_LISTED = 10_000
 
 @dataclass(frozen=True)
 class Plan:
-    """What every chunk needs: ``columns`` tells whether the trajectories themselves are wanted."""
+    """What every chunk needs: ``columns`` says whether the trajectories themselves are wanted."""
 
     compiled: Compiled
     method: str
@@ -95,7 +95,7 @@ def run(plan: Plan, some: Population, number: int) -> Piece:
     """Integrate the chunk ``number``; ``some`` holds at least its trajectories.
 
     Raises `InputError` for samples that are not finite or contradict the system's assumptions, and `Halt`
-    where the thread is told to end on the way.
+    where the thread is asked to end on the way.
     """
     first = number * plan.chunk
     last = min(first + plan.chunk, some.count)

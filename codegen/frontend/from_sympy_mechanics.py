@@ -183,7 +183,7 @@ def _functions_of_time(expressions: Iterable[Expr]) -> list[Expr]:
 
 
 def _occurs_alone(f: Expr, expressions: Iterable[Expr]) -> bool:
-    """Tell whether ``f`` is used other than under a derivative."""
+    """Return whether ``f`` is used other than under a derivative."""
     hidden = {d: sp.Integer(0) for e in expressions for d in e.atoms(sp.Derivative) if d.has(f)}
     return any(e.xreplace(hidden).has(f) for e in expressions)
 

@@ -620,7 +620,7 @@ def _solve_block(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
 
 
 def _symmetric(b: Builder, matrix: Matrix) -> bool:
-    """Tell whether a matrix is proved to be symmetric, modulo a prime (`codegen.ir.residues`)."""
+    """Return whether a matrix is proved to be symmetric, modulo a prime (`codegen.ir.residues`)."""
     n = len(matrix)
     pairs = [(matrix[i][j], matrix[j][i]) for i in range(n) for j in range(i)]
     pairs = [(one, other) for one, other in pairs if one != other]

@@ -248,7 +248,7 @@ def rewrite(product: Expr) -> Expr:
 
 
 def _cancels(found: Found, e: Expr, powers: dict[Expr, Expr]) -> bool:
-    """Tell whether a factor of x stands on the other side of the fraction bar."""
+    """Return whether a factor of x stands on the other side of the fraction bar."""
     side = e * found.power
     return any(powers.get(b, 0) * p * side < 0 for b, p in _factors(found.x) if not b.is_Number)
 

@@ -110,7 +110,7 @@ def taylor_reach(order: int) -> float:
 
 
 def promising(compiled: Compiled, problem: Problem, u: Array, worth: int) -> bool:
-    """Tell whether stability may cost more than ``worth`` steps of DOP853, judged by the start alone.
+    """Return whether stability may cost more than ``worth`` steps of DOP853, judged by the start alone.
 
     Costs as many calls of the rates as there are states where the norm of the Jacobian excludes it.
     """
@@ -353,7 +353,7 @@ def _going_on(
 def _onward(
     task: Task, methods: Mapping[str, Prepare], problem: Problem, first: Trajectory
 ) -> Trajectory:
-    """Go on where a method is stuck but not the solution, as far as that can be told."""
+    """Go on where a method is stuck but not the solution, as far as that can be said."""
     if first.stop.kind == "step" or first.stop.overflows:
         return _beyond(task, methods, problem, first)
     return first
@@ -415,7 +415,7 @@ def _beyond(
         )
     both = joined(first, second, problem, why)
     passed = f"{why}, and {method} went on: if the rates are singular there, the rest says nothing"
-    return both if sure else replace(both, notice=_told_also(both.notice, passed), passed=True)
+    return both if sure else replace(both, notice=_both_notices(both.notice, passed), passed=True)
 
 
 def resumed(task: Task, methods: Mapping[str, Prepare], first: Trajectory) -> Trajectory:
@@ -430,7 +430,7 @@ def resumed(task: Task, methods: Mapping[str, Prepare], first: Trajectory) -> Tr
 
 
 def _overflow(task: Task, first: Trajectory) -> bool:
-    """Tell whether Taylor coefficients overflow where the rates are analytic."""
+    """Return whether Taylor coefficients overflow where the rates are analytic."""
     if not first.stop.overflows:
         return False
     problem, compiled = task.problem, task.compiled
@@ -450,7 +450,7 @@ def _stuck(problem: Problem, first: Trajectory) -> str:
     return f"{what} at {_when(problem, first)}"
 
 
-def _told_also(*notices: str) -> str:
+def _both_notices(*notices: str) -> str:
     """Return texts as one."""
     return "; ".join(n for n in notices if n)
 
@@ -510,9 +510,9 @@ def joined(first: Trajectory, second: Trajectory, problem: Problem, why: str) ->
         solution=solution,
         seconds=None if None in {first.seconds, second.seconds} else _sum(first, second),
         method=f"{first.method} to {_when(problem, first)}, then {second.method}",
-        why=_told_also(first.why, why, second.why),
+        why=_both_notices(first.why, why, second.why),
         methods=(*first.methods, *second.methods),
-        notice=_told_also(first.notice, second.notice),
+        notice=_both_notices(first.notice, second.notice),
         found=_all_found(first, second),
         passed=first.passed or second.passed,
     )

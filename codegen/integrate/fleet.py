@@ -84,7 +84,7 @@ class Runs:
 Runner = Callable[[Shared, Array, Array], Runs]
 """(shared, states (n, N), parameters (m,) or (m, N)); the lock of Python is released meanwhile.
 
-Raises `Halt` where the thread is told to end on the way."""
+Raises `Halt` where the thread is asked to end on the way."""
 
 
 class _Job(ctypes.Structure):
@@ -276,7 +276,7 @@ def _by_scipy(compiled: Compiled) -> Runner:
 
 
 def problem_of(shared: Shared, x: Array, p: Array, j: int, singularities: int) -> Problem:
-    """Return what a trajectory is by itself, told to end as the thread is."""
+    """Return what a trajectory is by itself, asked to end as the thread is."""
     atol = _held(shared)
     return Problem(
         x0=np.ascontiguousarray(x[:, j]),

@@ -216,7 +216,7 @@ I (1993); Jorba and Zou, Experimental Mathematics 14 (2005); Munthe-Kaas, Appl. 
 
 
 def can_project(method: str) -> bool:
-    """Tell whether a method brings states back onto invariants; an unknown one cannot."""
+    """Return whether a method brings states back onto invariants; an unknown one cannot."""
     return any(row.name == method and row.projects for row in ROWS)
 
 

@@ -11,8 +11,8 @@ all. Dense output is the interpolant of a and of the others, of order 7, so that
 Errors are those of the states, each relative to its own size, as everywhere: what those of the turn and of
 momentum make of them to first order. Where a body rate was left out as a first integral, it is kept to the
 tolerance, too. A body rate follows from the momentum with the rounding error of H/J, below which nothing is
-asked of a step: a run in which that is more than the tolerance of a small rate tells it, one in which it is
-far above, as for a needle, ends at its start and says so.
+asked of a step: a run in which that is more than the tolerance of a small rate says so, one in which it is
+far above, as for a needle, ends at its start with the reason.
 """
 
 from __future__ import annotations

@@ -170,14 +170,14 @@ def _iterated(
 
 
 def _fits(slopes: Array, length: Array, largest: Array) -> NDArray[np.bool_]:
-    """Tell of each column whether the time is short: no state changes its growth by more than itself."""
+    """Return of each column whether the time is short: no state changes its growth by more than itself."""
     allowed = largest + length * np.abs(slopes[:-1])
     short = length * np.abs(np.diff(slopes, axis=0)) <= allowed
     return np.asarray(np.all(short | (allowed == 0), axis=(0, 1)))
 
 
 def _steady(rates: Rates, t: Array, x: Array, slope: Array) -> NDArray[np.bool_]:
-    """Tell where rates hold at least a few digits: `LOOKS` neighbours of a point agree with it."""
+    """Return where rates hold at least a few digits: `LOOKS` neighbours of a point agree with it."""
     steady = np.ones(x.shape, dtype=np.bool_)
     for look in range(1, LOOKS + 1):
         apart = 2.0 * ((GOLDEN * look * np.arange(1, len(x) + 1)) % 1.0) - 1.0
@@ -189,7 +189,7 @@ def _steady(rates: Rates, t: Array, x: Array, slope: Array) -> NDArray[np.bool_]
 def defaults(
     rates: Rates, layout: Layout, start: Array, t_span: tuple[float, float], rtol: float
 ) -> tuple[Array, str]:
-    """Return default absolute tolerances of states that start at ``start`` (n, N), and what to tell."""
+    """Return default absolute tolerances of states that start at ``start`` (n, N), and what to report."""
     found = scales(rates, [q.unit for q in layout.states], start, t_span)
     unknown = [
         q.name for q, row in zip(layout.states, found.values, strict=True) if np.isnan(row).any()
@@ -214,7 +214,7 @@ def of_run(
     rtol: float,
     signals: Callable[[float], Array] | None,
 ) -> tuple[Array, str]:
-    """Return default absolute tolerances (n,) of a run, and what to tell.
+    """Return default absolute tolerances (n,) of a run, and what to report.
 
     ``signals``: inputs over time, where they are functions.
     """

@@ -400,7 +400,7 @@ class _Run:
         return self.watcher.cut(solver.t_old, solver.t, (self.here[1], solver.y), dense)
 
     def _gives_up(self) -> bool:
-        """Tell whether a step that failed is final.
+        """Return whether a step that failed is final.
 
         Where values are watched, numbers that overflow beyond a wall are first avoided by shorter steps.
         """
@@ -410,7 +410,7 @@ class _Run:
         return not self._tries(usual * 0.25 ** (self.attempts + 1))
 
     def _tries(self, length: float) -> bool:
-        """Begin the step again with a shorter one (s); tell whether there were not too many already."""
+        """Begin the step again with a shorter one (s); return whether there were not too many already."""
         if self.attempts >= ATTEMPTS:
             return False
         self.attempts += 1
@@ -418,7 +418,7 @@ class _Run:
         return True
 
     def _interpolant(self, solver: Any) -> Any:
-        """Return the polynomial of the last step; ``broken`` tells where it is not finite.
+        """Return the polynomial of the last step; ``broken`` says where it is not finite.
 
         Methods of high order call the rates inside the step for it, where they need not be finite though
         both ends are.
@@ -616,7 +616,7 @@ to 500 instructions of linked pendulums take 0.6 to 6 s to differentiate, and ru
 runs those many times calls ``compiled.jacobian("states")`` first: what is made is used."""
 SPARSE_FROM = 100
 SPARSE_SHARE = 0.2
-"""Others are told which rates can depend on which states, for systems of so many states or
+"""Others are given which rates can depend on which states, for systems of so many states or
 more where that is at most this share of all pairs: differences are then taken of many columns at once,
 and factorisations are sparse. One thread, chains of stiff springs: 200 states 1.3 to 1.8 times as fast, 400
 states 2.4 to 3.8 times. The generated Jacobian gains no more, and takes longer to make than a run."""

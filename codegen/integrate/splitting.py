@@ -18,7 +18,7 @@ longest part of a step is more than 2, the run begins again with shorter steps; 
 rejected. So the tolerance holds for each step of the run that is handed out. If that takes more than
 ``max_steps`` steps the run is refused, and it ends at a place where shorter steps do not help, as a pole
 of the torque is. A step that is given by ``first_step`` stays as it is, and the
-largest local error is told where it exceeds the tolerance. Absolute tolerances are not used.
+largest local error is reported where it exceeds the tolerance. Absolute tolerances are not used.
 
 The torque-free turn of a body with two equal moments is elementary; else it is a Taylor series in parts
 of at most half a radian, of so many terms that the rest is lost in rounding (`free_turn.c`). Constants of

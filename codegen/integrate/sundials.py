@@ -61,7 +61,7 @@ class Derivatives:
     sparse: bool
 
     def options(self, n: int) -> dict[str, Any]:
-        """Return what CVODE is told: how to fill its matrix of n rows, and how to solve."""
+        """Return what CVODE is given: how to fill its matrix of n rows, and how to solve."""
         return self._sparse(n) if self.sparse else {"jacfn": self._fill, "linsolver": "dense"}
 
     def _fill(self, t: float, x: Array, _: Array, matrix: Array) -> None:
@@ -90,7 +90,7 @@ def by_columns(rows: Iterable[int], columns: Iterable[int], n: int) -> Places:
 
 
 def sparse_options(places: Places, n: int) -> dict[str, Any]:
-    """Return what CVODE is told of a sparse matrix; differences fill it unless ``jacfn`` does."""
+    """Return what CVODE is given for a sparse matrix; differences fill it unless ``jacfn`` does."""
     from scipy.sparse import csc_array
 
     columns, rows = np.array(places, dtype=np.int32).T  # what SuperLU_MT reads

@@ -113,7 +113,7 @@ class Watcher:
         return found.ahead is None and found.watched is None and self.inputs is None
 
     def unit(self, t: float) -> float:
-        """Return what times are told apart by: the last place, about zero 2^-60 of the run."""
+        """Return what times are distinguished by: the last place, about zero 2^-60 of the run."""
         return max(math.ulp(t), self.span * FINEST)
 
     def near(self, t: float, h: float) -> float:
@@ -211,7 +211,7 @@ class Watcher:
         return self._passage(times, values, low, high)
 
     def _is_quiet(self, values: Array) -> bool:
-        """Tell whether guarded values move so little that bounds are within what is always allowed."""
+        """Return whether guarded values move so little that bounds are within what is always allowed."""
         if self.f.found.pieces:
             return False
         moves = WIDEST * np.max(np.abs(values - values[:, :1]), axis=1)

@@ -1,4 +1,4 @@
-"""How far a compilation is: its stages, and the share of each, told from inside long loops.
+"""How far a compilation is: its stages, and the share of each, reported from inside long loops.
 
 Who listens is a matter of context, as deadlines are: the passes between go from program to program, and
 know nothing of it. Where nobody listens nothing is counted.
@@ -17,7 +17,7 @@ STAGES = ("lowering", "stable forms", "passes", "text", "compiler")
 """The stages of a compilation in order; the last is that of C, or Python's."""
 
 EVERY = 1024
-"""Calls of `done` between two times that the listener is told, ..."""
+"""Calls of `done` between two times that the listener is called, ..."""
 STEP = 0.01
 """... unless the share has grown by so much."""
 
@@ -30,7 +30,7 @@ class _Refused(BaseException):
 
 
 class _Listening:
-    """A listener, and how far the stage is that it was told of: units of work, and their number."""
+    """A listener, and how far the stage is that was reported to it: units of work, and their number."""
 
     def __init__(self, listener: Listener) -> None:
         self.listener = listener
@@ -39,17 +39,17 @@ class _Listening:
 
     def begin(self, stage: str, work: float) -> None:
         self.stage, self.work, self.done = stage, max(1.0, work), 0.0
-        self.tell(0.0)
+        self.report(0.0)
 
     def go_on(self, units: float) -> None:
         self.calls += 1
         self.done = min(self.done + units, self.work)
         share = self.done / self.work
         if self.calls >= EVERY or share >= self.share + STEP:
-            self.tell(share)
+            self.report(share)
 
-    def tell(self, share: float) -> None:
-        """Call the listener, to which nothing is told of what it compiles itself."""
+    def report(self, share: float) -> None:
+        """Call the listener, to which nothing is reported of what it compiles itself."""
         self.calls, self.share = 0, share
         token = _LISTENING.set(None)
         try:
@@ -65,7 +65,7 @@ _LISTENING: ContextVar[_Listening | None] = ContextVar("listening", default=None
 
 @contextmanager
 def to(listener: Listener | None) -> Iterator[None]:
-    """Tell ``listener`` of the stages of what is done inside; None: nobody, whoever listens outside.
+    """Report to ``listener`` the stages of what is done inside; None: nobody, whoever listens outside.
 
     Raises what the listener raises.
     """
@@ -83,30 +83,30 @@ def to(listener: Listener | None) -> Iterator[None]:
 
 @contextmanager
 def stage(name: str, work: Callable[[], float] = lambda: 1.0) -> Iterator[None]:
-    """Tell that a stage begins and, unless it fails, that it ends; ``work``: its number of units."""
+    """Report that a stage begins and, unless it fails, that it ends; ``work``: its number of units."""
     listening = _LISTENING.get()
     if listening is None:
         yield
         return
     listening.begin(name, work())
     yield
-    listening.tell(1.0)
+    listening.report(1.0)
 
 
 def done(units: float = 0.0) -> None:
-    """Tell now and then that so many more units of the stage are done, or just that it goes on."""
+    """Report now and then that so many more units of the stage are done, or just that it goes on."""
     listening = _LISTENING.get()
     if listening is not None:
         listening.go_on(units)
 
 
 def beat() -> None:
-    """Tell at once that the stage goes on."""
+    """Report at once that the stage goes on."""
     listening = _LISTENING.get()
     if listening is not None:
-        listening.tell(listening.share)
+        listening.report(listening.share)
 
 
 def is_heard() -> bool:
-    """Tell whether somebody listens."""
+    """Return whether somebody listens."""
     return _LISTENING.get() is not None

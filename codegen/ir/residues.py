@@ -7,7 +7,7 @@ arguments that it meets: what holds of it holds whatever its values are.
 
 Two rational functions of degree d that differ agree at a random point with a chance of at most d / p
 (Schwartz and Zippel); `degree` bounds d for a program, arguments of unknown functions that meet by chance
-included. The prime p is above 2**529, so that a program of degree 2**200 is told from another but for one
+included. The prime p is above 2**529, so that a program of degree 2**200 differs from another but for one
 point in 2**329. It is the first after the digits of pi, so that no number that people write, as powers of
 two or ten or one less than such, is zero or small in the field by its form.
 """
@@ -31,7 +31,7 @@ Residue = int | None
 DOUBLINGS = 3
 """An argument is this many halves above that of which the point of the circle is drawn."""
 LARGEST = 2**200
-"""Of degrees that are told apart."""
+"""Of degrees that are distinguished."""
 
 
 class RandomPoint:
@@ -151,7 +151,7 @@ _SENSES: Mapping[str, tuple[int, ...]] = {"add": (1, 1), "sub": (1, -1), "neg": 
 
 
 def vanishing(program: Program, group: str, other: str = "") -> list[bool]:
-    """Tell of each result of a group whether it is zero, or the result of the ``other`` group, everywhere.
+    """Return of each result of a group whether it is zero or the result of the ``other`` group, everywhere.
 
     True is proved, but for the chance that the module states; what is zero by laws of functions that the
     field does not know counts as not. So does what has no value at all.

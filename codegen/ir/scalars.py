@@ -50,7 +50,7 @@ class Scalar(Operators):
         self.number = number
 
     def __repr__(self) -> str:
-        """Tell the instruction."""
+        """Return the instruction."""
         op, args, value = self.builder.instructions[self.number]
         parts = (op, *args) if value is None else (op, value)
         return f"Scalar({self.number}: {' '.join(map(str, parts))})"

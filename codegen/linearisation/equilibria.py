@@ -456,7 +456,7 @@ class _Search:
         return {n: v for n, v in named.items() if abs(v) > RANK}
 
     def _kind(self, y: Array, null: Array) -> str:
-        """Tell a family from a degenerate point: along every direction there is another solution."""
+        """Distinguish a family from a degenerate point: along every direction there is another solution."""
         step = FAMILY_STEP * (1 + float(np.max(np.abs(y))))
         for v in null.T:
             other = solve(self.problem, y + step * v)

@@ -85,7 +85,7 @@ def _looks_once(program: Program, values: tuple[int, ...], n: int) -> Steady:
 
 
 def notice(program: Program, layout: Layout) -> Callable[[Any, Problem], str]:
-    """Return what tells of a run whose events may have zeros that are not found, and why."""
+    """Return what warns of a run whose events may have zeros that are not found, and why."""
     labels = layout.results.get(GROUP, ())[: count_of(layout)]
     if not labels:
         return lambda state, problem: ""

@@ -1,6 +1,6 @@
 """What the resolution of time makes of a jump of the rates, against the tolerance.
 
-A jump of the rates by J is found between two neighbouring doubles; where between them, no double tells.
+A jump of the rates by J is found between two neighbouring doubles; where between them, no double shows.
 With the rates before it up to there, and those behind it from there on, a state is off by J d at most. d is
 how far the jump may be from where it is taken to be: two spacings of doubles, or half of what a method
 passes over. J is known from the rates on both sides, whatever it depends on. Such an error is carried

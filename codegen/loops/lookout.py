@@ -69,7 +69,7 @@ _AFTER_LOOK = """\
 
 @dataclass(frozen=True)
 class Steps:
-    """What a method's steps are to a jump of the rates: of how many values, and states that are told of.
+    """What a method's steps are to a jump of the rates: of how many values, and states, it is given.
 
     ``keep``: as C, takes in that the values may be ``off`` so far (`codegen.loops.jumps`).
     """
@@ -93,7 +93,7 @@ class Lookout:
 def of_time(program: Program, prefix: str, count: int) -> Lookout:
     """Return what looks ahead in time alone, for any loop that proposes its steps so.
 
-    ``count``: of the values that a jump of the rates is told of.
+    ``count``: of the values that a jump of the rates is given.
     """
     found = narrow(program)
     if found.ahead is None:
@@ -175,7 +175,7 @@ _START = """\
 
 
 def numbers(tableau: Tableau) -> dict[str, str]:
-    """Return what any loop of a method is told of its stages and of the law, by key of the templates."""
+    """Return what any loop of a method is given of its stages and of the law, by key of the templates."""
     nodes = [*tableau.nodes[: tableau.main_stages], 1.0]
     places = [float(nodes[k]) for k in apart(tableau)]
     return {

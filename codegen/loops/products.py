@@ -110,13 +110,13 @@ def tree(prepared: Prepared, absorbed: frozenset[Series], root: Series) -> list[
 
 
 def _belongs(prepared: Prepared, n: Series) -> bool:
-    """Tell whether a value is a sum, or a product, of values that change with time."""
+    """Return whether a value is a sum, or a product, of values that change with time."""
     op = prepared.program.instructions[n].op
     return prepared.varies[n] and (op == "mul" or _is_linear(prepared, n))
 
 
 def _is_linear(prepared: Prepared, n: Series) -> bool:
-    """Tell whether a value is linear in those of its arguments that change with time."""
+    """Return whether a value is linear in those of its arguments that change with time."""
     op, args, _ = prepared.program.instructions[n]
     if not prepared.varies[n]:
         return False

@@ -93,7 +93,7 @@ static int crossings(const double *b, int n, double noise, root *found, int *fla
             continue;
         }
         *flat |= changes > 1 || (left > 0.0 && fabs(c[0]) <= noise) || (right < 1.0 && fabs(c[n]) <= noise);
-        if (changes > 1 || first == 0) continue; /* its sign is not known: the next piece tells */
+        if (changes > 1 || first == 0) continue; /* its sign is not known: the next piece shows it */
         if (side != 0 && first != side) found[count++] = (root){0.5 * (known + left), first, 0};
         if (changes == 1) found[count++] = (root){left + (right - left) * only_root(c, n, first), last, 1};
         side = last;

@@ -27,7 +27,7 @@ NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED, EVENT = -2, -1, 0, 1, 
 COARSE = 6
 """Of a method with equal steps: they are too long, and the run begins again."""
 THIN = 7
-"""Of a method that moves momentum: it cannot tell a body rate about an axis of small moment."""
+"""Of a method that moves momentum: it cannot resolve a body rate about an axis of small moment."""
 STEPS_A_CALL, FIRST_CALL = 50_000, 50
 """Steps that generated code makes in one call, at most and at first."""
 CALL_SECONDS = 0.05

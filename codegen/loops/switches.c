@@ -30,7 +30,7 @@ static int change_until(const double *b, double end, double size, double *at) {
 }
 
 /* Where on [0, 1] a polynomial, b[k] its coefficient of x^k, first changes its sign: 1, with the place and
- * the sign after it; 0 where it does not; -1 where its last terms are too large to tell. It is looked at
+ * the sign after it; 0 where it does not; -1 where its last terms are too large to decide. It is looked at
  * over longer and longer parts, each with its own rounding error: zeros may stand close together near 0. */
 static int first_change(const double *b, double *at, int *turn) {
     double c[P], rest, size, end = 1.0, sizes[@SWITCH_PARTS@];

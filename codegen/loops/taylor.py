@@ -44,7 +44,7 @@ def order_of(rtol: float) -> int:
 
 
 def _takes_rests(order: int) -> bool:
-    """Tell whether an order is that of full precision, where the rounding of 1/k counts."""
+    """Return whether an order is that of full precision, where the rounding of 1/k counts."""
     return order >= order_of(0.5 * FULL)
 
 
@@ -175,7 +175,7 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
 
 
 def _overflows(state: Any) -> bool:
-    """Tell whether the rates are finite where a run stopped, and further coefficients are not."""
+    """Return whether the rates are finite where a run stopped, and further coefficients are not."""
     jet = np.ctypeslib.as_array(state.jet)
     return bool(np.isfinite(jet[0]).all() and not np.isfinite(jet).all())
 

@@ -5,7 +5,7 @@ gets a process group, and the group is ended.
 
 Runs that are given up after a time.
 
-Work in threads that can be told to end: loops in C read a flag at each step, those in Python ask.
+Work in threads that can be asked to end: loops in C read a flag at each step, those in Python ask.
 
 An interruption reaches the main thread alone. What waits there for the others sets their flag, and they
 end within a step; nothing of what they had begun is kept.
@@ -25,7 +25,7 @@ from contextvars import ContextVar
 from codegen.ir import compile_progress
 
 HEARD_SECONDS = 0.1
-"""Between two times that who listens to the compilation is told that a command goes on."""
+"""Between two times that who listens to the compilation is notified that a command goes on."""
 PATIENCE_SECONDS = 0.3
 """What an interrupted process gets to end by itself."""
 
@@ -60,7 +60,7 @@ def finished(
 
 
 def _communicated(process: subprocess.Popen[str], seconds: float) -> tuple[str, str]:
-    """Return what a process prints; whoever listens is told now and then that it goes on."""
+    """Return what a process prints; whoever listens is notified now and then that it goes on."""
     end = time.monotonic() + seconds
     while compile_progress.is_heard() and (rest := end - time.monotonic()) > HEARD_SECONDS:
         try:
@@ -106,7 +106,7 @@ def watch(limit: float) -> Callable[[float], None]:
 
 
 class Halt(Exception):
-    """A piece of work was told to end; its result is worth nothing."""
+    """A piece of work was asked to end; its result is worth nothing."""
 
 
 class Flag:
@@ -116,12 +116,12 @@ class Flag:
         self._value = ctypes.c_int(0)
 
     def set(self) -> None:
-        """Tell the work to end; that cannot be taken back."""
+        """Ask the work to end; that cannot be taken back."""
         self._value.value = 1
 
     @property
     def is_set(self) -> bool:
-        """Whether the work was told to end."""
+        """Whether the work was asked to end."""
         return self._value.value != 0
 
     @property
@@ -144,6 +144,6 @@ def flag() -> Flag:
 
 
 def check() -> None:
-    """Raise `Halt` if this thread was told to end."""
+    """Raise `Halt` if this thread was asked to end."""
     if flag().is_set:
         raise Halt

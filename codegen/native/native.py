@@ -159,7 +159,7 @@ def cache_folder() -> Path:
 
 @cache
 def _processor() -> str:
-    """Return what tells this processor from others with another instruction set."""
+    """Return what distinguishes this processor from others with another instruction set."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
@@ -204,7 +204,7 @@ def _digest(library: Path) -> str:
 
 
 def _is_whole(library: Path) -> bool:
-    """Tell whether a library is there and holds what was compiled."""
+    """Return whether a library is there and holds what was compiled."""
     try:
         return _digest(library) == library.name.partition(".")[0]
     except OSError:

@@ -83,7 +83,7 @@ class Problem:
         return f"{self.start + t!r} s" if self.start else f"{t:.{digits}g} s"
 
     def report(self, t: float) -> None:
-        """Tell the progress at time ``t``."""
+        """Report the progress at time ``t``."""
         if self.progress is not None:
             start, end = self.t_span
             self.progress(min(1.0, max(0.0, (t - start) / (end - start))))

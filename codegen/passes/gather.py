@@ -95,7 +95,7 @@ class _Gatherer:
         return self.b.add("neg", form.rest) if flipped is None else flipped.rest
 
     def _absorbs(self, form: Scaled) -> bool:
-        """Tell whether a factor enters the value without a further operation in the call."""
+        """Return whether a factor enters the value without a further operation in the call."""
         if self._has_factor(form):
             return True
         inner = self.sums.get(form.rest)
@@ -129,7 +129,7 @@ class _Gatherer:
         return self._plain(self._value(form))._replace(alone=False)
 
     def _brings(self, k: int) -> bool:
-        """Tell whether a value brings an early factor into a product for certain."""
+        """Return whether a value brings an early factor into a product for certain."""
         form = self.forms[k]
         return self._has_factor(form) and (form.alone or form.rest == self.one)
 

@@ -468,7 +468,7 @@ def _applied(
 ) -> Generator[tuple[Pass, Program], None, Program]:
     """Apply passes; yield each that made the program cheaper, and return the last program.
 
-    ``size``: units of work that one is told to be.
+    ``size``: units of work that one is said to be.
     """
     for p in passes:
         after = _cheaper(program, p)

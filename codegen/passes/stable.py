@@ -53,7 +53,7 @@ class Identity:
     alone: bool = False
 
     def fits(self, operations: tuple[str, ...]) -> bool:
-        """Tell whether the rule may fit operands that are these operations."""
+        """Return whether the rule may fit operands that are these operations."""
         pairs = zip(self.heads, operations, strict=False)
         return all(not head or op in head.split() for head, op in pairs)
 
@@ -452,7 +452,7 @@ class _Rewriter:
         return term
 
     def _cancel(self, k: int, terms: list[_Term]) -> bool:
-        """Replace pairs of terms that cancel when multiplied out; tell whether there were any."""
+        """Replace pairs of terms that cancel when multiplied out; return whether there were any."""
         changed = False
         while True:
             found = next(self._cancelling(k, terms), None)
@@ -481,7 +481,7 @@ class _Rewriter:
         return self.polynomials[number]
 
     def _rewrite_pairs(self, k: int, terms: list[_Term]) -> bool:
-        """Replace pairs of terms until no identity fits; tell whether one did."""
+        """Replace pairs of terms until no identity fits; return whether one did."""
         changed = False
         while True:
             found = next(self._matches(k, terms), None)
@@ -567,7 +567,7 @@ class _Rewriter:
         return total
 
     def _pays(self, value: int, start: int, before: Sequence[int]) -> bool:
-        """Tell whether a value costs no more than what it makes superfluous, where that matters."""
+        """Return whether a value costs no more than what it makes superfluous, where that matters."""
         if not self.free:
             return True
         made, used = self._made(value, start)

@@ -383,12 +383,12 @@ class Trace:
         return [k for k in inside if self.every.instructions[k].op not in BLOCKS]
 
     def underflows(self, result: int) -> bool:
-        """Tell whether a value that ``result`` depends on is too small for a normal double."""
+        """Return whether a value that ``result`` depends on is too small for a normal double."""
         inside = self._inside(result)
         return any(self.values[k] != 0 and abs(self.values[k]) < SMALLEST_NORMAL for k in inside)
 
     def overflows(self, result: int) -> bool:
-        """Tell whether double precision meets an infinity on the way to ``result``."""
+        """Return whether double precision meets an infinity on the way to ``result``."""
         inside = self._inside(result)
         return any(math.isinf(self.doubles[k]) for k in inside)
 

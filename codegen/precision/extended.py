@@ -81,7 +81,7 @@ def integrate(
     ``stops``: times on the way, in order, at which states are wanted, too.
     Raises `InputError` for values without a Taylor series, for rates with branches (a step would have
     to end at each kink), and where the run cannot be completed in ``max_steps``; the first `LOOK`
-    steps tell if it is hopeless. ``progress(fraction)`` is called after each step.
+    steps show if it is hopeless. ``progress(fraction)`` is called after each step.
     """
     prepared = prepare(program, RATES, layout)
     if prepared.has_branches:

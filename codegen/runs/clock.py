@@ -1,4 +1,4 @@
-"""How one run keeps time: over the time since its start where that is late, told in the user's times.
+"""How one run keeps time: over the time since its start where that is late, given in the user's times.
 
 What a system reads over such a time is of `codegen.runs.clock`.
 
@@ -13,7 +13,7 @@ the phases of both sides are subtracted first. So nothing is rounded to the spac
 which is 2.4e-7 s in seconds since 1970.
 
 What reads time otherwise, as sin(t^2) does, and inputs that are Python functions get the rounded sum.
-Where that matters, and how much, `codegen.runs.clock` tells.
+Where that matters, and how much, `codegen.runs.clock` says.
 """
 
 from __future__ import annotations
@@ -233,7 +233,7 @@ class _Shift:
         return self.b.add("add", self.phase(self.first[k]), self.moved[k])
 
     def is_fixed(self, k: int) -> bool:
-        """Tell whether a value depends on constants and parameters alone."""
+        """Return whether a value depends on constants and parameters alone."""
         return self._known[k] <= 1
 
     def _take(self, k: int) -> None:
@@ -367,7 +367,7 @@ COARSEST = 1e-3
 
 
 def is_late(t_span: tuple[float, float]) -> bool:
-    """Tell whether both ends of a run are farther from zero than from each other.
+    """Return whether both ends of a run are farther from zero than from each other.
 
     Other runs lose at most one digit of two by time that is counted from zero.
     """
@@ -379,7 +379,7 @@ def is_late(t_span: tuple[float, float]) -> bool:
 class Clock:
     """How one run keeps time: ``epoch``, time of its zero for the rates, and ``start``.
 
-    A run over ``t_span`` is made over times since ``start``, and told in times since ``epoch``.
+    A run over ``t_span`` is made over times since ``start``, and given in times since ``epoch``.
     """
 
     relative: Relative
@@ -414,27 +414,27 @@ class Clock:
         """
         length = abs(self.t_span[1] - self.t_span[0])
         apart = float(np.spacing(max(map(abs, self.t_span))))
-        told = [f"t_span is taken for {length:g} s long, doubles there are {apart:g} s apart"]
+        reasons = [f"t_span is taken for {length:g} s long, doubles there are {apart:g} s apart"]
         unit = self.relative.resolution(parameters, self.zero, length)
         if inputs is not None:
             unit = max(unit, float(np.spacing(abs(sum(self.zero)) + length)))
         if apart <= COARSEST * length:
-            told.clear()
+            reasons.clear()
         if unit > rtol * length:
             reads = "inputs that are functions of time" if inputs else "rates that need time itself"
-            told.append(f"{reads} have it rounded to {unit:.2g} s")
+            reasons.append(f"{reads} have it rounded to {unit:.2g} s")
         if unit > COARSEST * length:
             raise InputError(
                 "the run starts so late that time is not resolved",
-                got=f"{told[-1]}, in a run of {length:.6g} s",
+                got=f"{reasons[-1]}, in a run of {length:.6g} s",
                 expected="time in phases a t + b, or an earlier start",
                 hint="count time from a later zero",
             )
-        return "; ".join(told)
+        return "; ".join(reasons)
 
     def times(self, t: Array, problem: Problem, *, ended: bool) -> Array:
-        """Return times of a run as they are told; ``problem`` is that of the user."""
-        return times_told(t, self.start, problem.t_eval, self.t_span[1] if ended else None)
+        """Return times of a run in the user's times; ``problem`` is that of the user."""
+        return user_times(t, self.start, problem.t_eval, self.t_span[1] if ended else None)
 
 
 def span_since(t_span: tuple[float, float], start: float) -> tuple[float, float]:
@@ -442,8 +442,8 @@ def span_since(t_span: tuple[float, float], start: float) -> tuple[float, float]
     return t_span[0] - start, t_span[1] - start
 
 
-def times_told(t: Array, start: float, t_eval: Array | None, end: float | None) -> Array:
-    """Return stored times since ``start`` as they are told; ``end``: the last, where that is known."""
+def user_times(t: Array, start: float, t_eval: Array | None, end: float | None) -> Array:
+    """Return stored times since ``start`` in the user's times; ``end``: the last, where that is known."""
     if t_eval is not None:
         return t_eval[: len(t)].copy()
     found = start + t
@@ -454,7 +454,7 @@ def times_told(t: Array, start: float, t_eval: Array | None, end: float | None) 
 
 @dataclass(frozen=True)
 class Late:
-    """Dense output as a function of times that are told: ``sol(t)`` has shape (n,) or (n, len(t)).
+    """Dense output as a function of the user's times: ``sol(t)`` has shape (n,) or (n, len(t)).
 
     ``solution``: over times since ``start``.
     """

@@ -2,7 +2,7 @@
 
 The error is what a second run differs by (`codegen.runs.second_run`): another kind of method, a thousandth
 of the tolerance or less. Where both come to the limits of double precision, rounding that is carried along
-the trajectory is the least error that is told. Growth of errors and its rate come from the derivative along
+the trajectory is the least error reported. Growth of errors and its rate come from the derivative along
 the trajectory. A closed form makes no steps and sums no errors; it is good to
 a few units in the last place, if the second run is not further from it than its own steps explain.
 
@@ -50,7 +50,7 @@ SAME = 1e-6
 NOISY = 8.0
 """Size over the rounding of the terms of its rate up to which a state may be made of rounding."""
 DECLINE = 3.0
-"""Largest error over that at the end from which on both are told."""
+"""Largest error over that at the end from which on both are reported."""
 
 
 @dataclass(frozen=True)
@@ -326,7 +326,7 @@ def _rounding(t: Array, y: Array, size: Array, grown: Growth | None) -> Array:
 
 
 def _is_explained(apart: Array, second: Second, factor: Array, size: Array) -> bool:
-    """Tell whether errors of the steps of the second run explain how far it is from a closed form."""
+    """Return whether errors of the steps of the second run explain how far it is from a closed form."""
     worst = np.maximum.accumulate(np.fmax(factor, 1.0))
     allowed = EXPLAINED * (second.steps + 1) * max(second.rtol, UNIT_ROUNDOFF) * worst
     return bool(np.all(apart <= allowed * size[:, None]))
@@ -346,7 +346,7 @@ def _horizon(t: Array, relative: Array) -> float | None:
 
 UNIT_ROUNDOFF = 2.0**-53
 MOST_STATES = 48
-"""States from which on whole matrices cost more than they tell."""
+"""States from which on whole matrices cost more than they show."""
 GROUPS = 1500
 """Propagators that are applied one after the other; those of more nodes are multiplied beforehand."""
 HUGE = 1e100

@@ -185,7 +185,7 @@ def _tried(origin: Origin, track: Track, candidate: Candidate, limit: float) -> 
 
 
 def _has_series(origin: Origin) -> bool:
-    """Tell whether the rates have a Taylor series of a reasonable length, in C."""
+    """Return whether the rates have a Taylor series of a reasonable length, in C."""
     if origin.signals is not None or origin.compiled.target != "c":
         return False
     return choice.series_cost(SameObject(origin.compiled), order_of(2.0**-52)) <= choice.LONGEST

@@ -109,8 +109,8 @@ class Result:
     def accuracy(self, limit: float | None = None) -> Accuracy:
         """Return an estimate of the error of every state, and of how errors grow.
 
-        A second run, by another kind of method at a thousandth of the tolerance or less, tells the error;
-        the derivative along it tells how errors grow. ``limit``: seconds of processor time for that, by
+        A second run, by another kind of method at a thousandth of the tolerance or less, gives the error;
+        the derivative along it shows how errors grow. ``limit``: seconds of processor time for that, by
         default five times what the run took, 2 s at least; where they do not do, the estimate says so.
         Units are those of the system. Raises `InputError` for a result that was pickled, read or put
         together, and so does not know what it came from. See `codegen.Accuracy`.
@@ -130,8 +130,8 @@ class Result:
         ``limit`` and what is raised: as for `accuracy`.
         """
         found = self.accuracy(limit)
-        told = "" if self.estimate else found.warning
-        return replace(self, estimate=found, notice=_joined(self.notice, told))
+        warning = "" if self.estimate else found.warning
+        return replace(self, estimate=found, notice=_joined(self.notice, warning))
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle and copy what was found, not what it came from."""
@@ -231,7 +231,7 @@ def simulate(
     given or returned are since then, with digits of their own. A run that starts late without one keeps
     its digits too (`codegen.runs.clock`), but its times are then rounded where they are stored.
     ``accuracy``: whether the error is estimated by a second run, so that ``notice`` says where no digit
-    is left (`Result.accuracy`, which by itself tells the same afterwards).
+    is left (`Result.accuracy`, which by itself says the same afterwards).
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments, and
@@ -480,10 +480,10 @@ def message(
     if stop.kind == "singular":
         return f"{at}: {_singular(compiled.system.singularities[stop.which], names, trajectory)}"
     if stop.kind == "not finite":
-        told = f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
+        where = f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
         if stop.t != problem.t_span[0]:
-            return told
-        return f"{told} (a division by zero at the start: parts without mass?)"
+            return where
+        return f"{where} (a division by zero at the start: parts without mass?)"
     if stop.kind in _WORDS:
         return f"{at}: {_WORDS[stop.kind].format(max_steps=f'{problem.max_steps:,}')}"
     return (
@@ -494,13 +494,13 @@ def message(
 
 def _singular(found: Singularity, names: Sequence[str], trajectory: Trajectory) -> str:
     """Return at which coordinate a run stopped, what is zero there, and the way out if one is known."""
-    told = "; ".join(w for w in (found.meaning, found.hint) if w)
+    meaning = "; ".join(w for w in (found.meaning, found.hint) if w)
     if found.coordinate.name not in names:
-        return f"{found.expression} = 0 is singular: {told}"
+        return f"{found.expression} = 0 is singular: {meaning}"
     angle = trajectory.state_at_stop[names.index(found.coordinate.name)]
     return (
         f"{found.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) "
-        f"is singular, {found.expression} = 0: {told}"
+        f"is singular, {found.expression} = 0: {meaning}"
     )
 
 

@@ -1,6 +1,6 @@
 """Whole turns of angles along a run: what a quaternion does not know, counted from sample to sample.
 
-Of the angles of a sequence (`eom.system.SequenceAngles`) a state tells the first and the third up to whole
+Of the angles of a sequence (`eom.system.SequenceAngles`) a state gives the first and the third up to whole
 turns. Here they become continuous functions of time, from values between -pi and pi at the first sample.
 Between two samples the change of each is known but for a multiple of 2 pi: it is that nearest to zero,
 where the body turns little and the angles by less than a right angle. Else dense output is looked at at

@@ -137,7 +137,7 @@ def header(program: Program, layout: Layout) -> str:
 NEAREST = """\
 /* The angle that differs from {angles}
  * by whole turns and is nearest to the previous one: call it from sample to sample, first with
- * previous = 0, where the angle moves by less than pi in between. Nothing else tells whole turns. */
+ * previous = 0, where the angle moves by less than pi in between. Nothing else counts whole turns. */
 """
 """What is said of the function that undoes the jumps of outputs that are angles of a quaternion."""
 _TURNED_BACK = "angle + 6.283185307179586 * floor((previous - angle) / 6.283185307179586 + 0.5)"

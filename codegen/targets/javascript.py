@@ -236,7 +236,7 @@ NEAREST = "nearestAngle"
 _NEAREST = """\
 // The angle that differs from {angles}
 // by whole turns and is nearest to the previous one: call it from sample to sample, first with
-// previous = 0, where the angle moves by less than pi in between. Nothing else tells whole turns.
+// previous = 0, where the angle moves by less than pi in between. Nothing else counts whole turns.
 {export}function {name}(angle, previous) {{
   return angle + 6.283185307179586 * Math.floor((previous - angle) / 6.283185307179586 + 0.5);
 }}
@@ -303,7 +303,7 @@ def _names_of_slots(layout: Layout) -> dict[str, Names]:
 
 
 def _numbers(found: Narrow) -> dict[str, object]:
-    """Return what integrators are told of the columns that are watched, as `Narrow` says it."""
+    """Return what integrators are given of the columns that are watched, as `Narrow` says it."""
     return {
         "columns": found.columns,
         "guards": found.guards,

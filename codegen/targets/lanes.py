@@ -647,7 +647,7 @@ def _first(line: str) -> str:
 
 
 def _packed(a: str, sizes: Mapping[str, int]) -> str:
-    """Tell whether a block of an array must be copied."""
+    """Return whether a block of an array must be copied."""
     return f"{a}_column != 1 || !full" if sizes[a] else "0"
 
 

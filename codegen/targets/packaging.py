@@ -155,7 +155,7 @@ def sparsity(
 ) -> Mapping[str, str]:
     """Return header and source of the patterns (row, column) of sparse matrices, by group.
 
-    ``int NAME_GROUP_sparsity(int k, int *row, int *column)`` tells where the entry k of the Jacobian
+    ``int NAME_GROUP_sparsity(int k, int *row, int *column)`` says where the entry k of the Jacobian
     at the end of a group of results stands, and returns 1; 0 for a k that there is not.
     ``NAME_GROUP_n_nonzeros`` is their number.
     """
@@ -318,7 +318,7 @@ def _expected(exact: Bounded, double: float) -> Expected:
 
 
 def _open(program: Program, exact: Sequence[Bounded]) -> list[bool]:
-    """Tell for each value whether an edge is so near that its errors may cross it, here or before."""
+    """Return for each value whether an edge is so near that its errors may cross it, here or before."""
     errors = [_error(i, e) for i, e in zip(program.instructions, exact, strict=True)]
     found: list[bool] = []
     for op, args, _ in program.instructions:

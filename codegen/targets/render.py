@@ -290,7 +290,7 @@ class _Renderer:
         self.text[k] = (variable, ATOM)
 
     def _binds_less(self, op: str, args: tuple[int, ...]) -> bool:
-        """Tell whether the second operand would need brackets and the first would not."""
+        """Return whether the second operand would need brackets and the first would not."""
         needs = self.templates[op].needs
         if len(needs) != 2:
             return False

@@ -6,11 +6,11 @@ a Piecewise leaves no trace in its estimate of the error. What gives them away i
 steps of every method are bounded by how far arguments move, by the table `codegen.watch.trust`:
 
 - Arguments of time and parameters alone have bounds over a step *ahead* of it, by intervals
-  (`codegen.watch.intervals`): a proof. The group `AHEAD` tells of two times whether every such operation
+  (`codegen.watch.intervals`): a proof. The group `AHEAD` says of two times whether every such operation
   keeps its character between them, and whether every condition, table and whole number stays on one piece.
 - Arguments that states enter are `WATCHED` at the stages, beside the rates, at no further evaluation.
   Their bounds over the step follow from these values and the steepest slope beside each gap; the group
-  `VERDICT` tells the share of the step that they allow, and whether a piece changes.
+  `VERDICT` gives the share of the step that they allow, and whether a piece changes.
 
 sin and cos, sqrt, hypot and inverse sines are not watched: whatever they hide shows at every place, as
 oscillation or as a kink. Nor are divisors and logarithms whose arguments depend on states through sines
@@ -20,7 +20,7 @@ configurations where they vanish are singularities of the system.
 Pivots of positive definite mass matrices are watched like other divisors where lengths or quaternions
 enter. They cannot vanish, but may come as near to zero as they like: a mass that slides past the axis of a
 light hinge has m q^2 + J, which is as narrow as sqrt(J/m), and a rolling disc that all but falls flat turns
-in no time. Watching costs little where nothing happens: one look at the stages tells that bounds are
+in no time. Watching costs little where nothing happens: one look at the stages shows that bounds are
 within what is always allowed, and of divisors and the like the way towards zero alone counts.
 """
 
@@ -182,7 +182,7 @@ def _guards(program: Program, when: Sequence[int]) -> list[Watch]:
 
 
 def _may_hide(watch: Watch, program: Program) -> bool:
-    """Tell whether an operation has a scale beside the radian (see the head of this module)."""
+    """Return whether an operation has a scale beside the radian (see the head of this module)."""
     if watch.op in _ENTIRE or (watch.op == "pow" and _degree(watch) >= _POWER_FROM):
         return True
     own = [a for k in watch.moving if isinstance(a := watch.args[k], int)]
@@ -225,7 +225,7 @@ def _pieces(b: Builder, program: Program) -> list[Watch]:
 
 
 def _ahead(program: Program, timed: Sequence[Watch]) -> tuple[Program | None, list[Watch]]:
-    """Return the program that tells of two times whether anything of time alone changes between.
+    """Return the program that says of two times whether anything of time alone changes between.
 
     With it what has no bounds ahead, and is watched at the stages like what states enter.
     """
@@ -290,7 +290,7 @@ class Steady:
 
 
 def steady(program: Program, values: Sequence[int], n: int, order: int, depth: int) -> Steady:
-    """Return what tells whether ``values`` of a program vary as a polynomial of an order may show."""
+    """Return what says whether ``values`` of a program vary as a polynomial of an order may show."""
     whole = prune(replace(program, results={VERDICT: tuple(values)}))
     when = _when(whole, moving_inputs=False)
     b = Builder(program.rules)
@@ -519,7 +519,7 @@ def _soon(watch: Watch) -> tuple[float, float]:
 
 
 def _to_zero(watch: Watch) -> bool:
-    """Tell whether an operation counts what moves towards zero alone (see `_movement`)."""
+    """Return whether an operation counts what moves towards zero alone (see `_movement`)."""
     return watch.op in _POLES or (watch.op == "pow" and _degree(watch) < 0)
 
 

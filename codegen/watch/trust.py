@@ -237,7 +237,7 @@ def _norm_log_bound(a: Args, d: Scalar) -> Term:
 
 
 def _tanh_reach(a: Args, order: int) -> Term:
-    """Near 0 the nearest poles tell all; far from it tanh is exp(-2u) beside a constant."""
+    """Near 0 the nearest poles decide all; far from it tanh is exp(-2u) beside a constant."""
     return minimum(_from_half_turns(a) / 2, Fraction(order, 4))
 
 
@@ -448,7 +448,7 @@ def _angle(prepared: Prepared, n: Series) -> Series | None:
 
 
 def is_checked(prepared: Prepared, found: Sequence[Limit]) -> bool:
-    """Tell whether the slope is tested after every step: where a value may be flat, or have a branch."""
+    """Return whether the slope is tested after every step: where a value may be flat, or have a branch."""
     return any(prepared.program.instructions[x.of].op not in _EVERYWHERE_VISIBLE for x in found)
 
 
@@ -505,7 +505,7 @@ def bounds(prepared: Prepared, order: int) -> tuple[tuple[Limit, ...], Program]:
 
 
 def is_analytic(prepared: Prepared, order: int, point: Point) -> bool:
-    """Tell whether every operation is analytic where its argument is at a point: each may move.
+    """Return whether every operation is analytic where its argument is at a point: each may move.
 
     Law: if so, and the rates are finite there, the solution goes on, whatever its coefficients are in
     double precision. False says nothing.

@@ -249,10 +249,10 @@ def _times(found: re.Match[str], where: str) -> int:
 
 def rows(result: Result) -> list[tuple[str, str]]:
     """Return how often each event happened, and when, for the closing table."""
-    return [(f"event {name}", _told(e.t)) for name, e in result.events.items()]
+    return [(f"event {name}", _listed(e.t)) for name, e in result.events.items()]
 
 
-def _told(times: Any) -> str:
+def _listed(times: Any) -> str:
     if not len(times):
         return "never"
     shown = ", ".join(f"{t:.9g}" for t in times[:MOST_TIMES])

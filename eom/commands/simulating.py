@@ -314,7 +314,7 @@ def _closing(job: Job, result: Result, accuracy: Accuracy | str) -> None:
     for name, times in rows(result):
         table.add_row(escape(name), times)
     for name, drift in result.drift.items():
-        table.add_row(f"drift of {name}", _told(drift))
+        table.add_row(f"drift of {name}", _in_words(drift))
     for expression, distance in result.margin.items():
         table.add_row("singularity margin", f"|{expression}| >= {distance:.3g}")
     if notice := news(result.notice, job.noted):
@@ -368,10 +368,10 @@ def data(job: Job, result: Result, accuracy: Accuracy | str = "") -> dict[str, A
 def _judged(accuracy: Accuracy | str) -> dict[str, Any] | None:
     """Return an estimate as JSON has it; null where there is none."""
     if isinstance(accuracy, str):
-        return {"told": accuracy} if accuracy else None
+        return {"text": accuracy} if accuracy else None
     grown = float(accuracy.growth[-1]) if accuracy.growth.size else math.nan
     return {
-        "told": str(accuracy),
+        "text": str(accuracy),
         "at_end": {n: finite(e) for n, e in accuracy.at_end.items()},
         "largest": {n: finite(e) for n, e in accuracy.largest.items()},
         "horizon": accuracy.horizon,
@@ -382,7 +382,7 @@ def _judged(accuracy: Accuracy | str) -> dict[str, Any] | None:
     }
 
 
-def _told(drift: Drift) -> str:
+def _in_words(drift: Drift) -> str:
     """Say how far a constant wandered; where it is small beside its terms also their size."""
     of = f", of terms of {drift.size:.3g}" if drift.size > CANCELS * abs(drift.start) else ""
     return f"{drift.relative:.2e} {drift.kind}, from {drift.start:.6g}{of}"

@@ -86,7 +86,7 @@ def lesson(topic: str) -> Lesson:
 
 
 def _is_line(step: Step) -> bool:
-    """Tell whether a step claims something in every notation: no inequality, no mere name."""
+    """Return whether a step claims something in every notation: no inequality, no mere name."""
     if step.statement.relation not in RELATIONS or step.statement.left == step.statement.right:
         return False
     return not any(only_names(step, n) for n in NOTATIONS.values())
@@ -217,7 +217,7 @@ def _step(label: str, left: Expr, right: Any, reason: str) -> Step:
 
 
 def steps(derivation: Derivation, notation: Notation) -> tuple[Steps, ...]:
-    """Return the lines of a derivation as blocks, without what would tell how they were verified."""
+    """Return the lines of a derivation as blocks, without what would show how they were verified."""
     plain = tuple(
         replace(s, states=(), evidence=s.kind if s.kind != "result" else "")
         for s in derivation.steps
@@ -278,7 +278,7 @@ class Sheet:
 
     @property
     def legend(self) -> tuple[Item, ...]:
-        """Symbols with their meanings, of both versions of the false line: none tells by its absence.
+        """Symbols with their meanings, of both versions of the false line: no absence gives it away.
 
         Raises `InputError` for an unknown notation.
         """

@@ -142,7 +142,7 @@ def _first(rng: random.Random, k: int, count: int, lines: int) -> int:
 
 
 def _is_false(derivation: Derivation, step: Step, planted: Planted) -> bool:
-    """Tell whether an equation is not true; what cannot be decided may be false."""
+    """Return whether an equation is not true; what cannot be decided may be false."""
     claimed = replace(planted.equation, relation="=")
     try:
         verify(claimed, step.assumptions, derivation.scalars)
@@ -201,6 +201,6 @@ def judged(sheet: Sheet) -> Finding | None:
 
 
 def _is_shown(found: Finding) -> bool:
-    """Tell whether there are small numbers for what stands on both sides."""
+    """Return whether there are small numbers for what stands on both sides."""
     example = found.explanation.counterexample
     return example is not None and all(value for _, value in example.members)

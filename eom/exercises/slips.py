@@ -213,7 +213,7 @@ def _index(value: Expr, around: Around) -> Iterator[Expr]:
 
 
 def _siblings(a: str, b: str) -> bool:
-    """Tell whether two names differ in their number alone."""
+    """Return whether two names differ in their number alone."""
     found = _INDEXED.match(a), _INDEXED.match(b)
     return all(found) and found[0].group(1, 3) == found[1].group(1, 3)  # type: ignore[union-attr]
 

@@ -96,7 +96,7 @@ def test_known_cancellations_are_found_named_and_cured(target, name):
     assert stable.possible.identities == ()
 
 
-def test_ill_conditioned_is_told_apart_from_unstable():
+def test_ill_conditioned_is_distinguished_from_unstable():
     """x cos x next to its zero at pi/2 is sensitive to x; the same digits lost by 1 - cos x are not."""
     near = {"x": (1.5, 1.6), "y": (1e-3, 1e-2)}
     report = report_of(near, f=sp.sin(x) * y - a * y, g=1 - sp.cos(y))

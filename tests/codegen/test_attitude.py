@@ -202,7 +202,7 @@ def test_no_name_and_no_order_matters(order):
     assert [c.layout.states[s].name for s in found.others] == ["wheel"]
 
 
-def test_damping_and_a_wheel_leave_the_body_and_are_told():
+def test_damping_and_a_wheel_leave_the_body_and_are_reported():
     torque = (-k * w[0], f * q[1], wheel)
     found, _ = attitude_in(system(equations(torque, {wheel: -wheel})))
     assert found.body.of_rates == (True, False, False)
@@ -210,7 +210,7 @@ def test_damping_and_a_wheel_leave_the_body_and_are_told():
     assert found.others == (7,)
 
 
-def test_drag_quadratic_in_the_rates_is_told():
+def test_drag_quadratic_in_the_rates_is_reported():
     found, _ = attitude_in(system(equations((-k * w[0] * sp.Abs(w[0]), 0, 0))))
     assert found.quaternion == (3, 4, 5, 6)
     assert found.body.of_rates == (True, False, False)

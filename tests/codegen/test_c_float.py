@@ -194,7 +194,7 @@ def test_no_quantity_is_spelt_as_a_function_of_either_precision():
     assert {w for w in called if not w.endswith("_")} - bessel <= C_MATH
 
 
-def test_long_names_keep_the_suffix_that_tells_them_apart():
+def test_long_names_keep_the_suffix_that_distinguishes_them():
     system = System.from_rates("a" * 300, {x: -x})
     files = generate(*specialised(system, {}), "c_f32")
     assert list(files) == [f"{'a' * 56}_f32.h", f"{'a' * 56}_f32.c"]

@@ -225,11 +225,11 @@ def test_watching_changes_no_number(in_c, monkeypatch):
 
 @needs_compiler
 def test_progress_and_max_steps_count_over_both_parts(in_c):
-    told = []
+    reported = []
     run = in_c(ROBERTSON), (1.0, 0.0, 0.0), (0, 4e5)
-    assert simulate(*run, rtol=1e-6, progress=told.append).status == 0
-    assert told == sorted(told)
-    assert told[-1] == 1.0
+    assert simulate(*run, rtol=1e-6, progress=reported.append).status == 0
+    assert reported == sorted(reported)
+    assert reported[-1] == 1.0
     result = simulate(*run, rtol=1e-6, max_steps=20_010)
     assert result.status == -1
     assert result.steps + result.rejected == 20_010

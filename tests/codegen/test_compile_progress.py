@@ -1,4 +1,4 @@
-"""What is told of a compilation: stages in order, shares that grow, and what a listener may do."""
+"""What is reported of a compilation: stages in order, shares that grow, and what a listener may do."""
 
 import contextlib
 import subprocess
@@ -26,40 +26,40 @@ def long_system(terms):
     return System.from_rates(f"long_{terms}", {x: total, y: x})
 
 
-def told_of(system, target, **options):
-    told = []
+def reports_of(system, target, **options):
+    reports = []
     made = codegen.compile(
-        system, target, progress=lambda stage, share: told.append((stage, share)), **options
+        system, target, progress=lambda stage, share: reports.append((stage, share)), **options
     )
-    return made, told
+    return made, reports
 
 
 @pytest.mark.parametrize("target", ["numpy", "python", pytest.param("c", marks=in_c)])
 def test_stages_come_in_order_and_their_shares_grow(target):
-    _, told = told_of(long_system(20), target)
-    stages = [stage for stage, _ in told]
+    _, reports = reports_of(long_system(20), target)
+    stages = [stage for stage, _ in reports]
     assert tuple(dict.fromkeys(stages)) == STAGES
     assert stages == sorted(stages, key=STAGES.index)
     for stage in STAGES:
-        shares = [share for name, share in told if name == stage]
+        shares = [share for name, share in reports if name == stage]
         assert shares[0] == 0.0
         assert shares[-1] == 1.0
         assert shares == sorted(shares)
 
 
 @pytest.mark.slow
-def test_long_stages_are_told_of_as_the_work_goes_on():
+def test_long_stages_are_reported_as_the_work_goes_on():
     """By shares in steps of a hundredth, and by calls alone where no share is known."""
-    _, told = told_of(long_system(400), "python")
+    _, reports = reports_of(long_system(400), "python")
     for stage in ("lowering", "stable forms", "text"):
-        shares = [share for name, share in told if name == stage]
+        shares = [share for name, share in reports if name == stage]
         assert len(set(shares)) > 50, stage
         assert len(shares) <= 2 / STEP
-    passes = [share for stage, share in told if stage == "passes"]
+    passes = [share for stage, share in reports if stage == "passes"]
     assert len(passes) > len(set(passes)) > 5
 
 
-def test_what_is_told_of_is_bounded_by_the_work(monkeypatch):
+def test_reports_are_bounded_by_the_work(monkeypatch):
     calls = []
     original = compile_progress._Listening.go_on
     monkeypatch.setattr(
@@ -67,13 +67,13 @@ def test_what_is_told_of_is_bounded_by_the_work(monkeypatch):
         "go_on",
         lambda self, units: calls.append(original(self, units)),
     )
-    _, told = told_of(long_system(300), "python")
-    assert len(told) <= len(STAGES) * (2 + 1 / STEP) + len(calls) / EVERY
+    _, reports = reports_of(long_system(300), "python")
+    assert len(reports) <= len(STAGES) * (2 + 1 / STEP) + len(calls) / EVERY
 
 
 def test_without_a_listener_nothing_is_counted_and_code_is_the_same(monkeypatch):
     system = long_system(20)
-    heard, _ = told_of(system, "python", stable=True)
+    heard, _ = reports_of(system, "python", stable=True)
     monkeypatch.setattr(lower, "nodes", None)
     monkeypatch.setattr("codegen.passes.pipeline.nodes", None)
     monkeypatch.setattr(compile_progress, "_Listening", None)
@@ -81,14 +81,14 @@ def test_without_a_listener_nothing_is_counted_and_code_is_the_same(monkeypatch)
 
 
 def test_a_listener_may_compile_itself():
-    """It is not told of that, nor is what it compiles told to somebody else."""
+    """That is not reported to it, nor is what it compiles to somebody else."""
     stages = []
 
-    def tell(stage, share):
+    def report(stage, share):
         stages.append(stage)
         codegen.compile(System.from_rates("other", {y: y**2}), "python")
 
-    codegen.compile(System.from_rates("one", {x: sp.sin(x)}), "python", progress=tell)
+    codegen.compile(System.from_rates("one", {x: sp.sin(x)}), "python", progress=report)
     assert tuple(dict.fromkeys(stages)) == STAGES
     assert stages == sorted(stages, key=STAGES.index)
 
@@ -105,20 +105,20 @@ def test_what_a_listener_raises_comes_out_and_nothing_is_kept(stage, kind, tmp_p
     monkeypatch.setenv(native.CACHE_VARIABLE, str(tmp_path))
     reason = kind("enough")
 
-    def tell(name, share):
+    def report(name, share):
         if name == stage:
             raise reason
 
     system = long_system(5)
     with pytest.raises(kind) as caught:
-        codegen.compile(system, "auto", progress=tell)
+        codegen.compile(system, "auto", progress=report)
     assert caught.value is reason
     assert list(tmp_path.iterdir()) == []
-    assert told_of(system, "c")[1][-1] == ("compiler", 1.0)
+    assert reports_of(system, "c")[1][-1] == ("compiler", 1.0)
 
 
 @in_c
-def test_a_compiler_that_takes_long_is_told_of_and_ends_with_the_listener(tmp_path, monkeypatch):
+def test_a_compiler_that_takes_long_is_reported_and_ends_with_the_listener(tmp_path, monkeypatch):
     """A listener that gives up ends the process, and the cache stays as it was."""
     compiler, cache = tmp_path / "cc", tmp_path / "cache"
     compiler.write_text("#!/bin/sh\nsleep 1000\n")
@@ -133,38 +133,44 @@ def test_a_compiler_that_takes_long_is_told_of_and_ends_with_the_listener(tmp_pa
         return started[-1]
 
     monkeypatch.setattr(subprocess, "Popen", start)
-    told = []
+    reports = []
 
-    def tell(stage, share):
-        told.append((stage, share))
-        if told.count(("compiler", 0.0)) == 4:
+    def report(stage, share):
+        reports.append((stage, share))
+        if reports.count(("compiler", 0.0)) == 4:
             raise TimeoutError
 
     with pytest.raises(TimeoutError):
-        codegen.compile(long_system(3), "auto", progress=tell)
-    assert told[-4:] == [("compiler", 0.0)] * 4
+        codegen.compile(long_system(3), "auto", progress=report)
+    assert reports[-4:] == [("compiler", 0.0)] * 4
     assert [process.returncode is None for process in started] == [False]
     assert list(cache.iterdir()) == []
 
 
-def test_a_target_that_goes_on_with_another_tells_of_it(monkeypatch):
+def test_a_target_that_goes_on_with_another_reports_it(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
-    made, told = told_of(long_system(3), "auto")
+    made, reports = reports_of(long_system(3), "auto")
     assert made.target == "numpy"
-    stages = [stage for k, (stage, _) in enumerate(told) if k == 0 or told[k - 1][0] != stage]
+    stages = [stage for k, (stage, _) in enumerate(reports) if k == 0 or reports[k - 1][0] != stage]
     assert stages == [*STAGES, *STAGES[-2:]]
 
 
 @pytest.mark.parametrize("progress", [1, "x", lambda share: None])
-def test_what_cannot_be_told_is_refused(progress):
+def test_what_cannot_be_reported_is_refused(progress):
     with pytest.raises(InputError, match="progress is of the wrong type"):
         codegen.compile(long_system(1), "python", progress=progress)
 
 
 def test_a_listener_inside_takes_the_place_of_one_outside():
     outer, inner = [], []
-    with compile_progress.to(lambda *told: outer.append(told)), compile_progress.stage("outer"):
-        with compile_progress.to(lambda *told: inner.append(told)), compile_progress.stage("inner"):
+    with (
+        compile_progress.to(lambda *reports: outer.append(reports)),
+        compile_progress.stage("outer"),
+    ):
+        with (
+            compile_progress.to(lambda *reports: inner.append(reports)),
+            compile_progress.stage("inner"),
+        ):
             compile_progress.done(1)
         with (
             contextlib.suppress(ZeroDivisionError),

@@ -181,7 +181,7 @@ def test_generated_text_has_no_warnings(compiler, name, tmp_path):
 @pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
-def test_failures_are_told_and_do_not_disturb_the_others(method):
+def test_failures_are_reported_and_do_not_disturb_the_others(method):
     """Y' = y^2 is infinite at t = 1/y(0); others start at infinity of their rate, or go on."""
     start = np.where(np.arange(60) % 3 == 0, 1.0, -1.0) * RNG.uniform(0.5, 2, 60)
     start[7] = 1e200

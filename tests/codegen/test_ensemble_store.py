@@ -154,7 +154,7 @@ def test_a_store_of_another_ensemble_is_refused_and_left_alone(compiled, kind, t
     assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
 
 
-def test_what_cannot_be_written_is_told(compiled, kind, tmp_path, monkeypatch):
+def test_what_cannot_be_written_is_reported(compiled, kind, tmp_path, monkeypatch):
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="cannot be written"):
         run(compiled, store=tmp_path / "file", store_format=kind)
@@ -249,7 +249,7 @@ DAMAGES = {
 
 @pytest.mark.sparse(4)
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_description_is_told_and_mended_by_running_again(
+def test_a_damaged_description_is_reported_and_mended_by_running_again(
     compiled, expected, kind, tmp_path, damage
 ):
     """Numbers with the right checksum are not computed again: no description is needed to trust them."""
@@ -274,9 +274,9 @@ def test_an_array_of_another_shape_is_no_array_of_this_store(compiled, expected,
     pytest.importorskip("zarr")
     run(compiled, store=tmp_path)
     file = tmp_path / "data.zarr" / "y" / "zarr.json"
-    told = json.loads(file.read_text())
-    told["chunk_grid"]["configuration"]["chunk_shape"][-1] = 500
-    file.write_text(json.dumps(told))
+    reported = json.loads(file.read_text())
+    reported["chunk_grid"]["configuration"]["chunk_shape"][-1] = 500
+    file.write_text(json.dumps(reported))
     found = run(compiled, store=tmp_path, keep=True)
     assert "data.zarr/y/zarr.json" in found.notice
     same(found, expected)

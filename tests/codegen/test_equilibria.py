@@ -78,10 +78,10 @@ def test_where_two_rests_meet_the_place_is_not_certain():
     assert equilibrium(of({x: x**2}), {"x": 1.0}).kind == "degenerate"
 
 
-def test_where_there_is_none_that_is_told():
-    with pytest.raises(InputError, match="no equilibrium was found") as told:
+def test_where_there_is_none_that_is_reported():
+    with pytest.raises(InputError, match="no equilibrium was found") as reported:
         equilibrium(pendulum(), {}, P, inputs={"tau": 9.82})
-    assert "24 starts" in str(told.value)
+    assert "24 starts" in str(reported.value)
     x = sp.Symbol("x", real=True)
     with pytest.raises(InputError, match="no equilibrium"):
         equilibria(of({x: sp.exp(-x)}), {})  # the rate vanishes at infinity alone
@@ -282,9 +282,9 @@ def test_a_balanced_matrix_has_equal_sums_and_no_units():
 def test_where_a_cyclic_state_must_run_that_is_said():
     spin = sp.Symbol("spin", real=True)
     compiled = of({q: 3 + u, u: -u, spin: sp.Integer(2)}, outputs={"o": q})
-    with pytest.raises(InputError, match="no equilibrium") as told:
+    with pytest.raises(InputError, match="no equilibrium") as reported:
         equilibrium(compiled)
-    assert "--cyclic q --cyclic spin" in told.value.hint
-    with pytest.raises(InputError) as told:
+    assert "--cyclic q --cyclic spin" in reported.value.hint
+    with pytest.raises(InputError) as reported:
         equilibrium(of({q: u, u: 1 + u**2}))  # no state that runs would help
-    assert "--cyclic" not in told.value.hint
+    assert "--cyclic" not in reported.value.hint

@@ -498,15 +498,15 @@ def test_bad_events_are_refused_by_one_message(events, what):
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
+    ("more", "reported"),
     [
         ({"direction": 2}, "an event has no such direction"),
         ({"terminal": -1}, "an event cannot end a run so"),
         ({"terminal": 0.5}, "terminal is of the wrong type"),
     ],
 )
-def test_bad_filters_are_refused(more, told):
-    with pytest.raises(InputError, match=told):
+def test_bad_filters_are_refused(more, reported):
+    with pytest.raises(InputError, match=reported):
         Event(x, **more)
 
 

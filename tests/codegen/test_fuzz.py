@@ -1,4 +1,4 @@
-"""The fuzzer itself: it finds what is wrong, tells the smallest part, and draws the same again."""
+"""The fuzzer itself: it finds what is wrong, reports the smallest part, and draws the same again."""
 
 from dataclasses import replace
 from fractions import Fraction

@@ -94,7 +94,7 @@ def test_a_wrong_result_fails_the_check_and_a_right_one_passes_it(alone, monkeyp
     assert found.worst.what == f"{alone.key}: scipy:DOP853 at 1e-09"
 
 
-def test_a_case_without_a_reference_is_told(alone, monkeypatch):
+def test_a_case_without_a_reference_is_reported(alone, monkeypatch):
     monkeypatch.setattr(hostile, "references", dict)
     found = hostile.hostile(None, plan("scipy:DOP853"))
     assert not found.figures

@@ -35,10 +35,10 @@ def test_what_was_wrong_is_right(name):
 @pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", ["auto", "taylor", "DP5", "scipy:LSODA"])
-def test_an_edge_that_no_double_holds_is_told(method):
+def test_an_edge_that_no_double_holds_is_reported(method):
     """A force of 1e6 begins there: what its time is known to is more than the tolerance allows."""
     case = CASES["window_last_microsecond"]
-    assert hostile_blind.judged("edge", case, method, 1e-12) in {"ok", "told"}
+    assert hostile_blind.judged("edge", case, method, 1e-12) in {"ok", "reported"}
 
 
 @pytest.mark.sparse(4)

@@ -207,12 +207,12 @@ def test_what_modules_export_to_be_watched_is_what_the_oracle_computes():
         for (at, xs, ps, us), row in zip(job.points, rows, strict=True):
             expected = interpret(programs[job.group], Point(at, xs, ps, us))[job.group]
             assert row == pytest.approx(expected, rel=1e-12)
-    told = json.loads(re.search(r"^export const WATCH = (.*);$", text, re.MULTILINE)[1])
-    assert told["columns"] == found.columns
-    assert told["guards"] == found.guards > 0
-    assert told["pieces"] == found.pieces > 0
-    assert [tuple(pair) for pair in told["always"]] == list(found.soon)
-    assert tuple(told["toZero"]) == found.to_zero
+    reported = json.loads(re.search(r"^export const WATCH = (.*);$", text, re.MULTILINE)[1])
+    assert reported["columns"] == found.columns
+    assert reported["guards"] == found.guards > 0
+    assert reported["pieces"] == found.pieces > 0
+    assert [tuple(pair) for pair in reported["always"]] == list(found.soon)
+    assert tuple(reported["toZero"]) == found.to_zero
 
 
 def test_modules_with_nothing_to_watch_have_no_word_of_it():

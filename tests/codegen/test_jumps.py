@@ -1,4 +1,4 @@
-"""Jumps of the rates that time cannot place as closely as the tolerance asks are told, and no others."""
+"""Jumps of the rates that time cannot place as closely as the tolerance asks are reported, no others."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def off(run: Result, force: float) -> float:
 
 @pytest.mark.sparse(2)
 @pytest.mark.parametrize("method", METHODS)
-def test_what_time_does_not_place_is_told_and_bounds_the_error(method: str) -> None:
+def test_what_time_does_not_place_is_reported_and_bounds_the_error(method: str) -> None:
     run = codegen.simulate(LAST, {"x": 1, "v": 0}, (0, 7), {"F": 1e6}, method, 1e-11)
     assert run.status == 0
     assert 50 < share(run) < 1000
@@ -69,7 +69,7 @@ def test_a_jump_is_placed_as_closely_as_time_allows(method: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS[:-2])
 @pytest.mark.parametrize("start", [0.0, 1.0])
-def test_ordinary_jumps_are_not_told(method: str, start: float) -> None:
+def test_ordinary_jumps_are_not_reported(method: str, start: float) -> None:
     """Nor those that meet a state at rest, which is larger from there on."""
     for rtol in (1e-6, 1e-9, 1e-12):
         run = codegen.simulate(LAST, {"x": start, "v": 0}, (0, 12), {"F": 100}, method, rtol)
@@ -78,7 +78,7 @@ def test_ordinary_jumps_are_not_told(method: str, start: float) -> None:
 
 
 @pytest.mark.parametrize("method", ["DOP853", "taylor", "scipy:RK45"])
-def test_backward_runs_tell_it(method: str) -> None:
+def test_backward_runs_report_it(method: str) -> None:
     run = codegen.simulate(LAST, {"x": 1, "v": 0}, (7, 0), {"F": 1e6}, method, 1e-12)
     assert run.status == 0
     assert share(run) > 100
@@ -98,7 +98,7 @@ def test_the_size_of_a_jump_may_depend_on_the_state(method: str) -> None:
     assert not small.notice
 
 
-def test_a_pulse_that_the_shortest_step_passes_over_is_told() -> None:
+def test_a_pulse_that_the_shortest_step_passes_over_is_reported() -> None:
     """The rates before and behind it are the same; those of the stages between are not."""
     force = 10**8 * window(5, R(1, 2**48))
     system = System.from_rates("shortest", {x: v, v: -x + force}, time=t)
@@ -107,7 +107,7 @@ def test_a_pulse_that_the_shortest_step_passes_over_is_told() -> None:
     assert share(run) > 100
 
 
-def test_series_tell_it_of_switches_in_the_state() -> None:
+def test_series_report_it_of_switches_in_the_state() -> None:
     y = sp.Symbol("y", real=True)
     system = System.from_rates("crossing", {x: 1, y: F * window(R(1, 3), R(1, 10**6), x)},
                                time=t)  # fmt: skip
@@ -140,8 +140,8 @@ def _turned(force: Any) -> System:
 
 @pytest.mark.sparse(only=("splitting",))
 @pytest.mark.parametrize("method", ["rkmk", "splitting"])
-def test_methods_on_the_group_tell_it(method: str) -> None:
-    """Both pass over it by the torque on either side, and agree to what they tell."""
+def test_methods_on_the_group_report_it(method: str) -> None:
+    """Both pass over it by the torque on either side, and agree to what they report."""
     compiled = codegen.compile(_turned(F * window(EDGE, R(1, 10**6))))
     start = [1, 0, 0, 0, 0.1, 0.2, 0.3]
     large, small = (

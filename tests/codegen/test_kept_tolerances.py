@@ -68,7 +68,7 @@ def known(case):
 @pytest.mark.sparse(4)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", CASES)
-def test_an_error_is_that_of_the_tolerance_or_told(case, method):
+def test_an_error_is_that_of_the_tolerance_or_reported(case, method):
     """Errors are at most 1000 times the tolerance, times what the problem makes of them."""
     if method.startswith("sundials") and not sundials.available():
         pytest.skip("no scikit-sundae")

@@ -174,7 +174,7 @@ def test_an_epoch_gives_times_digits_of_their_own():
 
 
 @pytest.mark.slow
-def test_time_that_is_not_resolved_is_refused_or_told():
+def test_time_that_is_not_resolved_is_refused_or_reported():
     chirp = compile_system(system("chirp", sp.sin(t**2)), "c")
     smooth = compile_system(system("smooth", sp.log(t) / 100 + sp.exp(-t / 10**9)), "c")
     for method in PLAIN:

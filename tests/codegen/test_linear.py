@@ -149,7 +149,7 @@ def test_a_trajectory_takes_one_call(compiled, monkeypatch):
         assert np.allclose(linear.A[..., n], linearise(compiled, x, P, (7.0,)).A, rtol=1e-14)
 
 
-def test_the_mode_is_told(compiled):
+def test_the_mode_is_reported(compiled):
     assert compiled.jacobian().mode in ORDERS
 
 

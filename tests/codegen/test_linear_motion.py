@@ -163,7 +163,7 @@ def test_small_angles_are_those_of_a_turned_body_too():
     assert near.stability.kind == "undecided"  # nothing turns it back about the vertical
 
 
-def test_stability_is_told_with_care():
+def test_stability_is_reported_with_care():
     def of(A):
         return stability(*eigenvalues(np.array(A, float))).kind
 
@@ -254,7 +254,7 @@ def test_the_matrices_are_those_of_the_generated_jacobian():
     assert near.states == generated.states
 
 
-def test_a_row_without_derivative_is_told():
+def test_a_row_without_derivative_is_reported():
     """An angle by its cosine has a corner at zero."""
     angle = {"tilt": sp.acos(1 - x**2 - v**2), "place": x}
     compiled = compiled_of({x: -x, v: -v}, outputs=angle)
@@ -278,11 +278,13 @@ def test_tangent_spaces_of_random_constraints():
         basis, redundant = closed(np.vstack([G, G.sum(axis=0)]), A)
         assert redundant == [2]
         assert basis.shape == (k, n)
-        kept, told = independent(free_states(np.zeros(n), [f"x{i}" for i in range(n)], ()), basis)
+        kept, reported = independent(
+            free_states(np.zeros(n), [f"x{i}" for i in range(n)], ()), basis
+        )
         assert pytest.approx(np.zeros((k, n - k)), abs=1e-10) == G @ kept.T
         assert pytest.approx(np.eye(n - k), abs=1e-12) == kept.S @ kept.T
         assert pytest.approx(kept.T @ kept.dynamics(A), abs=1e-9) == A @ kept.T
-        assert len(told) == k
+        assert len(reported) == k
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def run(count, progress=None, **options):
     )
 
 
-def test_the_bytes_that_are_told_are_those_of_the_columns():
+def test_the_bytes_that_are_reported_are_those_of_the_columns():
     found = run(20)
     size = sum(column.nbytes for column in found.columns.values())
     assert size == 20 * size_of_one(COMPILED, len(TIMES))
@@ -46,12 +46,12 @@ def test_what_is_kept_is_refused_where_it_does_not_fit_before_anything_is_integr
     options = {"chunk": 256, "threads": 1}
     with pytest.raises(InputError, match="do not fit into memory") as caught:
         run(20_000, progress=lambda share: pytest.fail("begun"), **options)
-    told = caught.value
+    reported = caught.value
     each = size_of_one(COMPILED, len(TIMES))
-    assert f"20,000 that are kept, {each} bytes each" in told.got
-    assert "1,000,000 bytes" in told.expected
-    assert "keep=False" in told.hint
-    most = int(re.search(r"([\d,]+) trajectories", told.expected)[1].replace(",", ""))
+    assert f"20,000 that are kept, {each} bytes each" in reported.got
+    assert "1,000,000 bytes" in reported.expected
+    assert "keep=False" in reported.hint
+    most = int(re.search(r"([\d,]+) trajectories", reported.expected)[1].replace(",", ""))
     assert 1e6 / each / 2 < most < 1e6 / each
     with pytest.raises(InputError, match="do not fit into memory"):
         run(most + 1, **options)

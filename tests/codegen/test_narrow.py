@@ -376,7 +376,7 @@ def _kick(s: float) -> float:
 
 @pytest.mark.parametrize("method", ["auto", *EXPLICIT, *OTHERS, *SUNDIALS])
 def test_signals_state_where_they_jump(method: str) -> None:
-    """Steps end at the knots, so that a kick of 10 ms is met by every method, and nothing is told."""
+    """Steps end at the knots, so that a kick of 10 ms is met by every method, and nothing is reported."""
     signal = codegen.Signal(_kick, knots=(5, 5.01))
     run = codegen.simulate(
         DRIVEN, {"x": 0, "v": 0}, (0, 10), method=method, rtol=1e-6, inputs={"M": signal}
@@ -401,7 +401,7 @@ def test_signals_state_the_longest_step() -> None:
 @pytest.mark.parametrize(
     "method", ["DOP853", "scipy:BDF", "scipy:LSODA", "scipy:Radau", "sundials:BDF"]
 )
-def test_plain_functions_are_sampled_within_steps_and_told(method: str) -> None:
+def test_plain_functions_are_sampled_within_steps_and_reported(method: str) -> None:
     """A pulse of 1/100 of the run is found, though the mass rests before; the run says what it trusts."""
 
     def pulse(s: float) -> float:

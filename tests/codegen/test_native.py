@@ -292,7 +292,7 @@ def test_where_the_cache_is_useless_c_is_refused_and_auto_takes_numpy(useless):
 
 
 @pytest.mark.parametrize("command", ["gcc 'x", '"', "gcc -DX='a b"])
-def test_a_command_whose_quote_is_not_closed_is_told(cache, monkeypatch, command):
+def test_a_command_whose_quote_is_not_closed_is_reported(cache, monkeypatch, command):
     monkeypatch.setenv("CC", command)
     assert native.compiler() == ()
     with pytest.raises(native.CompilerError, match="a quote is not closed") as error:
@@ -303,7 +303,7 @@ def test_a_command_whose_quote_is_not_closed_is_told(cache, monkeypatch, command
     assert "a quote is not closed" in compiled.notice
 
 
-def test_a_compiler_that_crashes_is_told_by_its_signal_and_output(cache, tmp_path, monkeypatch):
+def test_a_compiler_that_crashes_is_reported_by_its_signal_and_output(cache, tmp_path, monkeypatch):
     monkeypatch.setenv("CC", script(tmp_path / "cc", "echo half >&2; kill -SEGV $$"))
     with pytest.raises(native.CompilerError, match="ended by signal 11") as error:
         native.compile_library(SOURCE)

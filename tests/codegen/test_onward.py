@@ -93,7 +93,7 @@ def test_no_bit_depends_on_chunks_threads_or_a_store(shape, tmp_path):
         pulses(600, "taylor", **store)
 
 
-def test_an_ensemble_without_trajectories_tells_it_too():
+def test_an_ensemble_without_trajectories_reports_it_too():
     found = pulses(30, statistics=["x"], keep=False)
     assert found.success
     assert "(trajectories: 10)" in found.notice

@@ -46,7 +46,7 @@ def test_constants_are_exact_in_the_text():
     assert str(program) == "0 = const 1/3\nf: 0"
 
 
-def test_binding_tells_when_a_value_is_known():
+def test_binding_says_when_a_value_is_known():
     b = Builder()
     two, p, t = b.const(2), b.leaf("parameter", 0), b.leaf("time")
     x, u = b.leaf("state", 0), b.leaf("input", 0)

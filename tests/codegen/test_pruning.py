@@ -37,7 +37,7 @@ def run(wheel, values, **options):
     return simulate(wheel, start, (0, 0.5), values, "DOP853", 1e-11, t_eval=[0.1, 0.5], **options)
 
 
-def test_cyclic_angles_are_left_out_and_told(wheel, values):
+def test_cyclic_angles_are_left_out_and_reported(wheel, values):
     whole, less = run(wheel, values), run(wheel, values, outputs=["theta", "Omega"])
     assert {"psi", "phi"} <= set(less.left_out)
     assert "psi" not in less.names

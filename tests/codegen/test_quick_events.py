@@ -107,14 +107,14 @@ def test_smooth_events_cost_no_further_rates(compiled, method):
 
 @pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["DOP853", "taylor"])
-def test_a_pole_is_told(compiled, method):
+def test_a_pole_is_reported(compiled, method):
     run = zeros_of(compiled["straight"], (0.0, 0.0), (0, 100.0), 1 / (x - 77) + 1, method)
     assert run.status == 0
     assert "events vary too quickly, or are not finite, at t = 77 s" in run.notice
     assert np.min(np.abs(run.events["e"].t - 76)) < 1e-9
 
 
-def test_what_has_no_bounds_is_told(compiled):
+def test_what_has_no_bounds_is_reported(compiled):
     curve = eom.Table("curve", [-2.0, 0.0, 2.0], [-2.5, 0.0, 2.5], kind="pchip")
     run = zeros_of(compiled["oscillator"], (1.0, 0.0), (0, 6.0), curve(x) - 1, "DOP853")
     assert "event e has no bounds between values" in run.notice

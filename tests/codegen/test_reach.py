@@ -112,7 +112,7 @@ def test_every_operation_has_a_row_or_needs_none() -> None:
     assert sum(map(len, kinds)) == len(OPS)
 
 
-def test_an_operation_without_a_row_is_told() -> None:
+def test_an_operation_without_a_row_is_reported() -> None:
     with pytest.raises(InputError, match="no reach"):
         reach_of("add", [1.0, 2.0], 10)
 

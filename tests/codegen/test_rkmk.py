@@ -186,7 +186,7 @@ def test_a_paused_run_goes_on_as_if_it_had_not_paused(top, monkeypatch):
     np.testing.assert_allclose(parts.sol(whole.t), whole.y, rtol=0, atol=1e-14)
 
 
-def test_a_needle_that_momentum_cannot_tell_is_refused_not_lost(free):
+def test_a_needle_that_momentum_cannot_resolve_is_refused_not_lost(free):
     """H/I3 has the rounding error 1e-4 of its rate: the run says so at its start, and keeps it."""
     end = run(free, [1, 2, 3, *START], (0, 1), (1, 1, 1e-12))
     assert end.status == -1
@@ -235,7 +235,7 @@ def test_small_components_are_held_as_well_as_large_ones(top):
         assert ours.notice == ""
 
 
-def test_what_rounding_of_the_momentum_hides_is_told(top):
+def test_what_rounding_of_the_momentum_hides_is_reported(top):
     """A rate of 1e-6 rad/s beside one of 20 has no more than nine digits: asked for or not."""
     ends = [run(top, NEARLY_UPRIGHT, (0, 2), WIDE, rtol) for rtol in (1e-12, 1e-14)]
     assert all(e.status == 0 and e.notice.startswith("rounding of the momentum is") for e in ends)
@@ -245,7 +245,7 @@ def test_what_rounding_of_the_momentum_hides_is_told(top):
         assert run(top, FAST, (0, 2), TOP, rtol).notice == ""
 
 
-def test_rates_that_fail_on_the_way_are_told():
+def test_rates_that_fail_on_the_way_are_reported():
     """A torque with a pole at t = 1."""
     compiled = compile_system(body((1 / (1 - TIME), 0, 0), name="pole"), "c")
     end = run(compiled, [0.1, 0.2, 0.3, 1, 0, 0, 0], (0, 2), (1, 1.4, 2))

@@ -1,4 +1,4 @@
-"""How good a run is: errors that are known, runs that are wrong, horizons, growth, what cannot be told."""
+"""How good a run is: errors that are known, runs that are wrong, horizons, growth, what cannot be said."""
 
 import copy
 import math
@@ -183,7 +183,7 @@ def test_a_spin_about_the_intermediate_axis_over_a_thousand_seconds():
     assert true.max() / 10 < judged.relative.max() < 10 * true.max()
 
 
-def test_small_states_are_told_by_name_if_they_are_not_rounding():
+def test_small_states_are_reported_by_name_if_they_are_not_rounding():
     """Beside an oscillation of size one: a small one without error control, and one that is zero."""
     rates = {"x": v, "v": -x, "y": w, "w": -(10**6) * y, "z": x - sp.cos(TIME)}
     start = {"x": 1.0, "v": 0.0, "y": 1e-15, "w": 0.0, "z": 0.0}
@@ -280,7 +280,7 @@ def test_an_implicit_second_run_is_compared_at_ends_of_its_steps(monkeypatch):
     assert off(found.at_end["x"], abs(run.y_stop[0] - exact)) < 3
 
 
-def test_a_second_run_that_takes_too_long_is_told(lorenz):
+def test_a_second_run_that_takes_too_long_is_reported(lorenz):
     run = codegen.simulate(lorenz, [1, 1, 1], (0, 2000), method="taylor", t_eval=[2000])
     found = run.accuracy(limit=0.0)
     assert not found.known

@@ -238,10 +238,10 @@ def test_each_trajectory_of_an_ensemble_has_its_own_scales():
         np.testing.assert_array_equal(part["x"], found["x"][:, :40])
 
 
-# --- what is told ---------------------------------------------------------------------------------
+# --- what is reported ---------------------------------------------------------------------------------
 
 
-def test_a_start_without_any_scale_is_told_where_steps_are_made():
+def test_a_start_without_any_scale_is_reported_where_steps_are_made():
     """A pulse at t = 5 moves what rests at zero; a tolerance that is given says enough."""
     pulse = {X: V, V: -X + sp.exp(-((TIME - 5) ** 2) * 1000)}
     system = System.from_rates("struck", pulse)
@@ -253,23 +253,23 @@ def test_a_start_without_any_scale_is_told_where_steps_are_made():
     assert not simulate(compiled, (1, 0), (0, 1), method="scipy:RK45").notice
 
 
-def test_one_state_is_told_in_the_singular():
+def test_one_state_is_reported_in_the_singular():
     units = [Quantity(X, "m", "place"), Quantity(Y, "kg", "mass")]
     assert [q.name for q in units] == ["x", "y"]
     system = System.from_rates("rest", {X: -X, Y: Y})
     layout = codegen.frontend.layout.Layout.of(system)
     layout = codegen.frontend.layout.replace(layout, states=tuple(units))
-    _, told = scales.defaults(
+    _, reported = scales.defaults(
         lambda t, x: np.array([-x[0], x[1]]), layout, np.array([[1.0], [0.0]]), (0.0, 1.0), 1e-6
     )
-    assert told.startswith(
+    assert reported.startswith(
         "no scale is known for y, which starts at zero and at rest: its absolute"
     )
 
 
 @pytest.mark.sparse(3)
 @pytest.mark.parametrize("problem", PROBLEMS, ids=lambda p: p.name)
-def test_ordinary_problems_are_told_nothing(problem):
+def test_ordinary_problems_report_nothing(problem):
     compiled = compile_system(problem.system, "numpy")
     start = [problem.start[n] for n in compiled.system.state_names]
     run = simulate(compiled, start, (0, problem.end), problem.parameters, "scipy:RK23", 1e-2,
@@ -292,6 +292,6 @@ def test_ready_scenes_start_with_scales():
         def rates(t, y, p=p, u=u, compiled=compiled):
             return compiled.rhs(t, y, p, u)
 
-        found, told = scales.defaults(rates, layout, x[:, None], (0.0, 10.0), 1e-9)
-        assert not told, name
+        found, reported = scales.defaults(rates, layout, x[:, None], (0.0, 10.0), 1e-9)
+        assert not reported, name
         assert np.all(found > 0)

@@ -1,4 +1,4 @@
-"""What implicit methods of SciPy are told of a system: derivatives, or which rates hear of which states."""
+"""What implicit methods of SciPy are given of a system: derivatives, or which rates hear of which state."""
 
 import numpy as np
 import pytest

@@ -325,12 +325,12 @@ def test_a_short_span_and_one_far_from_zero_are_reached(built, method):
         assert result.y[1, -1] == pytest.approx(-math.sin(span[1] - span[0]), rel=1e-5, abs=1e-9)
 
 
-def test_progress_is_told_up_to_the_end(built, method):
-    told = []
-    simulate(built(OSCILLATOR), (1.0, 0.0), (0, 50), [1.0], method, 1e-6, progress=told.append)
-    assert told[-1] == 1.0
-    assert told == sorted(told)
-    assert all(0 <= f <= 1 for f in told)
+def test_progress_is_reported_up_to_the_end(built, method):
+    shares = []
+    simulate(built(OSCILLATOR), (1.0, 0.0), (0, 50), [1.0], method, 1e-6, progress=shares.append)
+    assert shares[-1] == 1.0
+    assert shares == sorted(shares)
+    assert all(0 <= f <= 1 for f in shares)
 
 
 # --- singular configurations --------------------------------------------------------------------------
@@ -419,7 +419,7 @@ def test_a_spinner_with_spin_stops_where_an_independent_solver_says(built, margi
 
 
 def test_crossing_between_two_steps_is_seen(built, method):
-    """A loose tolerance and steps of 1 rad: no step ends near the singularity, the sign tells."""
+    """A loose tolerance and steps of 1 rad: no step ends near the singularity, the sign shows it."""
     result = simulate(
         built(LINEAR), linear(), (0, 40), EQUAL, method, 1e-2, max_step=2, margin=1e-9
     )

@@ -333,7 +333,7 @@ def test_a_tolerance_that_takes_too_many_steps_is_refused(top):
     np.testing.assert_array_equal(end.y_stop, UPRIGHT)
 
 
-def test_a_given_step_stays_and_its_error_is_told(top):
+def test_a_given_step_stays_and_its_error_is_reported(top):
     end = run(top, FAST, (0, 4), TOP, 0.2, rtol=1e-12)
     assert end.steps == 20
     assert "steps of 0.2 s, as given, have local errors of up to" in end.notice
@@ -418,7 +418,7 @@ def test_a_singularity_stops_the_run(top):
     np.testing.assert_array_equal(end.y[:, -1], end.y_stop)
 
 
-def test_numbers_that_fail_are_told(free):
+def test_numbers_that_fail_are_reported(free):
     moments = sp.symbols("D1:4", real=True)
     loose = compile_system(driven((0, 0, 0), "loose", moments), "c")
     assert run(loose, [1, 2, 0.3, *START], (0, 1), (1, 2, 3), 0.1).status == 0

@@ -72,19 +72,19 @@ def test_large_sparse_systems_are_solved_as_such(extra, monkeypatch, known):
     """The same motion as with full matrices; differences or the generated Jacobian fill them."""
     count = 30
     monkeypatch.setattr(scipy_, "SPARSE_FROM", count)
-    compiled, start, told = rod(count, "numpy"), np.linspace(1, 0.2, count), []
+    compiled, start, reported = rod(count, "numpy"), np.linspace(1, 0.2, count), []
     if known:
         compiled.jacobian("states")
     solver = sundials.Solver
-    monkeypatch.setattr(sundials, "Solver", lambda *a, **o: told.append(o) or solver(*a, **o))
+    monkeypatch.setattr(sundials, "Solver", lambda *a, **o: reported.append(o) or solver(*a, **o))
     runs = []
     for least in (count + 1, count):
         monkeypatch.setattr(sundials, "SPARSE_FROM", least)
         runs.append(simulate(compiled, start, (0, 0.1), {"k": 500.0}, "sundials:BDF", 1e-7))
     full, sparse = runs
     np.testing.assert_allclose(sparse.y_stop, full.y_stop, rtol=1e-6)
-    assert [o.get("linsolver", "dense") for o in told] == ["dense", "sparse"]
-    assert ["jacfn" in o for o in told] == [known, known]
+    assert [o.get("linsolver", "dense") for o in reported] == ["dense", "sparse"]
+    assert ["jacfn" in o for o in reported] == [known, known]
     if known:
         assert sparse.nfev < 2 * sparse.steps + 20
 
@@ -93,10 +93,10 @@ def test_sparse_jacobians_are_filled_by_columns_with_their_diagonal(extra):
     """The third row has no entry on the diagonal, and rows come in another order than columns."""
     entries = np.array([5.0, 7.0, 11.0])
     rows, columns = (0, 0, 2), (0, 2, 0)
-    told = sundials.Derivatives(lambda t, x: entries, rows, columns, sparse=True).options(3)
-    values = np.full(told["sparsity"].nnz, np.nan)
-    told["jacfn"](0.0, np.zeros(3), np.zeros(3), values)
-    matrix = told["sparsity"]
+    reported = sundials.Derivatives(lambda t, x: entries, rows, columns, sparse=True).options(3)
+    values = np.full(reported["sparsity"].nnz, np.nan)
+    reported["jacfn"](0.0, np.zeros(3), np.zeros(3), values)
+    matrix = reported["sparsity"]
     matrix.data[:] = values
     expected = np.zeros((3, 3))
     expected[list(rows), list(columns)] = entries

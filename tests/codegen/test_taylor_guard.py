@@ -199,7 +199,7 @@ def test_slopes_of_parameters():
         assert abs(found.y[0, -1] - right) <= 1e-6
 
 
-def test_what_overflows_before_its_pulse_is_told():
+def test_what_overflows_before_its_pulse_is_reported():
     """cosh is infinite long before 1000: the series are not numbers, which ends the run."""
     system = System.from_rates("overflow", {x: 1 / sp.cosh(50 * (t - 1000)) ** 2})
     found = codegen.simulate(system, [0.0], (0, 1010), None, "taylor", 1e-9)

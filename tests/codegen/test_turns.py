@@ -116,7 +116,7 @@ def test_every_method_counts_turns(method):
     assert notice == ""
 
 
-def test_turns_that_nobody_knows_are_told_and_the_attitude_is_right(monkeypatch):
+def test_turns_that_nobody_knows_are_reported_and_the_attitude_is_right(monkeypatch):
     """Without dense output nothing is known between stored times."""
     known = turns.counted
 

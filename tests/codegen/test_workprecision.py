@@ -1,4 +1,4 @@
-"""Run time against error: references, programs, what is refused, and how it is told."""
+"""Run time against error: references, programs, what is refused, and how it is reported."""
 
 import importlib.util
 import json
@@ -52,7 +52,7 @@ def test_reference_has_more_digits_than_doubles(known):
     np.testing.assert_allclose(known.scale, [0.5, 1.0], rtol=0.05)
 
 
-def test_errors_below_that_of_the_reference_are_not_told():
+def test_errors_below_that_of_the_reference_are_not_reported():
     known = Reference(np.array([1.0, 2.0]), np.zeros(2), np.array([1.0, 4.0]), 1e-6, "made up")
     assert known.measured(np.array([1.0, 2.4])) == (pytest.approx(0.1), True)
     assert known.measured(np.array([1.0 + 1e-7, 2.0])) == (1e-6, False)

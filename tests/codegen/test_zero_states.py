@@ -193,7 +193,7 @@ def failures(program, point, system=None, got=None):
 
 
 def is_singular(system, point):
-    """Tell whether the mass matrix is singular, in 50 digits."""
+    """Return whether the mass matrix is singular, in 50 digits."""
     if system.mass_matrix is None:
         return False
     groups = system.states, system.parameters, system.inputs
@@ -208,7 +208,7 @@ def is_singular(system, point):
 
 
 def limit_exists(program, point, group, k):
-    """Tell whether the values agree at two distances in three directions, two of them opposite."""
+    """Return whether the values agree at two distances in three directions, two of them opposite."""
     rng = np.random.default_rng(7)
     one = prune(Program(program.instructions, {"f": (program.results[group][k],)}))
     numbers = [*point.x, *point.p, *point.u]

@@ -295,7 +295,7 @@ def test_open_mesh_of_a_file_is_refused(tmp_path):
         mesh_properties(*read_mesh(tmp_path / "open.obj"))
 
 
-def test_without_trimesh_the_command_is_told(tmp_path, monkeypatch):
+def test_without_trimesh_the_command_is_named(tmp_path, monkeypatch):
     (tmp_path / "t.obj").write_text(OBJ)
 
     def absent(name):

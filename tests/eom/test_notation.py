@@ -259,7 +259,7 @@ def test_a_long_product_breaks_within_its_sum():
     assert written.endswith(r"x_{9}^{2} \bigr)")
 
 
-def test_derivatives_tell_columns_from_vectors():
+def test_derivatives_distinguish_columns_from_vectors():
     """d[h]_B/dt and [dh/dt]_B differ; no notation may write them alike."""
     for notation in ALL.values():
         kinds = {write(t, notation) for t in (der(column(H, "B")), column(der(H), "B"))}

@@ -23,7 +23,7 @@ def matrix_of(reading):
 
 @pytest.mark.parametrize("name", every(4, SEQUENCES))
 @pytest.mark.parametrize("transposed", [False, True])
-def test_every_sequence_is_told_and_its_transpose(name, transposed):
+def test_every_sequence_is_reported_and_its_transpose(name, transposed):
     C = rotation_sequence(name, (a, b, c)).matrix
     first, *others = recognise((C.T if transposed else C).tolist())
     words = f"a {name} sequence with angles a, b, c"

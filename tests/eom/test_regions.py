@@ -193,7 +193,7 @@ def test_bad_regions_are_refused_by_name_and_place(region, what, got):
     assert caught.value.where
 
 
-def test_place_of_a_negative_density_is_told():
+def test_place_of_a_negative_density_is_reported():
     with pytest.raises(InputError) as caught:
         check(box((a, 1, 1), 1 - x), {"a": 3.0})
     assert caught.value.where.startswith("x = 3, y = ")
@@ -212,7 +212,7 @@ def test_sizes_are_checked():
             check(region, sizes)
 
 
-def test_orientation_that_depends_on_sizes_is_told():
+def test_orientation_that_depends_on_sizes_is_reported():
     c = sp.Symbol("c", real=True)
     region = Region((c * u, v, w), ((u, 0, 1), (v, 0, 1), (w, 0, 1)))
     check(region, {"c": 2.0})

@@ -46,7 +46,7 @@ def test_the_first_integrals_of_one_body_stay_states_where_their_pass_is_off():
     assert "tau_1" in free.derive(off=["torque", "outputs"]).input_names
 
 
-def test_what_a_tree_leaves_out_is_told_as_of_one_body():
+def test_what_a_tree_leaves_out_is_reported_as_of_one_body():
     one, many = asked(ONE, "omega_3").explain(), asked("pendulum-on-cart", "u_hinge1").explain()
     why = "neither the requested outputs nor the rates that they need depend on them"
     assert why in str(one)

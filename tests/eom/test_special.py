@@ -54,7 +54,7 @@ def test_frames_are_rotations():
                 assert entry.coefficients == (int(i == j), 0, 0, 0, 0)
 
 
-def test_the_numbers_told_fulfil_eulers_equations():
+def test_the_numbers_reported_fulfil_eulers_equations():
     for special in specials():
         inertia, rates, growth, torque = (text for _, text in special.data)
         if not inertia.startswith(r"\mathrm{diag}"):

@@ -149,7 +149,7 @@ def test_hurwitz_determinants_of_the_cubic_are_the_printed_ones():
 
 @examples(60)
 @given(st.tuples(*[nonzero(0.05, 3)] * 4))
-def test_hurwitz_determinants_tell_the_side_of_the_roots(roots):
+def test_hurwitz_determinants_show_the_side_of_the_roots(roots):
     coefficients = [sp.Rational(x) for x in np.poly([roots[0], roots[1], *_pair(*roots[2:])]).real]
     positive = all(d > 0 for d in hurwitz_determinants(coefficients))
     assert positive == (max(roots[:3]) < 0)

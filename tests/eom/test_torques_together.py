@@ -136,7 +136,7 @@ def test_a_spinner_speaks_of_its_moments():
         Scene(model="spinner", body={"moments": [0.06, 0.12]}, initial={"Omega": "I3"})
 
 
-def test_a_start_that_is_no_number_is_told():
+def test_a_start_that_is_no_number_is_reported():
     given = scene(initial={"omega_1": "sqrt(I1 - I2)", "omega_2": 0, "omega_3": 0})
     with pytest.raises(InputError, match="no finite number"):
         given.initial_values()

@@ -34,7 +34,7 @@ DISTANCES = tuple(10.0**-k for k in range(1, 11))
 SMALL_MARGIN = 1e-12
 MARGIN_PART = 0.1
 """By which part of the distance the reported margin may differ from it, beside the errors of the steps: it
-is told over steps, and these come near enough."""
+is reported over steps, and these come near enough."""
 STOP_SLACK = 1e-3
 SINGULAR, UNMET = "is singular", "cannot be met"
 """Parts of the messages of `codegen.simulate`."""
@@ -131,7 +131,7 @@ def _pass(
 
 
 def _through(_: Compiled, way: Passage, what: str, result: Result, rtol: float) -> list[Figure]:
-    """The run comes to the end with the error that it may have, and tells how near it was.
+    """The run comes to the end with the error that it may have, and reports how near it was.
 
     Where the rounding of an angle is more, beside the distance, than a coarser tolerance, it may also end
     and say that this tolerance cannot be met.

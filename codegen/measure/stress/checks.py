@@ -33,7 +33,7 @@ CHECKS = (
         "errors over three decades of steps (--quick: 1.5) from many starts at rtol 2^-52, "
         "constants in 50 digits, "
         "phases by the closed form; straight lines through logarithms, bars by resampled starts",
-        "Brouwer, Astron. J. 46 (1937) 149; for methods with compensated sums, others are told beside it",
+        "Brouwer, Astron. J. 46 (1937) 149; for methods with compensated sums, others are shown beside it",
         long_run,
     ),
     Check(
@@ -75,7 +75,7 @@ CHECKS = (
         "a run to the end and back comes back to the start",
         "steps x amplification on the way back x rtol",
         "all methods on all reference problems at rtol 1e-9",
-        "as for tolerances; where errors grow too much on the way back, that is told",
+        "as for tolerances; where errors grow too much on the way back, that is reported",
         there_and_back,
     ),
     Check(
@@ -133,7 +133,7 @@ def chosen(names: tuple[str, ...]) -> tuple[Check, ...]:
 
 
 SCHEMA = 1
-TOLD = 20
+PRINTED = 20
 """Failing figures of one check that are printed; the data hold all."""
 
 
@@ -175,21 +175,21 @@ def _against(figure: Figure) -> str:
 
 
 def lines(outcomes: Sequence[Outcome]) -> list[str]:
-    """Return what failed, what is told without a bound, and what was not measured, a line each."""
+    """Return what failed, what is printed without a bound, and what was not measured, a line each."""
     found = []
     for o in outcomes:
         name, failing = o.check.name, [f for f in o.findings.figures if not f.passed]
-        found += [f"{name}: {FAIL}: {_line(f)}" for f in failing[:TOLD]]
-        if len(failing) > TOLD:
-            found.append(f"{name}: {FAIL}: {len(failing) - TOLD} more")
+        found += [f"{name}: {FAIL}: {_line(f)}" for f in failing[:PRINTED]]
+        if len(failing) > PRINTED:
+            found.append(f"{name}: {FAIL}: {len(failing) - PRINTED} more")
         found += [f"{name}: {_line(f)}" for f in _notable(o.findings)]
         found += [f"{name}: not measured: {reason}" for reason in o.findings.absent]
     return found
 
 
 def _notable(findings: Findings) -> list[Figure]:
-    """Return figures without a bound, and those that are told in any case."""
-    return [f for f in findings.figures if f.passed and (f.bound is None or f.told)]
+    """Return figures without a bound, and those that are printed in any case."""
+    return [f for f in findings.figures if f.passed and (f.bound is None or f.shown)]
 
 
 def _line(figure: Figure) -> str:

@@ -2,7 +2,7 @@
 
 Each trial is run as it says and asked how good it is. Its true error is the difference from expressions in
 elementary functions at 50 digits, or from a Taylor series of many digits whose own error a second one with
-fewer tells. Errors are relative to the sizes that the estimate has, the largest over the states. No
+fewer says. Errors are relative to the sizes that the estimate has, the largest over the states. No
 true error counts as less than the rounding of the states that are stored.
 """
 
@@ -38,7 +38,7 @@ WITHIN = 10.0
 SHARE = 0.1
 """Part of the trials in which it may be larger."""
 CONFIRMED = 0.01
-"""Own error of a reference over the error that it tells, at most."""
+"""Own error of a reference over the error that it reports, at most."""
 
 States = Sequence[Sequence[Fraction]]
 
@@ -50,7 +50,7 @@ class Measured:
     name: str
     end: tuple[float, float]
     largest: tuple[float, float]
-    told: str
+    text: str
 
     @property
     def too_small(self) -> float:
@@ -80,16 +80,16 @@ def accuracy_estimate(material: Material, plan: Plan) -> Findings:
             measured.append(one)
             note = (
                 f"end {one.end[0]:.1e}, true {one.end[1]:.1e}; largest {one.largest[0]:.1e}, "
-                f"true {one.largest[1]:.1e}; {one.told}"
+                f"true {one.largest[1]:.1e}; {one.text}"
             )
             what = f"{one.name}: estimate too small by"
-            found.figures.append(Figure(what, one.too_small, WITHIN, note, told=True))
+            found.figures.append(Figure(what, one.too_small, WITHIN, note, shown=True))
         plan.progress((k + 1) / len(chosen))
     wrong = [m.name for m in measured if not m.off <= WITHIN]
     most = math.floor(SHARE * len(chosen))
     off = len(wrong) + len(chosen) - len(measured)
     found.figures.append(
-        Figure("trials off by more than ten", off, most, "; ".join(wrong), told=True)
+        Figure("trials off by more than ten", off, most, "; ".join(wrong), shown=True)
     )
     return found.findings()
 

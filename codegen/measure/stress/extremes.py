@@ -44,7 +44,7 @@ WALK = 3.0
 NOTABLE = 2.0
 """Digits that a change of one step may cost, from which on that is printed."""
 LOST = 0.1
-"""Relative error at which a result tells nothing; beyond it figures are not compared."""
+"""Relative error at which a result shows nothing; beyond it figures are not compared."""
 NOISE = 8 * EPSILON
 """Rounding of the two closed forms themselves."""
 
@@ -193,9 +193,9 @@ def _figure(known: Reference, method: str, result: Result, cost: float, rtol: fl
         finite = bool(np.isfinite(result.y).all())
         text = f"all may be lost; error {error:.1e}; {note}"
         return Figure(
-            f"{what}: finite", 0.0 if finite else math.inf, 0.0, text, told=method in HELD
+            f"{what}: finite", 0.0 if finite else math.inf, 0.0, text, shown=method in HELD
         )
-    return Figure(what, error, bound, note, told=method in HELD and digits > NOTABLE)
+    return Figure(what, error, bound, note, shown=method in HELD and digits > NOTABLE)
 
 
 RATIO = 2.0**29
@@ -203,7 +203,7 @@ RATIO = 2.0**29
 POINTS = 8
 NEAR = 1e-2
 """A bound of first order says nothing where it is a larger part of the value."""
-LEAST_TOLD = 0.5
+LEAST_DECIDED = 0.5
 """Share of the values at least for which the bound has to say something."""
 TINY = 1e-30
 
@@ -235,12 +235,14 @@ def _scene(case: Case, found: Collector) -> None:
             shares += _shares(compiled, group, point, single)
         what = f"{case.name}: {group}"
         total = count * len(result.t)
-        note = f"{len(shares)} of {total} values told by the bound"
+        note = f"{len(shares)} of {total} values decided by the bound"
         found.figures.append(
             Figure(f"{what}: error over bound", max(shares, default=0.0), 1.0, note)
         )
-        told = 1.0 - len(shares) / max(1, total)
-        found.figures.append(Figure(f"{what}: not told by the bound", told, 1 - LEAST_TOLD, note))
+        unbound = 1.0 - len(shares) / max(1, total)
+        found.figures.append(
+            Figure(f"{what}: not decided by the bound", unbound, 1 - LEAST_DECIDED, note)
+        )
 
 
 def _rounded(values: Array) -> list[float]:

@@ -43,7 +43,7 @@ class Known:
         return Held(rates, count, self.parameters, self.inputs, self.layout.attitudes)
 
     def differs(self, rates: Sequence[Expr]) -> bool:
-        """Tell whether rates have other values than those of the system, as far as three points say."""
+        """Return whether rates have other values than those of the system, as far as three points say."""
         given = [*self.system.parameters, *self.system.inputs]
         moving = [self.system.time, *(q.symbol for q in self.system.states)]
         values = dict(zip([q.symbol for q in given], [*self.parameters, *self.inputs], strict=True))

@@ -49,7 +49,7 @@ HIDDEN = 2 * EPSILON
 BAR = 3.0
 """Standard deviations of an error bar: there are many exponents, and none is to fail by chance."""
 LARGEST_BAR = 0.4
-"""An exponent that is known to less tells nothing."""
+"""An exponent that is known to less shows nothing."""
 
 
 @dataclass(frozen=True)

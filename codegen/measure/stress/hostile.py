@@ -127,7 +127,7 @@ def _tried(
 
 
 def trusted(result: Result, compiled: Compiled) -> bool:
-    """Tell whether nothing warns of a result: it was reached, and the run has no notice of its own."""
+    """Return whether nothing warns of a result: it was reached, and the run has no notice of its own."""
     return result.status >= 0 and result.notice in {"", compiled.notice}
 
 

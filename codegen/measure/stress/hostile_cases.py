@@ -35,7 +35,7 @@ class Hostile:
     ``fine``: instants with a width: what happens there is so narrow. ``knots``: instants where the
     rates jump or bend. ``step``: what is narrow in the states needs steps of at most so many
     seconds. ``stiff``: an implicit method confirms the reference. These four are for the reference
-    alone: no method that is checked is told. ``moments``: of the body whose angular velocity and, as a
+    alone: no method that is checked is given it. ``moments``: of the body whose angular velocity and, as a
     rule, attitude are among the states; the system states it, as one that a derivation makes does.
     """
 

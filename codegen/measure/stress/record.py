@@ -20,16 +20,16 @@ PASS, FAIL, ABSENT = "pass", "FAIL", "not measured"
 
 @dataclass(frozen=True)
 class Figure:
-    """One number against its bound; without a bound it is told for comparison. NaN never passes.
+    """One number against its bound; without a bound it is printed for comparison. NaN never passes.
 
-    ``told``: printed even where it passes.
+    ``shown``: printed even where it passes.
     """
 
     what: str
     value: float
     bound: float | None = None
     note: str = ""
-    told: bool = False
+    shown: bool = False
 
     @property
     def passed(self) -> bool:
@@ -102,7 +102,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Plan:
-    """What is measured: size, methods, seed; and where the fraction that is done is told."""
+    """What is measured: size, methods, seed; and where the fraction that is done is reported."""
 
     size: Size
     methods: tuple[str, ...] = METHODS

@@ -81,7 +81,7 @@ def random_scenes(material: Material, plan: Plan) -> Findings:
 def _figures(verdicts: Sequence[Verdict], trouble: Sequence[str], plan: Plan) -> list[Figure]:
     silent = [f"{v.title}: {s}" for v in verdicts for s in v.silent]
     ends = Counter(e for v in verdicts for e in v.ends)
-    told = ", ".join(f"{n} {e}" for e, n in sorted(ends.items()))
+    counts = ", ".join(f"{n} {e}" for e, n in sorted(ends.items()))
     compared = sum(v.compared for v in verdicts)
     lost = sum(v.lost for v in verdicts)
     drifting = max(verdicts, key=lambda v: _order(v.drift), default=Verdict("none"))
@@ -94,7 +94,7 @@ def _figures(verdicts: Sequence[Verdict], trouble: Sequence[str], plan: Plan) ->
         Figure("largest difference of two methods over its bound", apart.apart, 1.0, apart.title),
         Figure("fewer than half of the scenes compared", few, 0.0, f"{compared} pairs of runs compared"),
         Figure("scenes whose end may lose all digits", lost, None, f"of {plan.size.scenes}; not compared"),
-        Figure("runs", sum(ends.values()), None, told),
+        Figure("runs", sum(ends.values()), None, counts),
     ]  # fmt: skip
 
 

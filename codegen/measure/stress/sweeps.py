@@ -38,7 +38,7 @@ CHANGE = 1e-6
 FINE = 1e-12
 NODES = 8
 UNKNOWN = 1e5
-"""Amplification beyond which differences tell nothing more."""
+"""Amplification beyond which differences show nothing more."""
 
 
 @dataclass(frozen=True)

@@ -213,6 +213,6 @@ def _answers(connection: Connection, work: Callable[[Any], Any]) -> None:
             return
         try:
             answer: tuple[bool, Any] = (True, work(argument))
-        except Exception as error:  # whatever it is, it is told
+        except Exception as error:  # whatever it is, it is reported
             answer = (False, f"{type(error).__name__}: {error}")
         connection.send(answer)

@@ -19,7 +19,7 @@ from eom.errors import InputError
 from eom.system import System
 
 DIGITS = (24, 20)
-"""Of the run that counts, and of the one that tells how far it can be trusted."""
+"""Of the run that counts, and of the one that shows how far it can be trusted."""
 MAX_EXTENDED_STEPS = 20_000
 WORST = 1e-6
 TIGHT = {
@@ -75,7 +75,7 @@ class Reference:
     def measured(self, end: Array) -> tuple[float, bool]:
         """Return the error of ``end``, (n,), and whether it is known.
 
-        Below the reference's own error, that one is told.
+        Below the reference's own error, that one is reported.
         """
         found = self.distance(end)
         return (found, True) if found > self.error else (self.error, False)
@@ -111,13 +111,13 @@ def _extended(
         [case.parameters[n] for n in names_of(layout.parameters)],
         [case.inputs[n] for n in names_of(layout.inputs)],
     )
-    tell = progress or (lambda fraction: None)
-    parts = (lambda f: tell(0.6 * f), lambda f: tell(0.6 + 0.4 * f))
+    report = progress or (lambda fraction: None)
+    parts = (lambda f: report(0.6 * f), lambda f: report(0.6 + 0.4 * f))
     span, most = (0.0, case.end), MAX_EXTENDED_STEPS
     try:
         fine, coarse = (
-            extended.integrate(compiled.program, layout, values, span, digits, most, told)
-            for digits, told in zip(DIGITS, parts, strict=True)
+            extended.integrate(compiled.program, layout, values, span, digits, most, part)
+            for digits, part in zip(DIGITS, parts, strict=True)
         )
     except InputError:
         return None

@@ -55,7 +55,7 @@ class Point:
 
     ``error``: see `Reference.distance`; ``known``: false where it is below the reference's own,
     which then stands there. ``seconds``: the least of ``runs``; ``median``: of them. ``steps``: -1
-    where the program does not tell.
+    where the program does not say.
     """
 
     program: str
@@ -211,7 +211,7 @@ ERRORS = (1e-3, 1e-6, 1e-9, 1e-12)
 COMPARED = ("heyoka", "solve_ivp:DOP853", "solve_ivp:LSODA")
 """Programs that this project's fastest method is compared with."""
 SPREAD = 0.25
-"""Medians that exceed the least time by more are told."""
+"""Medians that exceed the least time by more are reported."""
 
 
 def names(points: Sequence[Point]) -> list[str]:

@@ -33,7 +33,7 @@ PEERS = ("DOP853", "LSODA", "Radau")
 
 @dataclass(frozen=True)
 class End:
-    """States at the end, seconds, and steps (-1: not told)."""
+    """States at the end, seconds, and steps (-1: not reported)."""
 
     y: Array
     seconds: float
@@ -134,10 +134,10 @@ def _solve_ivp(method: str) -> Program:
 
 
 def _watched(function: Callable[..., Any], limit: float) -> Callable[..., Any]:
-    told = watch(limit)
+    listener = watch(limit)
 
     def watched(t: float, x: Any) -> Any:
-        told(t)
+        listener(t)
         return function(t, x)
 
     return watched

@@ -545,7 +545,7 @@ def digits(given: Sequence[Number], true: Sequence[Number], size: Sequence[Numbe
 
 
 def likely(values: Sequence[Number], term: Sequence[Number], size: Sequence[Number]) -> bool:
-    """Tell whether a term may make the values, by the first of the points."""
+    """Return whether a term may make the values, by the first of the points."""
     if not all(map(MP.isfinite, (*values[:FEW], *term))) or not term[0]:
         return False
     factor = values[0] / term[0]

@@ -1,7 +1,7 @@
 """Whether a claim holds in its models, and the smallest sets of assumptions that it needs.
 
-`models_of` is where it is decided in which models: random worlds, solutions of the system of the note.
-Relations between free scalars hold or not by themselves (`eom.checker.mean.parameters`).
+`row_of` is where it is decided in which models: random worlds, solutions of the system of the note, numbers
+for free scalars.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from eom.checker.judge.inequalities import (
     sign,
 )
 from eom.checker.judge.models import MAX_TESTS, Models, Search, Worlds
+from eom.checker.judge.scalars import Scalars
 from eom.checker.judge.systems import Solutions, on_solutions
-from eom.checker.mean import parameters
 from eom.checker.mean.claims import DEFINITION, SAME_POINT, STATEMENT, Claim
 from eom.errors import InputError
 from eom.terms.terms import Term
@@ -47,24 +47,27 @@ class Judgement:
     reason: str = ""
 
 
+def row_of(claim: Claim) -> type[Models]:
+    """Return the kind of the models of a claim."""
+    if claim.parameters is not None:
+        return Scalars
+    return Solutions if on_solutions(claim) else Worlds
+
+
 def models_of(
     claim: Claim, given: Iterable[str] = (), scalars: Mapping[Any, Term] | None = None
 ) -> Models:
     """Return the models of a claim; ``scalars``: what its symbols stand for, if other than it says."""
-    row = Solutions if on_solutions(claim) else Worlds
-    return row(claim, claim.scalars if scalars is None else scalars, tuple(given))
+    return row_of(claim)(claim, claim.scalars if scalars is None else scalars, tuple(given))
 
 
 def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     """Return whether a claim holds beyond what is ``given``, and under what else.
 
-    A claim with findings is judged by what is left of it; without members it is undecided. One about the
-    system of its note is judged on the solutions of that.
+    A claim with findings is judged by what is left of it; without members it is undecided.
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
-    if claim.parameters is not None:
-        return _between_scalars(claim)
-    given, ordered = tuple(given), ORDERS & set(claim.relations) and not on_solutions(claim)
+    given, ordered = tuple(given), ORDERS & set(claim.relations) and row_of(claim) is Worlds
     if ordered and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
     search = Search(models_of(claim, given))
@@ -116,18 +119,13 @@ def _beyond(search: Search) -> Judgement:
     if doubt:
         return Judgement(UNDECIDED, reason=doubt)
     shown = [models.shown(s | models.own(context)) for s in search.sets()]
-    sets = tuple(sorted(shown, key=models.rank))
+    sets = tuple(sorted(filter(None, shown), key=models.rank))
     refuted = (tuple(sorted(base)), search.seeds[base]) if base in search.seeds else None
-    names = claim.kind == SAME_POINT or (not sets and models.names_scalars)
-    verdict = DEFINITION if names else UNDER if sets else WRONG
+    names = claim.kind == SAME_POINT or (not shown and models.names_scalars)
+    verdict = DEFINITION if names else UNDER if shown else WRONG
     complete = search.tests < MAX_TESTS and not search.stopped
-    why = models.why(search) if verdict == WRONG else ""
+    why = "" if sets else models.why(search)
     return Judgement(verdict, sets, context, refuted, complete, why)
-
-
-def _between_scalars(claim: Claim) -> Judgement:
-    found = parameters.links(claim)
-    return Judgement(parameters.verdict(found, claim) or UNDECIDED, reason=parameters.reason(found))
 
 
 def _ordered(claim: Claim, given: tuple[str, ...]) -> Judgement:

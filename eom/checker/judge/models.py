@@ -2,7 +2,8 @@
 
 A row of the protocol (`Models`) draws models under names of assumptions; in each of them (`Drawn`) terms
 have values, and what a claim says holds or does not. `Worlds` are random exact worlds, for claims about
-mechanics in general; `eom.checker.judge.systems.Solutions` are those of the system that a note is about.
+mechanics in general; `eom.checker.judge.systems.Solutions` are those of the system that a note is about;
+`eom.checker.judge.scalars.Scalars` are numbers for letters that no world knows.
 
 A claim that holds under some assumptions holds under more; so the search in worlds starts from the
 largest sets that can stand together, shrinks each to a smallest one, and leaves out one member of it at a
@@ -72,9 +73,9 @@ class Drawn(ABC):
         values = self.values(term)
         return values[0] if values and len(values) == 1 else None
 
-    @abstractmethod
-    def values(self, term: Term) -> list[int] | None:
-        """Return the components of a term at t = 0, None where it has none."""
+    def values(self, term: Term) -> list[int] | None:  # noqa: ARG002
+        """Return the components of a term at t = 0, None where it has none in the field."""
+        return None
 
     @abstractmethod
     def agrees(self, said: Said) -> bool:
@@ -92,7 +93,7 @@ class Models(ABC):
     scalars: Mapping[Any, Term]
     given: tuple[str, ...] = ()
 
-    undefined: ClassVar[str]
+    undefined: ClassVar[str] = "the claim has no value"
     """What is said of a claim without a value in all models that were drawn."""
     names_scalars = False
     """Whether the claim is about free scalars alone: it says what they are."""
@@ -107,13 +108,13 @@ class Models(ABC):
     def order(self) -> Iterable[str]:
         """Everything that may be assumed, the most special last."""
 
-    @abstractmethod
     def contexts(self) -> Iterator[tuple[str, ...]]:
         """Yield what may have to be assumed so that the claim has a value, the simplest first."""
+        yield ()
 
-    @abstractmethod
     def closed(self, names: Iterable[str]) -> frozenset[str]:
-        """Return names with all that they need. Raises `InputError` for contradictions."""
+        """Return those names that may be assumed, with all that they need. Raises `InputError`."""
+        return frozenset(self.order).intersection(names)
 
     @abstractmethod
     def draw(self, names: frozenset[str]) -> Iterator[Drawn]:
@@ -123,9 +124,9 @@ class Models(ABC):
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield sets beyond a base under which the claim holds, each of them a smallest one."""
 
-    @abstractmethod
-    def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:
+    def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:  # noqa: ARG002
         """Yield models where terms have values: without more than is given, and one of each level."""
+        return iter(())
 
     def needs(self, name: str) -> frozenset[str]:
         """Return an assumption with all that it needs."""
@@ -148,7 +149,7 @@ class Models(ABC):
         return ""
 
     def why(self, search: Search) -> str:  # noqa: ARG002
-        """Say what is wrong with what does not hold, "" where that is not known."""
+        """Say what is wrong with what does not hold, or what it needs beyond sets; "" if not known."""
         return ""
 
     def shown(self, names: frozenset[str]) -> tuple[str, ...]:

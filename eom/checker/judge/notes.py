@@ -12,11 +12,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
+from eom.checker.judge.judge import judge
 from eom.checker.judge.laws import firsts
+from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import covered
 from eom.checker.mean.claims import Claim, Relation, claims, defined
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.parameters import Known, limited, named, read
+from eom.checker.mean.parameters import limited, named, read
 from eom.checker.mean.roles import (
     CLAIM,
     LAW,
@@ -214,8 +216,10 @@ class _Context:
             if not _gaps(other) and says(other):
                 return other
         scalars = read(statement, self.lexicon, own.named, own.relations, defining=own.defining)
-        if scalars is not None or _gaps(new):
-            return new if scalars is None else scalars
+        if scalars is not None and all(judge(c).verdict != UNDECIDED for c in scalars):
+            return scalars
+        if _gaps(new):
+            return new
         what = Finding(UNDECIDED, "what this integral says is no identity", statement.span)
         return tuple(replace(c, findings=(*c.findings, what)) for c in new)
 

@@ -204,14 +204,6 @@ class Solutions(Models):
         """What may be assumed besides."""
         return tuple(self.possible)
 
-    def contexts(self) -> Iterator[tuple[str, ...]]:
-        """Yield that nothing has to be assumed for a value."""
-        yield ()
-
-    def closed(self, names: Iterable[str]) -> frozenset[str]:
-        """Return those names that may be assumed besides; others are passed over."""
-        return frozenset(n for n in names if n in self.possible)
-
     def draw(self, names: frozenset[str]) -> Iterator[OnSolution]:
         """Yield points of solutions that keep restrictions."""
         try:

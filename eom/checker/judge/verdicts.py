@@ -20,11 +20,10 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge, row_of
 from eom.checker.judge.laws import own
 from eom.checker.judge.models import CHANCE, MODELS, Worlds, addends, equations
 from eom.checker.judge.notes import Understood
-from eom.checker.judge.systems import on_solutions
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED
@@ -148,7 +147,7 @@ def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Jud
     if found.verdict == claim.verdict:
         return Judged(claim, found, claim.verdict, _why(claim))
     if found.verdict == WRONG and understood.role != ASSUMPTION and _gives(claim):
-        return Judged(claim, found, UNDECIDED, "a number that is given; nothing here tells it")
+        return Judged(claim, found, UNDECIDED, "a number that is given; nothing here determines it")
     role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
     return Judged(claim, found, _played(role, claim, found), found.reason)
 
@@ -289,7 +288,7 @@ _BEGINS: dict[str, str] = {
 
 def meant(found: Judgement, claim: Claim, lexicon: Lexicon, given: Iterable[str] = ()) -> Judgement:
     """Return a judgement without the sets under which the claim holds by chance; wrong without any."""
-    equation = EQUALITIES.issuperset(claim.relations) and not on_solutions(claim)
+    equation = EQUALITIES.issuperset(claim.relations) and row_of(claim) is Worlds
     if found.verdict != UNDER or not found.sets or not equation:
         return found
     base = closure([*given, *found.context])

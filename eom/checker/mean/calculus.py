@@ -125,7 +125,7 @@ def _variable(e: Elaborator, node: Integral) -> Look:
 
 
 def called(tree: Any) -> bool:
-    """Tell whether a symbol is followed by letters alone in brackets, as a function is: f(x), f(x, y)."""
+    """Return whether a symbol is followed by letters alone in brackets, as a function is: f(x), f(x, y)."""
     for node in walk(tree):
         if isinstance(node, Product) and not node.operator:
             for one, following in zip(node.factors, node.factors[1:], strict=False):
@@ -136,7 +136,7 @@ def called(tree: Any) -> bool:
 
 
 def _steady(e: Elaborator, term: Term) -> bool:
-    """Tell whether a term is made of variables of integrals and of what does not depend on it."""
+    """Return whether a term is made of variables of integrals and of what does not depend on it."""
     free = {s for s in e.expression(term).free_symbols if not isinstance(s, sp.Dummy)}
     meanings = [e.scalars[s] for s in free if s in e.scalars]
     atoms = [n for t in (term, *meanings) for n in nodes(t) if n.head != "expr"]

@@ -80,14 +80,14 @@ class Relation:
 class Parameters:
     """What a claim between free scalars may rest on, and what it is made of.
 
-    ``variables``: letters over which it integrates; ``integrals``: numbers of the members that have one;
+    ``variables``: letters over which it integrates; ``integrals``: places of the members that have one;
     ``fresh``: letters that a word as label brings in; ``constant``: whether an integrand shows none of
     the variables, so that it may depend on them unseen; ``defining``: whether the words around say so.
     """
 
     relations: tuple[Relation, ...] = ()
     variables: tuple[str, ...] = ()
-    integrals: frozenset[int] = frozenset()
+    integrals: frozenset[Span] = frozenset()
     fresh: frozenset[Expr] = frozenset()
     constant: bool = False
     defining: bool = False
@@ -417,7 +417,7 @@ def _datum(s: Statement, e: Elaborator) -> Claim | None:
     """Return that a number is given, which nothing else gives."""
     if not given_number(s, e):
         return None
-    finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)
+    finding = Finding(UNDECIDED, "a number that is given; nothing here determines it", s.span)
     return Claim((), findings=(finding,), span=s.span)
 
 
@@ -438,7 +438,7 @@ def _means(e: Elaborator, node: Node) -> bool:
 
 
 def given_number(s: Statement, e: Elaborator) -> bool:
-    """Tell whether a statement gives a quantity with a dimension, or in degrees, by a number."""
+    """Return whether a statement gives a quantity with a dimension, or in degrees, by a number."""
     if len(s.members) != 2 or s.continues or s.signs[0].name not in {"=", "equiv", "approx"}:
         return False
     symbol, number = s.members

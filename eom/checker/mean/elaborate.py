@@ -151,7 +151,7 @@ def _known(e: Elaborator, look: Look) -> bool:
 
 
 def _is_angle(lexicon: Lexicon, node: Node) -> bool:
-    """Tell whether the lexicon says that this is an angle, or half of one."""
+    """Return whether the lexicon says that this is an angle, or half of one."""
     if isinstance(node, Group) and node.open == "":
         return _is_angle(lexicon, node.body)
     if isinstance(node, Fraction | Quotient):

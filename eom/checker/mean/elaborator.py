@@ -447,7 +447,7 @@ def powered(e: Elaborator, value: Value, exponent: Fraction, span: Span) -> Valu
 
 
 def _small(base: Any, exponent: Fraction) -> bool:
-    """Tell whether a power has small exponents and no long numbers."""
+    """Return whether a power has small exponents and no long numbers."""
     inside = [abs(p.exp) for p in sp.preorder_traversal(base) if p.is_Pow and p.exp.is_Rational]
     bits = [max(abs(n.p), n.q).bit_length() for n in base.atoms(sp.Rational)]
     largest = max([*inside, sp.Integer(1)]) * abs(exponent)

@@ -303,7 +303,7 @@ def _members(statement: Statement) -> list[Node]:
 
 
 def _covered(look: Look, drafts: Iterable[Draft]) -> bool:
-    """Tell whether a draft with slots names this."""
+    """Return whether a draft with slots names this."""
     indexed = len(look.sub) in {1, 2} and set(look.sub) <= INDICES
     letters = {d.latex.partition("_")[0] for d in drafts if "_{<" in d.latex}
     return indexed and latex_of(replace(look, sub=())) in letters
@@ -365,7 +365,7 @@ _ALIKE: tuple[frozenset[str], ...] = (
 
 
 def _names(lexicon: Lexicon, look: Look, draft: Draft) -> bool:
-    """Tell whether a preset names this, as the words of the note do: they go before the preset.
+    """Return whether a preset names this, as the words of the note do: they go before the preset.
 
     What a preset says more closely stays: of the same quantity, or by a formula.
     """
@@ -520,7 +520,7 @@ _TABLES = frozenset({"inertia", "rotation"})
 
 
 def _fits(look: Look, table: str, meaning: str) -> bool:
-    """Tell whether a symbol looks like what it would stand for: marked letters are vectors."""
+    """Return whether a symbol looks like what it would stand for: marked letters are vectors."""
     quantity = meaning.split(maxsplit=1)[0]
     marked = bool(look.accents) or look.style == "bold"
     if table != "symbols":

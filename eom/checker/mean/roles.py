@@ -279,7 +279,7 @@ def _over(left: Node, items: tuple[Node, ...]) -> str:
 
 
 def labelled(statement: Statement, letter: str) -> bool:
-    """Tell whether a letter is a label of a symbol in a statement."""
+    """Return whether a letter is a label of a symbol in a statement."""
     looks = (seen(n) for m in statement.members for n in walk(m))
     return any(
         g is not None and (letter,) in {c[-1:] for c in (*g.look.corners, *map(labels, g.raised))}
@@ -299,7 +299,7 @@ _GOES_ON = re.compile(r"^\s*\$*\s*,?\s*(?:and)?\s*\$*\s*$")
 
 
 def brings(pieces: tuple[Piece, ...], number: int, role: str, last: bool) -> bool:
-    """Tell whether words bring in the left side of a formula: where, let, with the mass m = ...
+    """Return whether words bring in the left side of a formula: where, let, with the mass m = ...
 
     ``last``: whether they do so for the formula before, which "and" goes on with.
     """
@@ -322,7 +322,7 @@ def first(statement: Statement, lexicon: Lexicon) -> Statement | None:
 
 
 def says(found: Iterable[Claim]) -> bool:
-    """Tell whether claims define something by quantities, not by numbers alone."""
+    """Return whether claims define something by quantities, not by numbers alone."""
     new = [c for c in found if c.defines is not None and c.members]
     atoms = (n for c in new for t in (c.members[0].term, *c.scalars.values()) for n in nodes(t))
     return any(n.head == "atom" for n in atoms)

@@ -477,7 +477,7 @@ def square(value: Value) -> Term:
 
 
 def is_square(value: Value) -> bool:
-    """Tell whether a value has as many rows as columns, more than one."""
+    """Return whether a value has as many rows as columns, more than one."""
     rows, columns = size(value)
     return rows == columns > 1
 

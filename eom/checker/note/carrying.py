@@ -19,7 +19,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eom.checker.judge.consequences import follows, parts
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge_within
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge_within, row_of
 from eom.checker.judge.laws import STILL, own, refuted, settled
 from eom.checker.judge.models import Worlds, addends, filled, terms_of
 from eom.checker.judge.systems import equations, on_solutions
@@ -51,11 +51,6 @@ _Slip = tuple[int, Claim, tuple[str, ...]]
 """Number of a formula, what it claims wrongly, the context of that; on a system: with the slip in it."""
 
 
-def apart(claim: Claim) -> bool:
-    """Whether no world has the values of a claim: it is about a system, or about free scalars."""
-    return claim.parameters is not None or on_solutions(claim)
-
-
 def carried(
     verdicts: Sequence[Verdict], context: Context, given: Iterable[str] = ()
 ) -> Mapping[int, int]:
@@ -67,7 +62,7 @@ def carried(
     before: dict[bool, list[_Slip]] = {False: [], True: []}
     found: dict[int, int] = {}
     for number, verdict in enumerate(verdicts):
-        on_system = any(apart(j.claim) for j in verdict.claims)
+        on_system = any(row_of(j.claim) is not Worlds for j in verdict.claims)
         slips, stated = before[on_system], context.names(number)
         wrong = [j for j in verdict.claims if _refuted(j)]
         grave = any(_otherwise_wrong(j, on_system) for j in verdict.claims)

@@ -15,15 +15,14 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge, row_of
 from eom.checker.judge.laws import exchanged, slipped
-from eom.checker.judge.models import equations
+from eom.checker.judge.models import Worlds, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, verdict
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.note.carrying import (
     SPECIAL_MOTION,
-    apart,
     by_laws,
     carried,
     rested,
@@ -104,7 +103,7 @@ def review(
 
 def _is_apart(understood: Understood) -> bool:
     """Whether a formula is judged by itself: it has claims that no world has the values of."""
-    return any(map(apart, understood.claims))
+    return any(row_of(c) is not Worlds for c in understood.claims)
 
 
 SPECIAL_BODIES = frozenset({"thin_rod", "spin_312", "rotors", "viscous_slug"})

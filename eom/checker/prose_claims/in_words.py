@@ -505,7 +505,7 @@ def _shown(match: re.Match[str], around: Around) -> Decision | None:
 
 
 def _unmoved(one: Understood, term: Term, given: tuple[str, ...]) -> bool:
-    """Tell whether all claims that have a term hold, and hold no less with twice the term."""
+    """Return whether all claims that have a term hold, and hold no less with twice the term."""
     claims = [c for c in one.claims if _twice(c, term) != c]
     if not claims or any(c.findings or c.model is not None for c in claims):
         return False

@@ -170,7 +170,7 @@ def _test(test: Test, e: Evaluator) -> Truth:
 
 
 def _settled(found: list[Series]) -> bool:
-    """Tell whether what is zero at t = 0 stays so; what is below zero is."""
+    """Return whether what is zero at t = 0 stays so; what is below zero is."""
     return all(s.coefficients[0] or s.is_zero for s in found)
 
 

@@ -293,7 +293,7 @@ def _against(
 
 
 def _known(one: Plain) -> bool:
-    """Tell whether a proposition is about quantities that special motions know."""
+    """Return whether a proposition is about quantities that special motions know."""
     tests = [t.term for r in one.readings for row in r.rows for t in row]
     return all(_sound(t) for t in (*tests, *one.scalars.values()))
 
@@ -431,7 +431,7 @@ def _own_readings(literals: Sequence[Literal]) -> int:
 
 
 def _contradictory(literals: Sequence[Literal], assumed: frozenset[str]) -> bool:
-    """Tell whether the equations that are said to hold give one that is said to fail."""
+    """Return whether the equations that are said to hold give one that is said to fail."""
     held = [x for x in literals if x.positive]
     assumed = _drawn(held, assumed)
     premises = [

@@ -175,13 +175,13 @@ _CONDITION = re.compile(r"(?:if|when|whenever) ")
 
 
 def _listing(before: Sentence, behind: Sentence) -> bool:
-    """Tell whether a colon parts a claim from its conditions: "it vanishes in two cases: if ..."."""
+    """Return whether a colon parts a claim from its conditions: "it vanishes in two cases: if ..."."""
     colon = before.source.text[before.span.stop - 1] == ":"
     return colon and _CONDITION.match(behind.text) is not None
 
 
 def _stopped(before: Sentence, behind: Sentence) -> bool:
-    """Tell whether nothing but a full stop stands between two sentences."""
+    """Return whether nothing but a full stop stands between two sentences."""
     text = before.source.text
     between = text[before.span.stop - 1 : behind.span.start]
     return (

@@ -568,7 +568,7 @@ _NOTEBOOK = re.compile(r'\s*\{.*"cells"\s*:', re.DOTALL)
 
 
 def is_file(word: str) -> bool:
-    """Tell whether a word names a file or folder rather than a formula.
+    """Return whether a word names a file or folder rather than a formula.
 
     It does if there is one of this name, if it ends in a suffix of `KINDS`, and if it has none of the
     signs = < > $ and backslash.

@@ -565,7 +565,7 @@ def aligned_arrays(tokens: list[Token]) -> list[Token]:
 
 
 def _relation_cell(tokens: list[Token]) -> bool:
-    """Tell whether a cell behind the first of its row begins with a relation."""
+    """Return whether a cell behind the first of its row begins with a relation."""
     depth, begins = 0, False
     for token in tokens:
         depth += (token.kind == "begin") - (token.kind == "end")

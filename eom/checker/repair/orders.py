@@ -14,10 +14,10 @@ from typing import Any
 import sympy as sp
 
 from eom.checker.judge.inequalities import ORDERS, difference
-from eom.checker.judge.judge import HOLDS, WRONG, judge
+from eom.checker.judge.judge import HOLDS, WRONG, judge, models_of
 from eom.checker.judge.notes import Understood, reread
+from eom.checker.judge.scalars import Scalars
 from eom.checker.mean.claims import Claim
-from eom.checker.mean.parameters import FALSE, IDENTITY, RESTS, Link, expressions, links
 from eom.checker.mean.values import Value
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.paths import Path, at, find, put
@@ -233,50 +233,46 @@ Expr = Any
 
 def between_scalars(understood: Understood, claim: Claim) -> Explanation | None:
     """Return why a relation between free scalars is wrong; None for any other claim."""
-    if claim.parameters is None or understood.formula.reading is None:
+    models = models_of(claim)
+    if not isinstance(models, Scalars) or understood.formula.reading is None:
         return None
     statement = statement_of(understood, claim)
-    found = links(claim)
-    k = next((k for k, link in enumerate(found) if link.kind == FALSE), None)
-    if statement is None or k is None:
+    if statement is None or models.wrong is None:
         return Explanation()
+    k = models.wrong
     members = statement.members[k : k + 2]
-    known = {r.symbol: r.value for r in claim.parameters.relations}
-    left, right = (e.xreplace(known) for e in expressions(claim)[k : k + 2])
+    left, right = (e.xreplace(models.meanings) for e in models.said[k])
     letters = _letters(members)
     return Explanation(
         residual=_residual(left - right, letters),
-        blamed=_blamed(found, members, k),
-        corrections=tuple(islice(_scalar_repairs(understood, claim, members, k, letters), SHOWN)),
+        blamed=_blamed(models, members, k),
+        corrections=tuple(islice(_scalar_repairs(understood, models, k, members), SHOWN)),
         counterexample=_example(members, left, right, letters),
     )
 
 
-def _blamed(found: tuple[Link, ...], members: tuple[Node, ...], k: int) -> tuple[Span, ...]:
+def _blamed(models: Scalars, members: tuple[Node, ...], k: int) -> tuple[Span, ...]:
     """Return the side at fault: the right one, or the left one where the rest of the chain agrees."""
-    last = all(link.kind in {IDENTITY, RESTS} for link in found[k + 1 :]) and len(found) > k + 1
-    return (members[0 if last and k == 0 else 1].span,)
+    rest = range(1, len(models.said))
+    left = k == 0 and rest and all(map(models.agrees, rest))
+    return (members[0 if left else 1].span,)
 
 
 def _scalar_repairs(
-    understood: Understood,
-    claim: Claim,
-    members: tuple[Node, ...],
-    k: int,
-    letters: Mapping[str, str],
+    understood: Understood, models: Scalars, k: int, members: tuple[Node, ...]
 ) -> Iterator[Correction]:
     """Yield the formula with one slip undone, so that the link is an identity; the likeliest first.
 
     Where no slip is known that does, the side that is no integral is given the value of the other.
     """
     tree = understood.formula.reading.tree  # type: ignore[union-attr]
-    number = next(j for j, c in enumerate(understood.claims) if c is claim)
+    number = next(j for j, c in enumerate(understood.claims) if c is models.claim)
     sides = [(find(tree, m), INSIDE if _integrates(m) else 0.0) for m in members]
     near = _near(understood, members)
     done: set[tuple[Expr, ...]] = set()
 
     def mends(claims: tuple[Claim, ...]) -> bool:
-        found = _mended(understood, claims, number, k)
+        found = _mended(replace(understood, claims=claims), claims[number], k)
         new = bool(found) and found not in done
         done.add(found)
         return new
@@ -288,41 +284,35 @@ def _scalar_repairs(
         yield first
         yield from found
     else:
-        yield from _corrected(understood, _valued(tree, claim, members, k, letters), mends)
+        yield from _corrected(understood, _valued(tree, models.said[k], members), mends)
 
 
 def _integrates(node: Node) -> bool:
     return any(isinstance(n, Integral) for n in walk(node))
 
 
-def _valued(
-    tree: Node, claim: Claim, members: tuple[Node, ...], k: int, letters: Mapping[str, str]
-) -> Iterator[_Tried]:
+def _valued(tree: Node, values: tuple[Expr, ...], members: tuple[Node, ...]) -> Iterator[_Tried]:
     """Yield the formula with one side replaced by the value of the other."""
     place = 0 if _integrates(members[1]) and not _integrates(members[0]) else 1
     old, path = members[place], find(tree, members[place])
-    value = sp.factor_terms(sp.expand(expressions(claim)[k + 1 - place]))
+    value = sp.factor_terms(sp.expand(values[1 - place]))
     with suppress(InputError):
-        new = read_formula(_named(value, letters)).tree
+        new = read_formula(_named(value, _letters(members))).tree
         whole = put(tree, path, new) if path is not None else tree
         change = f"another value: ${latex(old)}$ should be ${latex(new)}$"
         yield _Tried(whole, change, "value", old, latex(new))
 
 
-def _mended(
-    understood: Understood, claims: tuple[Claim, ...], number: int, k: int
-) -> tuple[Expr, ...]:
+def _mended(understood: Understood, claim: Claim, k: int) -> tuple[Expr, ...]:
     """Return both sides of a link that is an identity in another formula; none where it is not."""
-    claim = claims[number]
-    if claim.parameters is None:
+    models = models_of(claim)
+    if not isinstance(models, Scalars) or k not in models.links:
         return ()
-    found = links(claim)
-    nodes = statement_of(replace(understood, claims=claims), claim)
+    nodes = statement_of(understood, claim)
     alike = nodes is None or any(a == b for a, b in pairwise(nodes.members))
-    good = len(found) > k and found[k].kind in {IDENTITY, RESTS}
-    if good and not alike and FALSE not in {f.kind for f in found}:
-        return tuple(sp.expand(e) for e in expressions(claim)[k : k + 2])
-    return ()
+    if alike or models.wrong is not None or not models.agrees(k):
+        return ()
+    return tuple(map(sp.expand, models.said[k]))
 
 
 def _near(understood: Understood, members: tuple[Node, ...]) -> tuple[Node, ...]:

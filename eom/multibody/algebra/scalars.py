@@ -27,7 +27,7 @@ _EXACT = frozenset({int, Fraction})
 
 
 def is_zero(x: Scalar) -> bool:
-    """Tell whether ``x`` is zero by structure."""
+    """Return whether ``x`` is zero by structure."""
     return type(x) in _EXACT and x == 0
 
 

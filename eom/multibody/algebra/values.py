@@ -61,7 +61,7 @@ def _exact(number: Fraction) -> Value:
 
 
 def is_number(x: Value) -> bool:
-    """Tell whether a value is a plain number."""
+    """Return whether a value is a plain number."""
     return isinstance(x, int | Fraction)
 
 
@@ -105,7 +105,7 @@ def symmetric(given: Any, where: str) -> tuple[tuple[Value, ...], ...]:
 
 
 def same(a: Value, b: Value) -> bool:
-    """Tell whether two values are equal; numbers to within rounding."""
+    """Return whether two values are equal; numbers to within rounding."""
     if is_number(a) and is_number(b):
         return bool(abs(a - b) <= TOLERANCE * (abs(a) + abs(b)))
     return bool(a == b or vanishes(as_expression(a) - as_expression(b)))

@@ -198,7 +198,7 @@ class Mechanism:
         return times(C, pull.force), times(C, pull.torque)
 
     def moves(self, k: int, link: int) -> bool:
-        """Tell whether link ``k`` is carried by, or is, the link."""
+        """Return whether link ``k`` is carried by, or is, the link."""
         while k >= 0 and k != link:
             k = self.links[k].parent
         return k == link

@@ -1,6 +1,6 @@
 """Pages of closed forms: one method with its steps, or several side by side, term by term.
 
-What each method tells of its way: stages with a reason and lines (left side, value).
+What each method shows of its way: stages with a reason and lines (left side, value).
 
 A value is an expression, or three of them: components in the axes that the reason names.
 """
@@ -328,8 +328,8 @@ class Stage:
 
 def stages(form: ClosedForm) -> list[Stage]:
     """Return the stages of the method of a closed form; those without lines are left out."""
-    telling = _TELLING[type(form.steps)](form, form.steps)
-    return [stage for stage in telling if stage.lines]
+    stages = _STAGES_OF[type(form.steps)](form, form.steps)
+    return [stage for stage in stages if stage.lines]
 
 
 @dataclass(frozen=True)
@@ -575,7 +575,7 @@ def _shown(form: ClosedForm) -> Callable[[Expr], Expr]:
     return lambda e: e.xreplace(names)
 
 
-_TELLING: dict[type, Callable[[ClosedForm, Any], Iterator[Stage]]] = {
+_STAGES_OF: dict[type, Callable[[ClosedForm, Any], Iterator[Stage]]] = {
     Lagrange: _lagrange,
     Kane: _kane,
     NewtonEuler: _newton_euler,

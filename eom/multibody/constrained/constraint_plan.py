@@ -1,4 +1,4 @@
-"""How a tree is bound: what is kept of its constraints, which speeds follow, what a system tells.
+"""How a tree is bound: what is kept of its constraints, which speeds follow, what a system reports.
 
 Forces of constraints as loads on the parts of a tree, for reactions in its joints.
 
@@ -259,7 +259,7 @@ def _written_out(definitions: Sequence[Definition], results: Sequence[Any]) -> i
 
 
 def lossless(tree: Tree) -> bool:
-    """Tell whether no constraint moves the tree, so that none does work."""
+    """Return whether no constraint moves the tree, so that none does work."""
     speeds = {q.symbol: sp.Integer(0) for j in tree.joints for q in j.speeds}
     for c in tree.constraints:
         given = [x for x in c.values if not is_number(x)]
@@ -271,7 +271,7 @@ def lossless(tree: Tree) -> bool:
 
 
 def inner(tree: Tree) -> bool:
-    """Tell whether the constraints hold bodies to each other alone, not to the ground."""
+    """Return whether the constraints hold bodies to each other alone, not to the ground."""
     return all(c.bodies and GROUND not in c.bodies and not isinstance(c, OF_SPEEDS)
                for c in tree.constraints)  # fmt: skip
 

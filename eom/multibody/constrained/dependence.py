@@ -159,7 +159,7 @@ class Geometry:
 
 
 def has_quaternion(joint: Joint) -> bool:
-    """Tell whether the last four coordinates of a joint are a quaternion."""
+    """Return whether the last four coordinates of a joint are a quaternion."""
     return joint.row.attitude and joint.attitude == QUATERNION
 
 
@@ -384,7 +384,7 @@ def _regular(samples: Sequence[Sample]) -> tuple[Sample, ...]:
 
 
 def _driven(tree: Tree) -> bool:
-    """Tell whether time or a prescribed motion moves the tree."""
+    """Return whether time or a prescribed motion moves the tree."""
     given = [x for c in tree.constraints for x in c.values if not is_number(x)]
     return any(j.motion is not None for j in tree.joints) or any(x.has(TIME) for x in given)
 

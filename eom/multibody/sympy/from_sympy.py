@@ -219,7 +219,7 @@ class _Reader:
         return found
 
     def _acts(self, load: Any) -> bool:
-        """Tell whether a load acts on what can move."""
+        """Return whether a load acts on what can move."""
         fixed = {self.ground.masscenter, self.system.fixed_point, self.system.frame}
         return (load.point if isinstance(load, me.Force) else load.frame) not in fixed
 
@@ -310,7 +310,7 @@ class _Reader:
 
 
 def _moving(e: Expr) -> bool:
-    """Tell whether an expression changes in time."""
+    """Return whether an expression changes in time."""
     e = sp.sympify(e, strict=True)
     return bool(e.atoms(AppliedUndef, sp.Derivative)) or me.dynamicsymbols._t in e.free_symbols
 

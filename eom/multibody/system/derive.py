@@ -231,7 +231,7 @@ def invariants_of(derived: Derived) -> list[Definition]:
 
 
 def afloat(tree: Tree) -> bool:
-    """Tell whether nothing acts from outside on a tree of one free root: what joints do is internal."""
+    """Return whether nothing acts from outside on a tree of one free root: what joints do is internal."""
     roots = [j for j in tree.joints if j.parent == GROUND]
     held = any(GROUND in s.bodies for s in tree.springs) or any(
         j.kind != "free" or j.motor or not all(map(is_zero, (*j.damping, *j.force, *j.armature)))
@@ -243,7 +243,7 @@ def afloat(tree: Tree) -> bool:
 
 
 def _unchanging(tree: Tree) -> bool:
-    """Tell whether masses and their places in bodies and rotors are free of time, state and inputs."""
+    """Return whether masses and their places in bodies and rotors are free of time, state and inputs."""
     quiet = replace(
         tree,
         joints=tuple(replace(j, motion=None, damping=0, force=0, stiffness=0) for j in tree.joints),
@@ -260,7 +260,7 @@ def _varying(tree: Tree) -> set[sp.Symbol]:
 
 
 def conservative(tree: Tree) -> bool:
-    """Tell whether nothing but gravity and springs acts, so that the energy is constant."""
+    """Return whether nothing but gravity and springs acts, so that the energy is constant."""
     joints = all(
         j.motion is None and not j.motor and all(map(is_zero, (*j.damping, *j.force)))
         for j in tree.joints

@@ -129,7 +129,7 @@ const createMotion = (data, systems, method) => {
     evaluate(0);
     motion.first.set(motion.invariants);
     scales();
-    tell();
+    record();
     return true;
   }
 
@@ -146,7 +146,7 @@ const createMotion = (data, systems, method) => {
     });
   }
 
-  function tell() {
+  function record() {
     const states = {"-2": "numbers are no longer finite", "-1": "the step became too small"};
     if (run.status === 1) motion.stopped = "singular: " + (motion.variant.singular[run.which] || "");
     else if (run.status) motion.stopped = states[run.status];
@@ -165,7 +165,7 @@ const createMotion = (data, systems, method) => {
   function advance(t, steps = Infinity) {
     const reached = run.advance(t, steps);
     evaluate(reached ? t : run.t);
-    tell();
+    record();
     return reached;
   }
 

@@ -43,10 +43,10 @@ def one(formula, **options):
     return finding
 
 
-def test_a_note_is_told_formula_by_formula():
+def test_a_note_is_reported_formula_by_formula():
     report = eom.check(NOTE, **ARROWS)
-    told = [(f.kind, f.number, f.line, f.verdict) for f in report.findings]
-    assert told == [
+    reported = [(f.kind, f.number, f.line, f.verdict) for f in report.findings]
+    assert reported == [
         ("inline", 1, 3, "holds under"),
         ("display", 1, 5, "holds under"),
         ("display", 2, 7, "wrong"),
@@ -201,7 +201,7 @@ def test_drafts_are_toml_whatever_the_note_says(words):
 # -- inputs ----------------------------------------------------------------------------------------
 
 
-def test_files_and_formulas_are_told_apart(tmp_path, monkeypatch):
+def test_files_and_formulas_are_distinguished(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a=b").write_text("")
     for word in ("n.md", "x/n.tex", "a=b", "notes", "deep/er", "$x.ipynb"):

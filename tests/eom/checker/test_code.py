@@ -1,4 +1,4 @@
-"""Code for the rates of systems: right code is right, a slip is told by its term."""
+"""Code for the rates of systems: right code is right, a slip is named by its term."""
 
 import random
 
@@ -14,7 +14,7 @@ from tests.eom.rows import only
 from tests.eom.test_solutions import cart
 
 SYSTEMS = [*catalogue.single(), *BUILTIN]
-TOLD = {
+WORDS = {
     "sign": ("wrong sign",),
     "factor": ("2 times",),
     "half": ("1/2 times",),
@@ -45,12 +45,12 @@ def test_right_code_is_right(name):
 
 
 @pytest.mark.parametrize("name", only(["bicycle-wheel", "heavy-top", "t-handle"], "t-handle"))
-def test_a_slip_is_found_in_its_output_and_told(name):
+def test_a_slip_is_found_in_its_output_and_named(name):
     model = load_model(name)
     at = points(model)
     generator = random.Random(name)
     rates = list(model.system.rates)
-    count, told, untold = 0, 0, []
+    count, named, unnamed = 0, 0, []
     for k, rate in enumerate(rates):
         if rate == 0 or model.system.mass_matrix is not None:
             continue
@@ -62,11 +62,11 @@ def test_a_slip_is_found_in_its_output_and_told(name):
             assert {m.output for m in report.mistakes} == {k}
             count += 1
             words = report.mistakes[0].text
-            if any(t in words for t in TOLD[kind]):
-                told += 1
+            if any(t in words for t in WORDS[kind]):
+                named += 1
             else:
-                untold.append((kind, str(changed), words))
-    assert told >= 0.9 * count, untold
+                unnamed.append((kind, str(changed), words))
+    assert named >= 0.9 * count, unnamed
 
 
 def test_slips_in_reading_the_arguments():
@@ -112,7 +112,7 @@ def test_what_no_term_explains_is_said_to_be_so():
         compare(model, at, [row[:2] for row in rows])
 
 
-def test_code_in_single_precision_is_right_and_its_digits_are_told():
+def test_code_in_single_precision_is_right_and_its_digits_are_reported():
     numpy = pytest.importorskip("numpy")
     model = load_model("t-handle")
     at = points(model)

@@ -401,7 +401,7 @@ def test_a_vector_by_its_own_column_defines_the_column(factor):
     assert found.verdict.verdict == ("wrong" if factor else "definition")
 
 
-def test_a_notebook_tells_the_cell_where_something_is_stated():
+def test_a_notebook_names_the_cell_where_something_is_stated():
     cells = [r"$$\vec H_C = [I]\vec\omega$$", "B is a body frame."]
     text = json.dumps({"cells": [{"cell_type": "markdown", "source": c} for c in cells]})
     document = read_document(text, "notebook", "n.ipynb")

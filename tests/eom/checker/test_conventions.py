@@ -98,7 +98,7 @@ SHORT = (
 
 
 @pytest.mark.parametrize("name", only(LINES, *SHORT))
-def test_a_convention_is_told_apart_from_a_slip(name):
+def test_a_convention_is_reported_apart_from_a_slip(name):
     lexicon, other, slip, which = LINES[name]
     assert which in wrong(other, parse_lexicon(lexicon))[1].convention
     assert not wrong(slip, parse_lexicon(lexicon))[1].convention

@@ -27,7 +27,7 @@ def test_what_is_nested_or_long_takes_time_in_proportion(opening, closing):
     assert growth_in_calls(6, work, 200, 1000)
 
 
-def test_the_command_tells_what_it_read(tmp_path):
+def test_the_command_prints_what_it_read(tmp_path):
     (tmp_path / "n.md").write_text("$$a = b$$ and $c \\foo$", encoding="utf-8")
     run = CliRunner().invoke(reading.main, ["--notes", str(tmp_path), "--fuzz", "20"])
     assert run.exit_code == 1

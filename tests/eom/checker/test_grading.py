@@ -190,7 +190,7 @@ def test_tables_have_a_row_for_each_note_and_no_formulas_for_spreadsheets():
 # -- text ------------------------------------------------------------------------------------------
 
 
-def test_text_tells_everything_and_nothing_that_a_terminal_acts_on():
+def test_text_shows_everything_and_nothing_that_a_terminal_acts_on():
     lines = [text(line) for line in report_lines(NOTES[0])]
     assert all(line.isprintable() for line in lines)
     shown = "\n".join(lines)

@@ -202,7 +202,7 @@ def test_stability_of_other_bodies_is_not_judged():
     assert verdicts(f"A fast wheel is mounted in it. {claim}") == ["undecided"]
 
 
-def test_reports_tell_claims_apart_from_equations():
+def test_reports_distinguish_claims_from_equations():
     from eom.checker.read.documents import read_document
     from eom.checker.report.findings import Graded, report_lines, rows, text, to_json
     from eom.checker.report.page import page

@@ -107,7 +107,7 @@ def test_the_lexica_of_the_lectures_can_be_used(name):
 
 # -- proposals -------------------------------------------------------------------------------------
 
-TOLD = r"""
+STATED = r"""
 # Spin
 
 The inertial frame is $\mathcal{F}$. Here $\vec{u}$ is the angular velocity of the body in it, and
@@ -122,7 +122,7 @@ $$\dot{\vec{H}}_C = \vec{g}, \quad \vec{F} = \sum_{i=1}^N\vec{f}_i$$
 
 
 def test_a_lexicon_is_drafted_from_the_words_of_a_note():
-    found = propose(read_document(TOLD))
+    found = propose(read_document(STATED))
     meant = {d.latex: d.meaning for d in found.drafts}
     assert found.preset == "arrow-tilde"
     assert meant == {
@@ -138,7 +138,7 @@ def test_a_lexicon_is_drafted_from_the_words_of_a_note():
 
 
 def test_a_draft_is_a_lexicon_and_gives_the_note_a_meaning():
-    document = read_document(TOLD.replace(r" + \kappa", ""))
+    document = read_document(STATED.replace(r" + \kappa", ""))
     lexicon = parse_lexicon(propose(document).toml)
     found = [c for u in understand(document, lexicon) for c in u.claims]
     assert found

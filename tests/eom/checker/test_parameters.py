@@ -7,8 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import eom
+from eom.checker.judge.judge import judge, models_of
+from eom.checker.judge.models import Search
+from eom.checker.judge.notes import understand
+from eom.checker.judge.scalars import RELATIONS
+from eom.checker.judge.verdicts import judge_chain
 from eom.checker.mean.calculus import Unknown, between
+from eom.checker.mean.lexicon_files import preset
 from eom.checker.mean.roles import running
+from eom.checker.read.documents import read_document
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import split
 from tests.eom.rows import every
@@ -68,6 +75,34 @@ CASES = {
 @pytest.mark.parametrize(("note", "wanted"), every(3, CASES.items()))
 def test_relations_between_free_scalars(note, wanted):
     assert verdicts(note) == wanted
+
+
+def claims_of(note):
+    found = understand(read_document(note), preset("physics-bold"))
+    return [c for u in found for c in u.claims if c.parameters is not None]
+
+
+def test_each_link_of_a_chain_is_judged_as_within_it():
+    (claim,) = claims_of(PLATE + r"$$\sigma a^2 = a^2\sigma = \int_0^a \sigma x^2\,dx$$")
+    assert judge(claim).verdict == "wrong"
+    assert [link.verdict for _, _, link in judge_chain(claim).links] == ["holds", "wrong"]
+
+
+def test_free_scalars_are_models_as_others_are():
+    """Relations of a note are what is assumed; numbers that keep them agree to what they give."""
+    new, old = claims_of(
+        PLATE
+        + r"$$J_\mathrm{edge} = \sigma a^3$$ $$2 J_\mathrm{edge} = 2\sigma a^3 = 2 a^3\sigma$$"
+    )
+    models = models_of(old)
+    free, kept = (next(models.draw(names)) for names in (frozenset(), RELATIONS))
+    assert [free.agrees(pair) for pair in models.said] == [False, True]
+    assert [kept.agrees(pair) for pair in models.said] == [True, True]
+    assert (judge(new).verdict, judge(old).verdict) == ("definition", "holds under")
+    assert judge(old).reason == "by relations that the note states above"
+    search = Search(models)
+    assert search.sets() == (RELATIONS,)
+    assert list(search.seeds) == [frozenset()]
 
 
 @pytest.mark.parametrize(

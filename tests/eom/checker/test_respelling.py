@@ -96,7 +96,7 @@ def test_a_slip_is_seen_in_every_spelling(line: str) -> None:
 
 @pytest.mark.parametrize("line", DATA)
 def test_numbers_that_are_given_are_not_called_wrong(line: str) -> None:
-    """Nothing tells whether they are right."""
+    """Nothing shows whether they are right."""
     assert verdict(line) == "undecided"
 
 

@@ -1,4 +1,4 @@
-"""Scalar lines of particular systems: true ones hold, slips are wrong and told by their terms."""
+"""Scalar lines of particular systems: true ones hold, slips are wrong and named by their terms."""
 
 import random
 
@@ -15,7 +15,7 @@ from tests.eom.rows import only
 from tests.eom.test_solutions import cart
 
 UNDER = "holds under"
-TOLD = {
+NAMED = {
     "sign": "wrong sign",
     "factor": "should be 1/2 times",
     "half": "should be 2 times",
@@ -88,15 +88,15 @@ def mutants(name, count):
 def test_slips_are_wrong_and_what_is_true_is_not(name):
     made = list(mutants(name, 4))
     found = judged(lexicon(name), *(line for _, _, line, _ in made))
-    missed, untold = [], []
+    missed, unnamed = [], []
     for (kind, _, line, true), v in zip(made, found, strict=True):
-        if v.verdict == "wrong" and TOLD.get(kind, "") not in v.reason:
-            untold.append((kind, line, v.reason))
+        if v.verdict == "wrong" and NAMED.get(kind, "") not in v.reason:
+            unnamed.append((kind, line, v.reason))
         right = {"holds"} if true else {"wrong"} if name in catalogue.names() else {"wrong", UNDER}
         if v.verdict not in right:
             missed.append((kind, line, v.verdict, v.claims[0].judgement.sets))
     assert not missed
-    assert len(untold) <= max(1, len(made) / 25), untold
+    assert len(unnamed) <= max(1, len(made) / 25), unnamed
     assert sum(v.verdict == "wrong" for v in found) > len(made) / 2 or not made
 
 
@@ -132,7 +132,7 @@ def test_a_writers_own_letters_and_forms():
     assert verdicts(TOP, *lines) == expected
 
 
-def test_terms_are_told_in_the_writers_letters():
+def test_terms_are_named_in_the_writers_letters():
     (found,) = judged(parse_lexicon(TOP), r"A\dot\omega_1 = (A+C)\omega_2\omega_3 + M_1")
     assert found.reason == "wrong sign: C*omega_2*omega_3"
     line = r"\frac12 A(\omega_1^2+\omega_2^2) - mg\ell(1 - 2(q_1^2 + q_2^2)) = \text{const}"

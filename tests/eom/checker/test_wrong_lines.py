@@ -36,7 +36,7 @@ def why(text, own, given=GIVEN):
     return understood, judged, explain(understood, judged, given)
 
 
-def told(found):
+def reported(found):
     """What a counterexample shows as fractions: values by LaTeX, both members."""
     shown = {name: fraction(text) for name, text in found.counterexample.values}
     return shown, [fraction(text) for _, text in found.counterexample.members]
@@ -63,12 +63,12 @@ def test_what_is_not_constant_is_mended():
     assert judged.claim.kind == CONSTANT
     assert found.corrections[0].latex == r"C\omega_{3} = \text{const}"
     assert holds_again(understood, found.corrections[0], ()) == "holds"
-    shown, (left, right) = told(found)
+    shown, (left, right) = reported(found)
     assert (left != 0, right) == (True, 0)
     assert shown["C"] > 0
 
 
-def test_the_rate_of_what_is_not_constant_is_told():
+def test_the_rate_of_what_is_not_constant_is_reported():
     _, _, found = why(r"A\omega_3 + h_1 = \text{const}", parse_lexicon(TOP), ())
     assert r"\omega" in found.residual or "tau" in found.residual
     heads = [head for head, _ in found.counterexample.members]
@@ -110,7 +110,7 @@ def test_the_sign_of_order_is_turned(text):
 @pytest.mark.slow
 def test_numbers_against_a_comparison():
     _, _, found = why(r"I_{1} + I_{2} < I_{3}", ARROWS)
-    shown, (left, right) = told(found)
+    shown, (left, right) = reported(found)
     assert left == shown["I_{1}"] + shown["I_{2}"]
     assert left > right
     assert max(left, right) < 20
@@ -135,7 +135,7 @@ def test_an_integral_with_another_value():
     found = finding.explanation
     assert found.corrections[0].text == r"\frac{\sigma a^{3} b}{3}"
     assert found.residual == r"\frac{a^{3} b \sigma}{3} - \frac{a^{2} b \sigma}{3}"
-    shown, (left, right) = told(found)
+    shown, (left, right) = reported(found)
     a, b, s = (shown[name] for name in ("a", "b", r"\sigma"))
     assert (left, right) == (s * a**3 * b / 3, s * a**2 * b / 3)
     start, stop = found.corrections[0].span
@@ -163,7 +163,7 @@ def test_numbers_alone():
 def test_a_state_at_which_a_line_fails_by_hand():
     text = r"A\dot\omega_1 = (A+C)\omega_2\omega_3 + M_1"
     _, _, found = why(text, parse_lexicon(TOP), ())
-    v, (left, right) = told(found)
+    v, (left, right) = reported(found)
     product = v[r"\omega_{2}"] * v[r"\omega_{3}"]
     assert left == v["A"] * v[r"\dot{\omega}_{1}"]
     assert right == (v["A"] + v["C"]) * product + v["M_{1}"]
@@ -174,7 +174,7 @@ def test_a_state_at_which_a_line_fails_by_hand():
 
 def test_angles_have_sines_of_small_numbers():
     _, _, found = why(r"\dot\phi = C + \dot\psi\sin\theta", lexicon("spinner"), ())
-    v, (left, right) = told(found)
+    v, (left, right) = reported(found)
     sine = v[r"\sin \theta"]
     assert sine.denominator in {5, 13, 17}
     assert left == v["C"] - v[r"\dot{\psi}"] * sine
@@ -299,7 +299,7 @@ def test_special_motions_for_examples_are_in_whole_numbers():
 def test_principal_axis_components_in_whole_numbers():
     text = r"I_{1}\dot\omega_1 = (I_{3} - I_{2})\omega_2\omega_3 + L_1"
     _, _, found = why(text, ARROWS)
-    v, (left, right) = told(found)
+    v, (left, right) = reported(found)
     assert all(n.denominator == 1 and abs(n) <= 12 for n in v.values())
     assert left == v["I_{1}"] * v[r"\dot{\omega}_{1}"] != right
 

@@ -75,7 +75,7 @@ def test_a_spring_is_the_one_of_python():
     assert scene.tree.springs == (expected,)
 
 
-def test_points_are_told_where_no_output_is_named():
+def test_points_are_reported_where_no_output_is_named():
     scene = TreeScene(**data(**point(position=[0, "r", 0])))
     names = tuple(f"{letter}_tip_{k}" for letter in "xva" for k in (1, 2, 3))
     system = scene.derive()
@@ -107,7 +107,7 @@ def test_a_position_costs_no_reaction():
     assert len(one.definitions) < len(more.definitions)
 
 
-def test_rotors_start_as_they_are_told():
+def test_rotors_start_as_they_are_given():
     scene = TreeScene(**data(**rotor(angle=True), initial={"Omega_w": "200*r", "q_b": 1}))
     start = scene.initial_values()
     assert (start["Omega_w"], start["q_w"], start["q_b"]) == (100.0, 0.0, 1.0)

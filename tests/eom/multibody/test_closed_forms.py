@@ -343,7 +343,7 @@ def compared():
 
 
 @pytest.mark.parametrize("style", ["text", "latex", "markdown", "html"])
-def test_pages_tell_the_steps_and_stand_side_by_side(style):
+def test_pages_show_the_steps_and_stand_side_by_side(style):
     for words in ("Lagrange", "Kane", "Newton-Euler", "Side by side", "Centrifugal", "Gravity"):
         assert words in page(style)
 

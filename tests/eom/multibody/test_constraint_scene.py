@@ -135,7 +135,7 @@ def test_a_coupler_without_mass_is_explained():
     assert len(light.derive().state_names) == 4
 
 
-def test_the_ready_disc_has_three_speeds_and_tells_the_others():
+def test_the_ready_disc_has_three_speeds_and_names_the_others():
     system = TreeScene.ready("rolling-disc").derive()
     assert len(system.state_names) == 10
     assert system.output_names == ("v_disc_1", "v_disc_2", "v_disc_3")

@@ -78,7 +78,7 @@ def test_rates_that_contradict_each_other_are_refused():
     assert "'one'" in error.value.expected
 
 
-def test_a_frame_is_told():
+def test_a_frame_is_reported():
     with pytest.raises(InputError, match="leave no motion"):
         derive(floating(Loop("weld", "fixed", GROUND, "plate")))
     driven = four_bar(motion=Motion(sp.Symbol("t", real=True)))
@@ -125,7 +125,7 @@ def test_a_linkage_that_moves_against_the_count():
 # --- consistent start values ---------------------------------------------------------------------------
 
 
-def test_what_is_kept_does_not_change_and_what_changes_is_told():
+def test_what_is_kept_does_not_change_and_what_changes_is_reported():
     given = four_bar()
     found = assemble(given, {**LENGTHS, **NEAR, "u_a": 3.0}, keep=("q_a", "u_a"))
     assert found.values["q_a"] == NEAR["q_a"]
@@ -174,13 +174,13 @@ def test_attitudes_stay_attitudes():
     assert found.left < 1e-14
 
 
-def test_a_straight_linkage_is_told():
+def test_a_straight_linkage_is_reported():
     lengths = {"L1": 0.5, "L2": 1.0, "L3": 0.5, "d": 1.0, "g": 9.81}
     with pytest.raises(InputError, match="singular configuration"):
         assemble(four_bar(), {**lengths, "q_a": 0.0, "q_b": 0.0, "q_c": 0.0})
 
 
-def test_a_joint_that_is_turned_round_is_told():
+def test_a_joint_that_is_turned_round_is_reported():
     given = floating(Loop("hinge", "revolute", GROUND, "plate"))
     over = {"e_j_0": 0.0, "e_j_1": 1.0}
     with pytest.raises(InputError, match="turned round"):

@@ -10,7 +10,7 @@ from tests.eom.multibody.trees import state, tree
 from tests.eom.rows import only
 
 
-def told(compiled, x):
+def reported(compiled, x):
     return np.array(compiled.outputs(0.0, x, [], []), dtype=float)
 
 
@@ -24,8 +24,8 @@ def test_velocity_and_acceleration_are_rates_of_position(seed):
     x = np.array([float(v) for group in state(given, seed) for v in group])
     dx = compiled.rhs(0.0, x, [], [])
     h = 1e-5 / np.abs(dx).max()
-    change = (told(compiled, x + h * dx) - told(compiled, x - h * dx)) / (2 * h)
-    here = told(compiled, x)
+    change = (reported(compiled, x + h * dx) - reported(compiled, x - h * dx)) / (2 * h)
+    here = reported(compiled, x)
     scale = np.abs(change[:6]).max()
     assert here[3:] == pytest.approx(change[:6], rel=1e-6, abs=1e-6 * scale)
 
@@ -35,7 +35,7 @@ def test_a_point_of_a_spinning_disc_goes_round():
     disc = Body("disc", 2, (0, 0, 0), (1, 1, 2))
     spin = Joint("spin", "revolute", "ground", "disc", "z")
     system = derive(Tree("t", [disc], [spin]), [Point("rim", "disc", (1, 0, 0))])
-    found = told(codegen.compile(system, "numpy"), np.array([0.5, 3.0]))
+    found = reported(codegen.compile(system, "numpy"), np.array([0.5, 3.0]))
     c, s = np.cos(0.5), np.sin(0.5)
     assert found == pytest.approx([c, s, 0, -3 * s, 3 * c, 0, -9 * c, -9 * s, 0], abs=1e-14)
 
@@ -46,7 +46,7 @@ def test_a_point_that_falls_freely_accelerates_by_gravity():
                     [Point("p", "b0", bodies[0].centre, ["acceleration"])])  # fmt: skip
     x = np.zeros(13)
     x[3], x[7:] = 1.0, (0.3, -2.0, 1.0, 0.5, 0.6, 0.7)
-    assert told(codegen.compile(system, "numpy"), x) == pytest.approx([0, 1, -9], abs=1e-13)
+    assert reported(codegen.compile(system, "numpy"), x) == pytest.approx([0, 1, -9], abs=1e-13)
 
 
 def test_a_point_of_what_is_fixed_to_the_ground_rests():
@@ -55,7 +55,7 @@ def test_a_point_of_what_is_fixed_to_the_ground_rests():
     bodies = [*given.bodies, *(b for b in tree(2, 2).bodies if b.name == "b1")]
     joints = [weld, Joint("k", "revolute", "ground", "b1", "x")]
     system = derive(Tree("t", bodies, joints), [Point("p", "b0", (1, 2, 3))])
-    assert told(codegen.compile(system, "numpy"), np.ones(2)).tolist() == [1, 2, 3, *[0] * 6]
+    assert reported(codegen.compile(system, "numpy"), np.ones(2)).tolist() == [1, 2, 3, *[0] * 6]
 
 
 def test_errors_name_the_point():

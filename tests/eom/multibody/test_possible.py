@@ -78,7 +78,7 @@ def test_rotors_have_no_negative_moment():
                          {"J": -0.1}, inputs={"tau_wheel": 0.0})  # fmt: skip
 
 
-def test_a_part_without_mass_is_told():
+def test_a_part_without_mass_is_reported():
     found = run(arm(inertia=(J, J, 0)), m=0.0, J=0.0)
     assert found.status == -1
     assert "parts without mass" in found.message

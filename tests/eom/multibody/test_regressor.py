@@ -251,7 +251,7 @@ def test_rounded_rotations_do_not_raise_the_rank():
 def test_symbols_of_masses_and_forces_do_not_matter():
     m, k, f = sp.symbols("m k f", real=True)
     given = planar((0, -g, 0))
-    told = replace(
+    reported = replace(
         given,
         bodies=tuple(Body(b.name, m, (l, 0, 0), (m * l**2, m, m)) for b in given.bodies),
         joints=tuple(
@@ -260,7 +260,7 @@ def test_symbols_of_masses_and_forces_do_not_matter():
         ),
         loads=(Load(given.bodies[-1].name, force=(f, 0, 0)),),
     )
-    assert base_parameters(told) == base_parameters(given)
+    assert base_parameters(reported) == base_parameters(given)
 
 
 def test_values_of_base_parameters_need_a_value_a_column():
@@ -280,7 +280,7 @@ def test_the_same_tree_gives_the_same_bytes():
     assert repr(base_parameters(puma())) == repr(base_parameters(puma(), seed=1))
 
 
-def test_what_cannot_be_done_is_told():
+def test_what_cannot_be_done_is_reported():
     angle = sp.Symbol("a", real=True)
     turn = [[sp.cos(angle), sp.sin(angle), 0], [-sp.sin(angle), sp.cos(angle), 0], [0, 0, 1]]
     with pytest.raises(InputError, match="rational"):

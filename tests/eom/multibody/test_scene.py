@@ -125,7 +125,7 @@ def test_a_scene_is_the_tree_of_python():
     assert [q.unit for q in made.parameters if q.name == "l"] == ["m"]
 
 
-def test_kinds_of_joints_are_told_by_their_keys():
+def test_kinds_of_joints_are_distinguished_by_their_keys():
     found = scene(
         joints__knee__kind="universal",
         joints__knee__axis="x",
@@ -592,7 +592,7 @@ def test_an_output_has_the_value_that_the_whole_system_gives(name):
         assert made[output] == pytest.approx(full[output], rel=1e-14)
 
 
-def test_states_that_nothing_needs_are_left_out_and_told():
+def test_states_that_nothing_needs_are_left_out_and_reported():
     cart = TreeScene.ready("pendulum-on-cart")
     data = cart.model_dump(exclude_unset=True)
     gone = ("rod3", "rod4", "rod5", "hinge3", "hinge4", "hinge5")

@@ -77,16 +77,16 @@ def test_accelerations_are_those_of_pinocchio(seed):
     np.testing.assert_allclose(found, expected[places], rtol=1e-12)
 
 
-def test_everything_that_is_not_used_is_told():
-    told = "\n".join(eom.load_scene(WALKER).notes)
+def test_everything_that_is_not_used_is_reported():
+    reported = "\n".join(eom.load_scene(WALKER).notes)
     for words in (
         "root link world-plate fixed to the ground; gravity (0.0, 0.0, -9.81)",
         "<link/visual>, 1 of them", "<link/collision>, 1 of them", "<joint/limit>, 3 of them",
         "<transmission>, 1 of them", "<gazebo>, 1 of them", "<material>, 1 of them",
         "friction not used: hip", "links without <inertial>, of mass 0: world-plate, sensor",
     ):  # fmt: skip
-        assert words in told
-    assert told in str(eom.load_scene(WALKER).explain()).replace("- ", "")
+        assert words in reported
+    assert reported in str(eom.load_scene(WALKER).explain()).replace("- ", "")
 
 
 def test_meshes_are_not_opened(monkeypatch):

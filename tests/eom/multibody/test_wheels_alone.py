@@ -45,7 +45,7 @@ def moved(given, **inputs):
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_left_out_is_told_of_any_number_of_wheels(kind, count):
+def test_what_is_left_out_is_reported_any_number_of_wheels(kind, count):
     given = scene(kind, count)
     saved = savings(given.tree)
     assert 0 < saved.done < saved.without

@@ -109,7 +109,7 @@ def test_an_angle_that_is_brought_back_by_a_turn_is_no_line_across():
     assert not np.isnan(next(iter(curves(panel).values()))).any()
 
 
-def test_no_motion_and_no_numbers_are_refused_and_gaps_are_told():
+def test_no_motion_and_no_numbers_are_refused_and_gaps_are_reported():
     for times in (np.zeros(0), np.zeros(1), np.array([0.0, math.nan])):
         with pytest.raises(InputError, match="two times"):
             histories(result({"x": times}, times), known({"x": "m"}))

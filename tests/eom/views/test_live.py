@@ -186,7 +186,7 @@ def test_moments_that_become_one_take_their_mean_and_get_their_values_back():
 
 
 @needs_node
-def test_too_few_steps_are_told_and_a_run_may_go_on():
+def test_too_few_steps_are_reported_and_a_run_may_go_on():
     got = run(
         text_of("t-handle"),
         "give([motion.advance(1, 3), motion.time > 0, motion.advance(1), motion.time]);",

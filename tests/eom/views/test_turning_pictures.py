@@ -248,7 +248,7 @@ def test_cones_with_a_torque_are_those_of_the_motion(top):
         cones(replace(motion, orbit=True))
 
 
-def test_an_attitude_that_is_not_stated_is_told():
+def test_an_attitude_that_is_not_stated_is_reported():
     data = load_scene("t-handle").model_dump(exclude_unset=True)
     assert "states no attitude" in sphere(turning(Scene(**data), 0.1, 5)).caption
     data |= {"attitude": "quaternion", "initial_attitude": {"quaternion": [1, 0, 0, 0]}}
