@@ -175,15 +175,16 @@ ONE = "body"
 _UNSAID: dict[str, dict[str, Any]] = {
     **{key: {"body": ONE} for key in ("rotors", "loads", "points")},
     "springs": {"first": GROUND, "second": ONE},
+    "constraints": {},
 }
 """What parts of a scene of one body need not say."""
 _READ = {"body", "torque", "attitude", "angles", "integrate", "parameters"}
-_RADIAL = ("cos(n*t)", "sin(n*t)", "0")
-_TIDE = [[f"n^2*(3*{a}*{b} - {int(a == b)})" for b in _RADIAL] for a in _RADIAL]
+_TIDE = [["2*n^2", 0, 0], [0, "-n^2", 0], [0, 0, "-n^2"]]
 _FIELDS = {"weight": ("gravity", [0, 0, "-g"]), "gravity_gradient": ("gravity_gradient", _TIDE)}
 """Gravity by what the torque of a scene of one body says; on a circular orbit n^2 (3 r r - 1)."""
-_ORBIT = {"kind": "revolute", "parent": GROUND, "child": "orbit", "motion": {"position": ("n*t",)}}
-"""The joint of the orbit frame, a body without mass."""
+_TURNING = {"position": (0,), "rate": ("n",), "acceleration": (0,)}
+_ORBIT = {"kind": "revolute", "parent": GROUND, "child": "orbit", "motion": _TURNING}
+"""The joint of the orbit frame, a body without mass: axes of the ground are those along it at any time."""
 
 
 def of_one(data: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -204,13 +205,14 @@ def of_one(data: Mapping[str, Any]) -> Mapping[str, Any]:
     for name in sorted({*field, *own, "joints"} & {*data, *said.parameters, *masses}):
         raise InputError(f"{name} is given twice", where=f"{name}, and [body], [torque] or [joint]")
     joint = {"kind": "spherical", "attitude": base.coordinates, "angles": base.sequence, "alone": True,
-             "parent": "orbit" if torque.gravity_gradient else GROUND, "child": ONE}  # fmt: skip
-    bodies, joints = {ONE: _body_of(own)}, _filled({ONE: data.get("joint", {})}, joint)
-    if torque.gravity_gradient:
+             "parent": GROUND, "child": ONE}  # fmt: skip
+    frame = "orbit" if torque.gravity_gradient else GROUND
+    bodies, joints = {ONE: _body_of(own)}, _filled({ONE: data.get("joint", {})}, joint, frame)
+    if frame != GROUND:
         bodies["orbit"], joints["orbit"] = {}, _ORBIT
     told = {*_READ, "joint", *({"model"} if data.get("model") == "rigid body" else ())}
     found = {k: v for k, v in data.items() if k not in told}
-    found |= {k: _filled(data.get(k, {}), unsaid) for k, unsaid in _UNSAID.items()}
+    found |= {k: _filled(data.get(k, {}), unsaid, frame) for k, unsaid in _UNSAID.items()}
     if torque.components and isinstance(found["loads"], Mapping):
         couple = {"body": ONE, "torque": torque.components, "axes": "body"}
         found["loads"] = {"[torque] components": couple, **found["loads"]}
@@ -234,12 +236,9 @@ def _by_laws(said: Description) -> Scene:
 
 def _own(base: Scene, said: Description) -> dict[str, Any]:
     """Return what the body and its torques define, as parameters."""
-    values = base.numbers
-    named = {
-        q.name: {"value": values[q.name], "unit": q.unit, "meaning": q.meaning}
-        for q in base.full_system.parameters
-    }
-    return {**named, **{n: float(v) for n, v in sizes(said).items()}}
+    said_of = {q.name: {"unit": q.unit, "meaning": q.meaning} for q in base.full_system.parameters}
+    values = {**base.numbers, **sizes(said)}
+    return {n: {**said_of.get(n, {}), "value": float(v)} for n, v in values.items()}
 
 
 def _body_of(own: Mapping[str, Any]) -> dict[str, Any]:
@@ -251,11 +250,18 @@ def _body_of(own: Mapping[str, Any]) -> dict[str, Any]:
     return {"mass": mass, "centre": centre, "about": "origin", **inertia}
 
 
-def _filled(given: Any, unsaid: Mapping[str, Any]) -> Any:
-    """Return the parts of a section with what they do not say."""
+def _filled(given: Any, unsaid: Mapping[str, Any], frame: str) -> Any:
+    """Return the parts of a section with what they do not say; what is on the ground is on ``frame``."""
     if not isinstance(given, Mapping):
         return given
-    return {n: {**unsaid, **p} if isinstance(p, Mapping) else p for n, p in given.items()}
+    return {
+        n: _on(frame, {**unsaid, **p}) if isinstance(p, Mapping) else p for n, p in given.items()
+    }
+
+
+def _on(frame: str, part: Mapping[str, Any]) -> dict[str, Any]:
+    named = (k for k in ("first", "second", "body", "parent") if part.get(k) == GROUND)
+    return {**part, **dict.fromkeys(named, frame)}
 
 
 MOST = 200

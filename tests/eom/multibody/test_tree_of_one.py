@@ -156,6 +156,22 @@ def test_an_orbit_is_that_of_the_scene_without_more():
         assert same(found[f"w_body_{k}"] + carried, expected[f"omega_{k}"])
 
 
+def test_what_is_on_the_ground_of_an_orbit_turns_with_it():
+    """A damper to a point of the orbit frame, about which the body rests, does nothing."""
+    hook = {"first_point": (1, 0.3, 0.2), "second_point": (0.1, 0.2, 0), "damping": 5.0}
+    orbit = {"gravity_gradient": {"orbital_rate": 0.5}}
+    held, left = (scene(model="tree", torque=orbit, springs=s) for s in ({"d": hook}, {}))
+    assert held.tree.springs[0].bodies == ("orbit", "body")
+    at_rest = dict.fromkeys(("w_body_1", "w_body_2", "w_body_3"), 0)
+    at_rest |= dict.fromkeys(("q0", "q1", "q2", "q3"), 0.5)
+    known = numbers(held.full_system, {**at_rest, "n": 0.5})
+    found, expected = (rates_at(s.full_system, known) for s in (held, left))
+    assert all(same(found[n], expected[n]) for n in found)
+    assert sp.Symbol("t", real=True) not in set().union(
+        *(r.free_symbols for r in held.derive().rates)
+    )
+
+
 def test_formulas_name_what_the_scene_defines():
     data = {
         "body": {"solid": "cylinder", "mass": 0.5, "size": {"radius": 0.05, "length": 0.02}},
