@@ -9,7 +9,7 @@ What may stand for a term of a line, with its value; what is left over of two me
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
 
@@ -31,14 +31,13 @@ from eom.checker.repair.lines import (
 )
 from eom.checker.repair.residual import (
     Pools,
-    entry_residual,
-    entry_terms,
     fits,
     lost_terms,
     remains,
     total,
 )
-from eom.checker.repair.slips import ALL_OVER, DROPPED, LOST, TERM, Edit, Option, Slip, edits
+from eom.checker.repair.slips import ALL_OVER, DROPPED, TERM, Change, Edit, Option, Slip, edits
+from eom.checker.repair.tables import entry_residual, mended, table_in
 from eom.fields import PRIME
 from eom.terms.terms import COLUMN, MATRIX, Term
 
@@ -58,11 +57,11 @@ def options(
     member = next(m for m in line.members if m.number == addend.member)
     if value is not None:
         own = (value.term, signature(value))
-        turned = _option(addend, TERM, addend.node, addend.node, -addend.sign, *own)
+        turned = _option(addend, TERM, addend.node, -addend.sign, *own)
         alone = len(member.addends) == 1 and member is line.members[0]
         found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
     if len(member.addends) > 1:
-        found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
+        found.append(_option(addend, DROPPED, NOTHING, addend.sign))
     for edit in edits(addend.node, palette, spared):
         new = worth(line, edit.tree)
         if new is not None and not (value is not None and new.term == value.term):
@@ -73,28 +72,17 @@ def options(
 def _option(
     addend: Addend,
     slip: Slip,
-    old: Node,
     new: Node,
     sign: int,
-    term: Term | None,
-    kind: Signature | None,
+    term: Term | None = None,
+    kind: Signature | None = None,
 ) -> Option:
-    return Option(addend, slip, slip.weight, old, new, new, sign, term, kind)
+    return Option(addend, slip.weight, new, sign, (Change(slip, addend.node, new),), term, kind)
 
 
 def _edited(addend: Addend, edit: Edit, value: Value) -> Option:
-    return Option(
-        addend,
-        edit.slip,
-        edit.weight,
-        edit.old,
-        edit.new,
-        edit.tree,
-        addend.sign,
-        value.term,
-        signature(value),
-        edit.paths,
-    )
+    own = (value.term, signature(value))
+    return Option(addend, edit.weight, edit.tree, addend.sign, edit.changes, *own)
 
 
 LETTERS = frozenset({"symbol", "index"})
@@ -129,6 +117,7 @@ class Workshop:
     offers: Mapping[Addend, list[Option]]
     values: Mapping[Addend, Value | None]
     pools: Pools
+    palette: Palette = field(default_factory=Palette)
 
     def candidates(self, model: Drawn) -> list[Candidate]:
         """Return repairs after which all members agree in a world."""
@@ -174,27 +163,32 @@ class Workshop:
                 yield Candidate((option,), option.weight)
 
     def _entries(self, model: Drawn, reference: Member, member: Member) -> Iterator[Candidate]:
-        """Yield a table that has lost terms in some entries, against what it should be."""
-        found = self._gap(model, reference, member, member)
-        if found is not None:
-            need = [member.addends[0].sign * n % PRIME for n in found]
-            for option in entry_terms(self.pools, model, member.addends[0], need):
-                yield Candidate((option,), option.weight)
+        """Yield a table with its cells mended, against what it should be."""
+        for addend in member.addends:
+            found = self._gap(model, reference, member, member, addend)
+            if found is not None:
+                need = [addend.sign * n % PRIME for n in found]
+                for option in mended(self.pools, model, addend, need, self.palette):
+                    yield Candidate((option,), option.weight)
 
     def difference(
         self, model: Drawn, left: Member, right: Member
     ) -> tuple[Node, list[int]] | None:
-        """Return a member that is one table of entries, and the left less the right side by entries."""
+        """Return a term that is one table of entries, and the left less the right side by entries."""
         for member in (right, left):
-            found = self._gap(model, left, right, member)
-            if found is not None:
-                return member.addends[0].node, found
+            for addend in member.addends:
+                found = self._gap(model, left, right, member, addend)
+                if found is not None:
+                    return addend.node, found
         return None
 
-    def _gap(self, model: Drawn, left: Member, right: Member, table: Member) -> list[int] | None:
-        """Return the components of the left less the right side, if one of them is a table."""
-        own = self.values.get(table.addends[0]) if len(table.addends) == 1 else None
-        if own is None or own.shape not in {COLUMN, MATRIX} or table.path is None:
+    def _gap(
+        self, model: Drawn, left: Member, right: Member, member: Member, addend: Addend
+    ) -> list[int] | None:
+        """Return the components of the left less the right side, if a term of one of them is a table."""
+        own = self.values.get(addend)
+        table = own is not None and table_in(self.line, addend.node) is not None
+        if own is None or not table or own.shape not in {COLUMN, MATRIX} or member.path is None:
             return None
         a, b = (self._components(model, m, own.frames[0]) for m in (left, right))
         if a is None or b is None or len(a) != len(b):
@@ -376,7 +370,7 @@ def weight(chosen: Iterable[Option]) -> float:
     seen: set[tuple[object, ...]] = set()
     for option in sorted(chosen, key=lambda o: -o.weight):
         name = option.slip.name
-        key = (name, option.old, option.new) if name in LETTERS else (name,)
+        key = (name, option.first.old, option.first.new) if name in LETTERS else (name,)
         again = option.slip.uniform and key in seen
         total += option.weight * (ALL_OVER if again else 1.0)
         seen.add(key)
@@ -420,7 +414,7 @@ def repaired(line: Line, candidate: Candidate) -> Node:
 
 
 def _apply(tree: Node, path: Path, option: Option) -> Node:
-    if option.slip is LOST and option.node is option.new:
+    if option.appended:
         return _appended(tree, path, option)
     flipped = option.sign != option.addend.sign
     if not flipped:

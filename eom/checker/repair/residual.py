@@ -23,7 +23,7 @@ from eom.checker.mean.elaborate import abbreviated
 from eom.checker.mean.model import printed
 from eom.checker.mean.values import ROW, Value
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.paths import NOTHING, Path, at, operands, places, put
+from eom.checker.read.paths import NOTHING, at, operands, places
 from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import (
     Addition,
@@ -31,7 +31,6 @@ from eom.checker.read.syntax import (
     Derivative,
     Fraction,
     Group,
-    Matrix,
     Node,
     Number,
     Product,
@@ -49,7 +48,7 @@ from eom.checker.repair.lines import (
     valued,
     worth,
 )
-from eom.checker.repair.slips import LOST, Option, dotted
+from eom.checker.repair.slips import LOST, Change, Option, dotted
 from eom.errors import InputError
 from eom.fields import PRIME, RESIDUES, Singular
 from eom.system import Expr
@@ -464,96 +463,5 @@ def lost_terms(
         value = worth(pools.line, node)
         if value is not None:
             addend = replace(member.addends[-1], sign=sign, node=NOTHING)
-            kept = (LOST, weight(pieces), NOTHING, node, node, sign, value.term, signature(value))
-            yield Option(addend, *kept)
-
-
-# -- by entries ------------------------------------------------------------------------------------
-
-
-def entry_terms(
-    pools: Pools, model: Drawn, addend: Addend, need: Sequence[int]
-) -> Iterator[Option]:
-    """Yield a table of entries with terms added where its entries need some.
-
-    ``need``: by how much its components must grow, one for each entry.
-    """
-    found = _table(addend.node)
-    if found is None:
-        return
-    path, table = found
-    cells = [(r, c) for r, row in enumerate(table.rows) for c in range(len(row))]
-    if len(cells) != len(need):
-        return
-    tree: Node = table
-    cost, changed = 0.0, dict[tuple[int, int], str]()
-    for cell, wanted in zip(cells, need, strict=True):
-        if wanted % PRIME == 0:
-            continue
-        pieces = _entry(pools, model, table, cell, wanted)
-        if pieces is None:
-            return
-        tree = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces))
-        changed[cell] = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
-        cost += weight(pieces)
-    node = put(addend.node, path, tree)
-    value = worth(pools.line, node)
-    if value is not None and changed:
-        inside: Path = (("rows", next(iter(changed))),) if len(changed) == 1 else ()
-        old, new = at(table, inside), at(tree, inside)
-        kept = (LOST, cost, old, new, node, addend.sign, value.term, signature(value))
-        yield Option(addend, *kept, paths=((*path, *inside),), added=tuple(changed.items()))
-
-
-def entry_residual(pools: Pools, model: Drawn, node: Node, numbers: Sequence[int]) -> Node | None:
-    """Return a table of what entries have too much, by factors of the same entries; None for none."""
-    found = _table(node)
-    if found is None:
-        return None
-    _, table = found
-    cells = [(r, c) for r, row in enumerate(table.rows) for c in range(len(row))]
-    if len(cells) != len(numbers):
-        return None
-    tree: Node = table
-    for cell, number in zip(cells, numbers, strict=True):
-        pieces = _entry(pools, model, table, cell, number) if number % PRIME else ()
-        if pieces is None:
-            return None
-        tree = put(tree, (("rows", cell),), total(pieces) if pieces else Number("0"))
-    return tree
-
-
-def _table(node: Node) -> tuple[Path, Matrix] | None:
-    for path, here in places(node):
-        if isinstance(here, Matrix) and sum(map(len, here.rows)) in {3, 9}:
-            return path, here
-    return None
-
-
-def _entry(
-    pools: Pools, model: Drawn, table: Matrix, cell: tuple[int, int], wanted: int
-) -> tuple[Piece, ...] | None:
-    """Return what an entry lacks, by its own factors, then by those of all entries."""
-    kinds = [signature(v) for _, n in operands(table) for v in [_value(pools, n)] if v is not None]
-    own = _value(pools, table.rows[cell[0]][cell[1]])
-    kind = (signature(own) if own is not None else None) or next((k for k in kinds if k), None)
-    if kind is None:
-        return None
-    for roots in ([table.rows[cell[0]][cell[1]]], [table]):
-        for pieces in fits(model.scalar, pools.pool(roots, kind), wanted):
-            return pieces
-    return None
-
-
-def _value(pools: Pools, node: Node) -> Value | None:
-    return worth(pools.line, node)
-
-
-def _added(cell: Node, pieces: Sequence[Piece]) -> Node:
-    parts = [scaled(p) for p in pieces]
-    own = (cell.terms, cell.signs) if isinstance(cell, Addition) else ((cell,), ("",))
-    if cell == Number("0"):
-        own = ((), ())
-    return Addition(
-        (*own[0], *(n for _, n in parts)), (*own[1], *(s for s, _ in parts)), span=cell.span
-    )
+            lost = (Change(LOST, NOTHING, node),)
+            yield Option(addend, weight(pieces), node, sign, lost, value.term, signature(value))

@@ -14,7 +14,7 @@ Slips in letters and labels: indices, points, frames, letters that look alike.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from eom.checker.read.paths import NOTHING, Path, at, places, put, tidy
 from eom.checker.read.symbol_shape import DOTS, seen
@@ -521,6 +521,12 @@ def transpose(node: Node, _: Palette) -> Iterator[Offer]:
             yield Scripts(node, None, _T, span=node.span), 0.0
 
 
+def transposed(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a square table with rows and columns exchanged."""
+    if isinstance(node, Matrix) and 1 < len(node.rows) == len(node.rows[0]):
+        yield replace(node, rows=tuple(zip(*node.rows, strict=True))), 0.0
+
+
 Rule = Callable[[Node, Palette], Iterable[Offer]]
 
 
@@ -536,15 +542,36 @@ class Slip:
 
 
 @dataclass(frozen=True)
-class Edit:
-    """A slip undone at some places of a tree: the new tree, what stood there and what stands now."""
+class Change:
+    """A slip undone: what stood at some places of a tree, and what stands there now.
+
+    ``added``: what is added there, with its sign, "" for nothing.
+    """
 
     slip: Slip
-    weight: float
-    tree: Node
     old: Node
     new: Node
-    paths: tuple[Path, ...] = field(default=())
+    paths: tuple[Path, ...] = ((),)
+    added: str = ""
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Slips undone in a tree: how implausible they are, and the new tree."""
+
+    weight: float
+    tree: Node
+    changes: tuple[Change, ...]
+
+    @property
+    def first(self) -> Change:
+        """The first of the slips."""
+        return self.changes[0]
+
+    @property
+    def slip(self) -> Slip:
+        """The kind of the first slip."""
+        return self.first.slip
 
 
 # -- the table -------------------------------------------------------------------------------------
@@ -555,6 +582,7 @@ SLIPS: tuple[Slip, ...] = (
     Slip("lost tilde", "a tilde or cross was lost", 1.0, more_skew, uniform=True),
     Slip("superfluous tilde", "a tilde or cross is too much", 1.1, fewer_skew, uniform=True),
     Slip("transpose", "a transpose was lost or is too much", 1.0, transpose, uniform=True),
+    Slip("transposed table", "rows and columns of a table exchanged", 1.0, transposed),
     Slip("sign", "a sign", 1.0, signs),
     Slip("sine or cosine", "sine and cosine exchanged", 1.0, functions, uniform=True),
     Slip("index", "another label: index, point or frame", 1.05, labels, uniform=True),
@@ -620,7 +648,7 @@ def _single(node: Node, palette: Palette, spared: Callable[[Path], bool]) -> Ite
             for slip in chosen:
                 for new, extra in slip.rule(here, palette):
                     tree = put(node, path, new)
-                    yield Edit(slip, slip.weight + extra, tree, here, tidy(new), (path,))
+                    yield Edit(slip.weight + extra, tree, (Change(slip, here, tidy(new), (path,)),))
 
 
 def _sorted(found: dict[Node, Edit]) -> list[Edit]:
@@ -641,34 +669,45 @@ def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) 
         if not spared(path):
             standing.setdefault(here, []).append(path)
     for edit in single:
-        paths = standing.get(edit.old, [])
-        key = (edit.slip.name, edit.old, edit.new)
+        change = edit.first
+        paths = standing.get(change.old, [])
+        key = (edit.slip.name, change.old, change.new)
         if not edit.slip.uniform or len(paths) < 2 or key in done:
             continue
         done.add(key)
         tree = node
         for path in paths:
-            tree = put(tree, path, edit.new)
+            tree = put(tree, path, change.new)
         weight = edit.weight + ALL_OVER * (len(paths) - 1)
-        yield replace(edit, tree=tree, weight=weight, paths=tuple(paths))
+        yield Edit(weight, tree, (replace(change, paths=tuple(paths)),))
 
 
 @dataclass(frozen=True)
 class Option:
     """What may stand for a term: another node, the other sign, or nothing; with its value.
 
-    ``old``, ``new``: what changes within the term, at ``paths``; ``added``: what is added to cells
-    of a table, by their places, with signs.
+    ``changes``: what is undone within the term.
     """
 
     addend: Addend
-    slip: Slip
     weight: float
-    old: Node
-    new: Node
     node: Node
     sign: int
+    changes: tuple[Change, ...]
     term: Term | None = None
     signature: Signature | None = None
-    paths: tuple[Path, ...] = ((),)
-    added: tuple[tuple[tuple[int, int], str], ...] = ()
+
+    @property
+    def first(self) -> Change:
+        """The first of the slips."""
+        return self.changes[0]
+
+    @property
+    def slip(self) -> Slip:
+        """The kind of the first slip."""
+        return self.first.slip
+
+    @property
+    def appended(self) -> bool:
+        """Whether a term is added behind the others."""
+        return self.slip is LOST and self.node is self.first.new
