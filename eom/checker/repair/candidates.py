@@ -36,7 +36,17 @@ from eom.checker.repair.residual import (
     remains,
     total,
 )
-from eom.checker.repair.slips import ALL_OVER, DROPPED, TERM, Change, Edit, Option, Slip, edits
+from eom.checker.repair.slips import (
+    ALL_OVER,
+    DROPPED,
+    TERM,
+    Change,
+    Edit,
+    Option,
+    Slip,
+    doubles,
+    edits,
+)
 from eom.checker.repair.tables import entry_residual, mended, table_in
 from eom.fields import PRIME
 from eom.terms.terms import COLUMN, MATRIX, Term
@@ -62,11 +72,24 @@ def options(
         found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
     if len(member.addends) > 1:
         found.append(_option(addend, DROPPED, NOTHING, addend.sign))
-    for edit in edits(addend.node, palette, spared):
+    found += _valued(line, addend, value, edits(addend.node, palette, spared))
+    return sorted(found, key=lambda o: o.weight)
+
+
+def double_options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
+    """Return what may stand for a term if there are two slips in it."""
+    found = doubles(addend.node, edits(addend.node, palette, many=False))
+    return list(_valued(line, addend, worth(line, addend.node), found))
+
+
+def _valued(
+    line: Line, addend: Addend, value: Value | None, found: Iterable[Edit]
+) -> Iterator[Option]:
+    """Yield those edits of a term that have a value other than its own."""
+    for edit in found:
         new = worth(line, edit.tree)
         if new is not None and not (value is not None and new.term == value.term):
-            found.append(_edited(addend, edit, new))
-    return sorted(found, key=lambda o: o.weight)
+            yield _edited(addend, edit, new)
 
 
 def _option(

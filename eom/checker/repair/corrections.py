@@ -18,7 +18,7 @@ from eom.checker.read.syntax import (
     Node,
     walk,
 )
-from eom.checker.repair.candidates import Candidate, Workshop, options, repaired
+from eom.checker.repair.candidates import Candidate, Workshop, double_options, options, repaired
 from eom.checker.repair.lines import (
     Addend,
     Line,
@@ -36,6 +36,8 @@ SHOWN = 3
 """Corrections that are shown at most."""
 JUDGED = 6
 """Repairs of a line that are judged in full at most."""
+SINGLE = 1.4
+"""What the best repair weighs at least if pairs of slips in one term are tried as well."""
 WEAK = 2.0
 """What the best repair weighs at least if terms of symbols around the line are tried as well."""
 NEAR = 12
@@ -70,6 +72,8 @@ def corrections(
     """Return verified repairs of a wrong line, the most plausible first."""
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
     ranked = _ranked(shop, given)
+    if not ranked or ranked[0].cost > SINGLE:
+        ranked = sorted([*ranked, *_ranked(_doubled(shop), given)], key=lambda r: r.cost)
     if (not ranked or ranked[0].cost > WEAK) and not shop.pools.left:
         more = _ranked(_widened(shop), given)
         ranked = sorted([*ranked, *more], key=lambda r: r.cost)
@@ -84,6 +88,11 @@ def corrections(
         if len(found) == SHOWN:
             break
     return sorted(found, key=lambda v: v.cost)
+
+
+def _doubled(shop: Workshop) -> Workshop:
+    offers = {a: double_options(shop.line, a, shop.palette) for a in shop.offers}
+    return replace(shop, offers=offers)
 
 
 def _widened(shop: Workshop) -> Workshop:

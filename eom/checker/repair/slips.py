@@ -15,8 +15,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from heapq import nsmallest
+from itertools import combinations
 
-from eom.checker.read.paths import NOTHING, Path, at, places, put, tidy
+from eom.checker.read.paths import NOTHING, Path, at, places, put, set_down, tidy
 from eom.checker.read.symbol_shape import DOTS, seen
 from eom.checker.read.syntax import (
     Accent,
@@ -29,6 +31,7 @@ from eom.checker.read.syntax import (
     Integral,
     Marks,
     Matrix,
+    Missing,
     Node,
     Number,
     Product,
@@ -623,14 +626,18 @@ def _everywhere_tried(_: Path) -> bool:
 
 
 def edits(
-    node: Node, palette: Palette, spared: Callable[[Path], bool] = _everywhere_tried
+    node: Node,
+    palette: Palette,
+    spared: Callable[[Path], bool] = _everywhere_tried,
+    many: bool = True,
 ) -> list[Edit]:
     """Return the slips undone in a tree, one each, and those of one kind at all equal places.
 
-    ``spared``: says at which places nothing need be tried.
+    ``spared``: says at which places nothing need be tried; ``many``: whether also slips that offer
+    something for every symbol of the note are undone.
     """
     found: dict[Node, Edit] = {}
-    for edit in _single(node, palette, spared):
+    for edit in _single(node, palette, spared, (False, True) if many else (False,)):
         _keep(found, edit, node)
         if len(found) >= MAX_EDITS:
             return _sorted(found)
@@ -639,10 +646,12 @@ def edits(
     return _sorted(found)
 
 
-def _single(node: Node, palette: Palette, spared: Callable[[Path], bool]) -> Iterator[Edit]:
+def _single(
+    node: Node, palette: Palette, spared: Callable[[Path], bool], kinds: tuple[bool, ...]
+) -> Iterator[Edit]:
     """Yield edits of one place each; the slips that offer much come last, at all places."""
     here_and_below = [(p, n) for p, n in places(node) if not spared(p)]
-    for many in (False, True):
+    for many in kinds:
         chosen = [s for s in SLIPS if (s.name in MANY) == many]
         for path, here in here_and_below:
             for slip in chosen:
@@ -680,6 +689,45 @@ def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) 
             tree = put(tree, path, change.new)
         weight = edit.weight + ALL_OVER * (len(paths) - 1)
         yield Edit(weight, tree, (replace(change, paths=tuple(paths)),))
+
+
+MILD = 1.3
+"""What a slip weighs at most of which there may be two in one term."""
+PAIRS = 300
+"""Pairs of slips in one term that are tried at most."""
+
+
+def doubles(node: Node, single: Iterable[Edit]) -> list[Edit]:
+    """Return the likeliest pairs of slips at two places of a tree, both undone."""
+    mild = [e for e in single if e.weight <= MILD and _alone(e)]
+    pairs = (
+        (_joint(a, b), k, a, b)
+        for k, (a, b) in enumerate(combinations(mild, 2))
+        if _disjoint(a.first.paths[0], b.first.paths[0])
+    )
+    found = []
+    for weight, _, a, b in nsmallest(PAIRS, pairs):
+        tree = node
+        for path, new in ((e.first.paths[0], e.first.new) for e in (a, b)):
+            tree = set_down(tree, path, new)
+        found.append(Edit(weight, tree, (*a.changes, *b.changes)))
+    return found
+
+
+def _alone(edit: Edit) -> bool:
+    paths = edit.first.paths
+    return len(paths) == 1 and paths[0] != () and not isinstance(edit.first.new, Missing)
+
+
+def _joint(a: Edit, b: Edit) -> float:
+    """Return how implausible two slips are together; the same one again weighs less."""
+    again = a.slip.uniform and a.slip.name == b.slip.name
+    return max(a.weight, b.weight) + min(a.weight, b.weight) * (ALL_OVER if again else 1.0)
+
+
+def _disjoint(a: Path, b: Path) -> bool:
+    n = min(len(a), len(b))
+    return a[:n] != b[:n]
 
 
 @dataclass(frozen=True)
