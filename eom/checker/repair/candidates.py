@@ -17,7 +17,7 @@ from eom.checker.judge.models import Drawn
 from eom.checker.mean.claims import CONSTANT, STATEMENT
 from eom.checker.mean.values import GEOMETRIC, Value, components
 from eom.checker.read.paths import NOTHING, Path, at, put, set_down
-from eom.checker.read.syntax import Addition, Node
+from eom.checker.read.syntax import Addition, Node, walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.lines import (
     Addend,
@@ -30,6 +30,7 @@ from eom.checker.repair.lines import (
     worth,
 )
 from eom.checker.repair.residual import (
+    Piece,
     Pools,
     fits,
     lost_terms,
@@ -137,7 +138,7 @@ class Workshop:
     """A line with its options; ``values``: of its terms as they stand, None where there is none."""
 
     line: Line
-    offers: Mapping[Addend, list[Option]]
+    offers: Mapping[Addend, Sequence[Option]]
     values: Mapping[Addend, Value | None]
     pools: Pools
     palette: Palette = field(default_factory=Palette)
@@ -488,9 +489,10 @@ def _of_rate(shop: Workshop) -> Workshop:
     first, naught = line.members
     whole = replace(first, addends=(), value=line.claim.members[0])
     plain = replace(line, members=(whole, naught), claim=replace(line.claim, kind=STATEMENT))
-    near = shop.pools.near
-    known = partial(remains, line, near, ())
-    return replace(shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, near, known))
+    known = partial(remains, line, shop.pools.near, (), long=True)
+    return replace(
+        shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, shop.pools.near, known)
+    )
 
 
 def leftover(shop: Workshop, candidate: Candidate | None, model: Drawn) -> str:
@@ -522,10 +524,30 @@ def _sum(shop: Workshop, model: Drawn, found: tuple[Member, Member]) -> str:
     if kind is None or (left[0] and right[0] and left[0] != right[0]):
         return ""
     number = (left[1] - right[1]) % PRIME
-    for pieces in fits(model.number, shop.pools.own(kind), number):
-        if len(pieces) == 1:
-            return latex(total(pieces))
-    for pools in (shop.pools, shop.pools.widened()):
-        for pieces in fits(model.number, pools.pool(pools.roots, kind), number):
-            return latex(total(pieces))
-    return ""
+    least: Node | None = None
+    for pieces in _told(shop, model, kind, number):
+        node = total(pieces)
+        if least is None or _sums(node) < _sums(least):
+            least = node
+        if not _sums(least):
+            break
+    return "" if least is None else latex(least)
+
+
+def _told(
+    shop: Workshop, model: Drawn, kind: Signature, number: int
+) -> Iterator[tuple[Piece, ...]]:
+    """Yield sums of products that are a number: of the line, of what is near, of what is known."""
+    own = shop.pools.own(kind)
+    known = partial(remains, shop.line, shop.palette.symbols, (), long=True)
+    yield from (p for p in fits(model.number, own, number) if len(p) == 1)
+    more = (shop.pools.widened(), shop.pools.knowing(known)) if shop.values else ()
+    for pools in (shop.pools, *more):
+        items = [*pools.pool(pools.roots, kind), *own]
+        found = fits(model.number, items, number)
+        yield from (p for p in found if not all(piece.item in own for piece in p))
+
+
+def _sums(node: Node) -> int:
+    """Return how many terms the sums of a tree have."""
+    return sum(len(n.terms) for n in walk(node) if isinstance(n, Addition) and len(n.terms) > 1)

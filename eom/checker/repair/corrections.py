@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -36,12 +36,10 @@ SHOWN = 3
 """Corrections that are shown at most."""
 JUDGED = 6
 """Repairs of a line that are judged in full at most."""
-SINGLE = 1.4
-"""What the best repair weighs at least if pairs of slips in one term are tried as well."""
-WEAK = 2.0
-"""What the best repair weighs at least if terms of symbols around the line are tried as well."""
 NEAR = 12
 """Symbols around a line that are tried in lost terms, if its own do not help."""
+FAR = 1.3
+"""What a repair weighs more at most than the best one, if it is offered beside that."""
 ENOUGH = 1.0
 """A repair found is enough if a special level could only add some that weigh this much more."""
 
@@ -71,17 +69,16 @@ def corrections(
 ) -> list[Verified]:
     """Return verified repairs of a wrong line, the most plausible first."""
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
-    ranked = _ranked(shop, given)
-    if not ranked or ranked[0].cost > SINGLE:
-        ranked = sorted([*ranked, *_ranked(_doubled(shop), given)], key=lambda r: r.cost)
-    if (not ranked or ranked[0].cost > WEAK) and not shop.pools.left:
-        more = _ranked(_widened(shop), given)
-        ranked = sorted([*ranked, *more], key=lambda r: r.cost)
+    ranked: list[Ranked] = []
+    for more, least in STAGES:
+        if not ranked or ranked[0].cost > least:
+            ranked = sorted([*ranked, *_ranked(more(shop), given)], key=lambda r: r.cost)
     found: list[Verified] = []
     unique: dict[Node, Ranked] = {}
     for one in ranked:
         unique.setdefault(one.tree, one)
-    for one in list(unique.values())[:JUDGED]:
+    near = [r for r in unique.values() if r.cost <= ranked[0].cost + FAR]
+    for one in near[:JUDGED]:
         made = verified(understood, shop.line, one, given, stated)
         if made is not None:
             found.append(made)
@@ -91,12 +88,29 @@ def corrections(
 
 
 def _doubled(shop: Workshop) -> Workshop:
+    """Return the workshop for two slips in one term."""
     offers = {a: double_options(shop.line, a, shop.palette) for a in shop.offers}
     return replace(shop, offers=offers)
 
 
 def _widened(shop: Workshop) -> Workshop:
-    return replace(shop, pools=shop.pools.widened())
+    """Return the workshop in which terms of symbols around the line may be lost."""
+    return shop if shop.pools.left else replace(shop, pools=shop.pools.widened())
+
+
+def _by_lexicon(shop: Workshop) -> Workshop:
+    """Return the workshop in which what is left over is written with all symbols of the lexicon."""
+    known = partial(remains, shop.line, shop.palette.symbols)
+    return replace(shop, offers=dict.fromkeys(shop.offers, ()), pools=shop.pools.knowing(known))
+
+
+STAGES: tuple[tuple[Callable[[Workshop], Workshop], float], ...] = (
+    (lambda shop: shop, 0.0),
+    (_doubled, 1.4),
+    (_widened, 2.0),
+    (_by_lexicon, 2.0),
+)
+"""Where repairs are looked for, and what the best one weighs at least if the next is tried as well."""
 
 
 def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Drawn, Drawn]]:
@@ -129,7 +143,8 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
     values = {a: worth(wrong, a.node) for a in addends}
     equal = wrong.claim.kind != CONSTANT
-    known = partial(remains, wrong, have.symbols, tuple(given)) if equal else tuple
+    own = [n for n in have.symbols if n in have.written]
+    known = partial(remains, wrong, own, tuple(given)) if equal else tuple
     shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known), have)
     at_fault = _suspects(shop, tuple(given))
     spared = {a: (at_fault[a].spares,) if a in at_fault else () for a in addends}

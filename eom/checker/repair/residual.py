@@ -62,6 +62,8 @@ ATOMS = 14
 DEGREE = 4
 MOST = 900
 """Products that are tried at most."""
+SHORT = 3
+"""Terms that are left over at most, if they are added to a line."""
 ALTERNATIVES = 3
 """Products that are offered at most where several are the same in a world."""
 
@@ -138,10 +140,13 @@ def _factors(line: Line, root: Node) -> Iterator[Node]:
             stack += reversed(left)
             continue
         given = seen(node)
-        bracket = isinstance(node, Group) and node.open == "[" and seen(node.body) is not None
+        bracket = isinstance(node, Group) and (
+            isinstance(node.body, Addition) or (node.open == "[" and seen(node.body) is not None)
+        )
         if bracket or isinstance(node, Call) or (given is not None and given.look.name.isalpha()):
             yield node
-            continue
+            if not isinstance(node, Group) or not isinstance(node.body, Addition):
+                continue
         if isinstance(node, Derivative) and node.operand is not None and seen(node.operand):
             yield node
         below = children(node) if isinstance(node, Product) else tuple(n for _, n in operands(node))
@@ -341,28 +346,35 @@ def total(pieces: Iterable[Piece]) -> Node:
 # -- what is left over ---------------------------------------------------------------------------
 
 
-def remains(line: Line, near: Sequence[Node], given: Iterable[str] = ()) -> tuple[Node, ...]:
+def remains(
+    line: Line, near: Sequence[Node], given: Iterable[str] = (), long: bool = False
+) -> tuple[Node, ...]:
     """Return what is left over of an equation on the solutions, whole and term by term.
 
-    ``near``: symbols of the writer, which it is written with. Nothing is where that would be long.
+    ``near``: symbols of the writer, which it is written with. Nothing is where that would need others
+    or more than a few terms, unless it may be ``long``.
     """
     models = line.models(given)
     if not isinstance(models, Solutions):
         return ()
     letters = _letters(line, near, models)
+    printable = {q.symbol: printed(q) for q in models.model.quantities.values()} if long else {}
+    letters = printable | letters
     found: dict[Node, None] = {}
     try:
         for pair in models.said:
             whole = residual(models.model.system, pair, models.held)
             parts = () if whole is None else (whole, *sp.Add.make_args(sp.expand(whole)))
-            found |= {read_formula(_latex(part, letters)).tree: None for part in parts}
+            short = parts if long or len(parts) <= SHORT + 1 else ()
+            own = (p for p in short if p.free_symbols <= letters.keys())
+            found |= {read_formula(_latex(part, letters)).tree: None for part in own}
     except (InputError, Singular):
         return ()
     return tuple(found)
 
 
 def _letters(line: Line, near: Sequence[Node], models: Solutions) -> dict[Expr, str]:
-    """Return the LaTeX of the quantities of a system: as the writer has it, else as it is printed."""
+    """Return the LaTeX of those quantities of a system that the writer has a symbol for."""
     found: dict[Expr, str] = {}
     for node in near:
         value = valued(line.elaborator, node)
@@ -371,12 +383,11 @@ def _letters(line: Line, near: Sequence[Node], models: Solutions) -> dict[Expr, 
                 meant = models.written(value.term)
                 if meant.is_Symbol:
                     found.setdefault(meant, latex(node))
-    model = models.model
-    for name, q in model.quantities.items():
-        base = model.quantities.get(name.removesuffix("_dot"), q)
-        if base is not q:
-            found.setdefault(q.symbol, rf"\dot{{{found.get(base.symbol, printed(base))}}}")
-        found.setdefault(q.symbol, model.letters.get(name, printed(q)))
+    quantities = models.model.quantities
+    for name, q in quantities.items():
+        base = quantities.get(name.removesuffix("_dot"), q)
+        if base is not q and base.symbol in found:
+            found.setdefault(q.symbol, rf"\dot{{{found[base.symbol]}}}")
     return found
 
 
@@ -414,6 +425,10 @@ class Pools:
     def widened(self) -> Pools:
         """Return pools with the symbols around the line as factors as well."""
         return replace(self, wide=True, made={})
+
+    def knowing(self, known: Callable[[], Sequence[Node]]) -> Pools:
+        """Return pools that know what is left over in another way."""
+        return replace(self, known=known, made={})
 
     @cached_property
     def left(self) -> Sequence[Node]:

@@ -240,6 +240,11 @@ def superfluous_term(node: Node, _: Palette) -> Iterator[Offer]:
     if isinstance(node, Addition) and len(node.terms) > 1:
         for k in range(len(node.terms)):
             yield replace(node, terms=(*node.terms[:k], NOTHING, *node.terms[k + 1 :])), 0.0
+    inside = node.body if isinstance(node, Group) and node.open == "(" else None
+    if isinstance(inside, Addition) and len(inside.terms) == 2:
+        for sign, term in zip(inside.signs, inside.terms, strict=True):
+            if sign != "-" and (seen(term) is not None or isinstance(term, Group)):
+                yield term, -0.1
 
 
 _PLAIN = -0.35
@@ -693,6 +698,8 @@ def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) 
 
 MILD = 1.3
 """What a slip weighs at most of which there may be two in one term."""
+NUMBERS = frozenset({"factor", "number", "superfluous factor"})
+"""Slips of which two in one product are one."""
 PAIRS = 300
 """Pairs of slips in one term that are tried at most."""
 
@@ -704,6 +711,7 @@ def doubles(node: Node, single: Iterable[Edit]) -> list[Edit]:
         (_joint(a, b), k, a, b)
         for k, (a, b) in enumerate(combinations(mild, 2))
         if _disjoint(a.first.paths[0], b.first.paths[0])
+        and not {a.slip.name, b.slip.name} <= NUMBERS
     )
     found = []
     for weight, _, a, b in nsmallest(PAIRS, pairs):
