@@ -36,8 +36,10 @@ from typing import Any
 import click
 
 from benchmarks.table import time_text
+from eom.checker.judge.judge import models_of
 from eom.checker.judge.models import Worlds, contexts
 from eom.checker.judge.notes import Understood, reread, understand
+from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import GRAVE, NONE
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
@@ -310,6 +312,11 @@ def _alike(understood: Understood, a: Claim, b: Claim) -> bool:
         return a.verdict == b.verdict and a.verdict not in GRAVE and a.members == b.members
     notation = understood.lexicon.notation
     values = [[mixed(notation, m).term for m in c.members] for c in (a, b)]
+    if on_solutions(a) and on_solutions(b):
+        drawn = [
+            next(models_of(c, GIVEN).levels(v))[0] for c, v in zip((a, b), values, strict=True)
+        ]
+        return _proportional([[d.number(t) for t in v] for d, v in zip(drawn, values, strict=True)])
     terms = [*(t for v in values for t in v), *a.scalars.values(), *b.scalars.values()]
     for context in contexts(terms):
         names = closure([*GIVEN, *context])

@@ -20,7 +20,7 @@ Equations of magnitudes: both sides squared where each is seen to be nothing bel
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import islice
@@ -282,7 +282,9 @@ CONTEXTS: tuple[tuple[str, ...], ...] = (
 _USUAL = ("body_frame", "newton_2", "third_law_strong")
 _PRINCIPAL = (*_USUAL, "about_centre", "principal_axes")
 LEVELS: tuple[tuple[str, ...], ...] = (
+    _USUAL,
     (*_USUAL, "about_centre"),
+    (*_USUAL, "O_fixed_in_body"),
     (*_USUAL, "O_fixed_in_body", "O_fixed_in_space"),
     (*_PRINCIPAL, "C_at_rest"),
     (*_PRINCIPAL, "A_fixed_in_body", "OA_at_centre", "no_torque_2"),
@@ -385,8 +387,7 @@ class Worlds(Models):
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield smallest sets below every largest one."""
         labels = labels_in(self.terms)
-        wanted = (n for n in ASSUMPTIONS if n not in SPECIAL)
-        names = [n for n in wanted if n not in MENTIONS or MENTIONS[n] & labels]
+        names = [*told((n for n in ASSUMPTIONS if n not in SPECIAL), labels)]
         found, seen = set[frozenset[str]](), set[frozenset[str]]()
 
         def below(names: frozenset[str]) -> Iterator[frozenset[str]]:
@@ -412,7 +413,9 @@ class Worlds(Models):
 
     def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:
         """Yield worlds where terms have values: without more than is given, and one of each level."""
-        for context in contexts([*terms, *self.scalars.values()]):
+        own = [*terms, *(a for t in terms for a in atoms_in(t, self.scalars))]
+        labels = labels_in(own)
+        for context in contexts(own):
             try:
                 base = closure([*self.given, *context])
             except InputError:
@@ -420,7 +423,7 @@ class Worlds(Models):
             free = self.at(base, terms)
             if free is None:
                 continue
-            for names in dict.fromkeys(filled(base, level) for level in LEVELS):
+            for names in dict.fromkeys(filled(base, told(n, labels)) for n in LEVELS):
                 there = self.at(names, terms)
                 if there is not None:
                     yield free, there
@@ -437,6 +440,11 @@ class Worlds(Models):
             if all(found.number(t) is not None for t in terms):
                 return found
         return None
+
+
+def told(names: Iterable[str], labels: Collection[str]) -> Iterator[str]:
+    """Yield those assumptions that say something where some labels stand."""
+    return (n for n in names if n not in MENTIONS or not MENTIONS[n].isdisjoint(labels))
 
 
 def labels_in(terms: Iterable[Term]) -> frozenset[str]:

@@ -129,13 +129,10 @@ def grade(note: Note, settings: Settings) -> Graded:
 
 
 def _explained(found: Found, settings: Settings) -> Found:
-    """Return a formula with why it is wrong, as it is where finding that takes too long.
-
-    What carries a slip forward is not explained again.
-    """
+    """Return a formula with why it is wrong, as it is where finding that takes too long."""
     reported = found.finding
     judged = next((j for j in found.verdict.claims if j.verdict == reported.verdict), None)
-    if judged is None or judged.verdict not in GRAVE or reported.carried:
+    if judged is None or judged.verdict not in GRAVE:
         return found
     try:
         with deadline(settings.seconds, "what is said of this formula"):

@@ -9,7 +9,7 @@ What may stand for a term of a line, with its value; what is left over of two me
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
 
@@ -17,7 +17,7 @@ from eom.checker.judge.models import Drawn
 from eom.checker.mean.claims import CONSTANT, STATEMENT
 from eom.checker.mean.values import GEOMETRIC, Value, components
 from eom.checker.read.paths import NOTHING, Path, at, put, set_down
-from eom.checker.read.syntax import Addition, Node
+from eom.checker.read.syntax import Addition, Node, walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.lines import (
     Addend,
@@ -30,15 +30,25 @@ from eom.checker.repair.lines import (
     worth,
 )
 from eom.checker.repair.residual import (
+    Piece,
     Pools,
-    entry_residual,
-    entry_terms,
     fits,
     lost_terms,
     remains,
     total,
 )
-from eom.checker.repair.slips import ALL_OVER, DROPPED, LOST, TERM, Edit, Option, Slip, edits
+from eom.checker.repair.slips import (
+    ALL_OVER,
+    DROPPED,
+    TERM,
+    Change,
+    Edit,
+    Option,
+    Slip,
+    doubles,
+    edits,
+)
+from eom.checker.repair.tables import entry_residual, mended, table_in
 from eom.fields import PRIME
 from eom.terms.terms import COLUMN, MATRIX, Term
 
@@ -58,43 +68,45 @@ def options(
     member = next(m for m in line.members if m.number == addend.member)
     if value is not None:
         own = (value.term, signature(value))
-        turned = _option(addend, TERM, addend.node, addend.node, -addend.sign, *own)
+        turned = _option(addend, TERM, addend.node, -addend.sign, *own)
         alone = len(member.addends) == 1 and member is line.members[0]
         found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
     if len(member.addends) > 1:
-        found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
-    for edit in edits(addend.node, palette, spared):
+        found.append(_option(addend, DROPPED, NOTHING, addend.sign))
+    found += _valued(line, addend, value, edits(addend.node, palette, spared))
+    return sorted(found, key=lambda o: o.weight)
+
+
+def double_options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
+    """Return what may stand for a term if there are two slips in it."""
+    found = doubles(addend.node, edits(addend.node, palette, many=False))
+    return list(_valued(line, addend, worth(line, addend.node), found))
+
+
+def _valued(
+    line: Line, addend: Addend, value: Value | None, found: Iterable[Edit]
+) -> Iterator[Option]:
+    """Yield those edits of a term that have a value other than its own."""
+    for edit in found:
         new = worth(line, edit.tree)
         if new is not None and not (value is not None and new.term == value.term):
-            found.append(_edited(addend, edit, new))
-    return sorted(found, key=lambda o: o.weight)
+            yield _edited(addend, edit, new)
 
 
 def _option(
     addend: Addend,
     slip: Slip,
-    old: Node,
     new: Node,
     sign: int,
-    term: Term | None,
-    kind: Signature | None,
+    term: Term | None = None,
+    kind: Signature | None = None,
 ) -> Option:
-    return Option(addend, slip, slip.weight, old, new, new, sign, term, kind)
+    return Option(addend, slip.weight, new, sign, (Change(slip, addend.node, new),), term, kind)
 
 
 def _edited(addend: Addend, edit: Edit, value: Value) -> Option:
-    return Option(
-        addend,
-        edit.slip,
-        edit.weight,
-        edit.old,
-        edit.new,
-        edit.tree,
-        addend.sign,
-        value.term,
-        signature(value),
-        edit.paths,
-    )
+    own = (value.term, signature(value))
+    return Option(addend, edit.weight, edit.tree, addend.sign, edit.changes, *own)
 
 
 LETTERS = frozenset({"symbol", "index"})
@@ -126,9 +138,10 @@ class Workshop:
     """A line with its options; ``values``: of its terms as they stand, None where there is none."""
 
     line: Line
-    offers: Mapping[Addend, list[Option]]
+    offers: Mapping[Addend, Sequence[Option]]
     values: Mapping[Addend, Value | None]
     pools: Pools
+    palette: Palette = field(default_factory=Palette)
 
     def candidates(self, model: Drawn) -> list[Candidate]:
         """Return repairs after which all members agree in a world."""
@@ -174,27 +187,32 @@ class Workshop:
                 yield Candidate((option,), option.weight)
 
     def _entries(self, model: Drawn, reference: Member, member: Member) -> Iterator[Candidate]:
-        """Yield a table that has lost terms in some entries, against what it should be."""
-        found = self._gap(model, reference, member, member)
-        if found is not None:
-            need = [member.addends[0].sign * n % PRIME for n in found]
-            for option in entry_terms(self.pools, model, member.addends[0], need):
-                yield Candidate((option,), option.weight)
+        """Yield a table with its cells mended, against what it should be."""
+        for addend in member.addends:
+            found = self._gap(model, reference, member, member, addend)
+            if found is not None:
+                need = [addend.sign * n % PRIME for n in found]
+                for option in mended(self.pools, model, addend, need, self.palette):
+                    yield Candidate((option,), option.weight)
 
     def difference(
         self, model: Drawn, left: Member, right: Member
     ) -> tuple[Node, list[int]] | None:
-        """Return a member that is one table of entries, and the left less the right side by entries."""
+        """Return a term that is one table of entries, and the left less the right side by entries."""
         for member in (right, left):
-            found = self._gap(model, left, right, member)
-            if found is not None:
-                return member.addends[0].node, found
+            for addend in member.addends:
+                found = self._gap(model, left, right, member, addend)
+                if found is not None:
+                    return addend.node, found
         return None
 
-    def _gap(self, model: Drawn, left: Member, right: Member, table: Member) -> list[int] | None:
-        """Return the components of the left less the right side, if one of them is a table."""
-        own = self.values.get(table.addends[0]) if len(table.addends) == 1 else None
-        if own is None or own.shape not in {COLUMN, MATRIX} or table.path is None:
+    def _gap(
+        self, model: Drawn, left: Member, right: Member, member: Member, addend: Addend
+    ) -> list[int] | None:
+        """Return the components of the left less the right side, if a term of one of them is a table."""
+        own = self.values.get(addend)
+        table = own is not None and table_in(self.line, addend.node) is not None
+        if own is None or not table or own.shape not in {COLUMN, MATRIX} or member.path is None:
             return None
         a, b = (self._components(model, m, own.frames[0]) for m in (left, right))
         if a is None or b is None or len(a) != len(b):
@@ -376,7 +394,7 @@ def weight(chosen: Iterable[Option]) -> float:
     seen: set[tuple[object, ...]] = set()
     for option in sorted(chosen, key=lambda o: -o.weight):
         name = option.slip.name
-        key = (name, option.old, option.new) if name in LETTERS else (name,)
+        key = (name, option.first.old, option.first.new) if name in LETTERS else (name,)
         again = option.slip.uniform and key in seen
         total += option.weight * (ALL_OVER if again else 1.0)
         seen.add(key)
@@ -420,7 +438,7 @@ def repaired(line: Line, candidate: Candidate) -> Node:
 
 
 def _apply(tree: Node, path: Path, option: Option) -> Node:
-    if option.slip is LOST and option.node is option.new:
+    if option.appended:
         return _appended(tree, path, option)
     flipped = option.sign != option.addend.sign
     if not flipped:
@@ -471,9 +489,10 @@ def _of_rate(shop: Workshop) -> Workshop:
     first, naught = line.members
     whole = replace(first, addends=(), value=line.claim.members[0])
     plain = replace(line, members=(whole, naught), claim=replace(line.claim, kind=STATEMENT))
-    near = shop.pools.near
-    known = partial(remains, line, near, ())
-    return replace(shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, near, known))
+    known = partial(remains, line, shop.pools.near, (), long=True)
+    return replace(
+        shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, shop.pools.near, known)
+    )
 
 
 def leftover(shop: Workshop, candidate: Candidate | None, model: Drawn) -> str:
@@ -505,10 +524,30 @@ def _sum(shop: Workshop, model: Drawn, found: tuple[Member, Member]) -> str:
     if kind is None or (left[0] and right[0] and left[0] != right[0]):
         return ""
     number = (left[1] - right[1]) % PRIME
-    for pieces in fits(model.number, shop.pools.own(kind), number):
-        if len(pieces) == 1:
-            return latex(total(pieces))
-    for pools in (shop.pools, shop.pools.widened()):
-        for pieces in fits(model.number, pools.pool(pools.roots, kind), number):
-            return latex(total(pieces))
-    return ""
+    least: Node | None = None
+    for pieces in _told(shop, model, kind, number):
+        node = total(pieces)
+        if least is None or _sums(node) < _sums(least):
+            least = node
+        if not _sums(least):
+            break
+    return "" if least is None else latex(least)
+
+
+def _told(
+    shop: Workshop, model: Drawn, kind: Signature, number: int
+) -> Iterator[tuple[Piece, ...]]:
+    """Yield sums of products that are a number: of the line, of what is near, of what is known."""
+    own = shop.pools.own(kind)
+    known = partial(remains, shop.line, shop.palette.symbols, (), long=True)
+    yield from (p for p in fits(model.number, own, number) if len(p) == 1)
+    more = (shop.pools.widened(), shop.pools.knowing(known)) if shop.values else ()
+    for pools in (shop.pools, *more):
+        items = [*pools.pool(pools.roots, kind), *own]
+        found = fits(model.number, items, number)
+        yield from (p for p in found if not all(piece.item in own for piece in p))
+
+
+def _sums(node: Node) -> int:
+    """Return how many terms the sums of a tree have."""
+    return sum(len(n.terms) for n in walk(node) if isinstance(n, Addition) and len(n.terms) > 1)

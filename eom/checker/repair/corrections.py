@@ -1,14 +1,8 @@
-"""Corrections of a wrong line: looked for in models, read again as a whole, judged, ranked.
-
-Which cells of a table may be at fault: those whose components differ, or do not fit the others. A slip in
-one cell of a matrix changes that component alone, so edits elsewhere in the table need not be tried; a
-table of nine sums has thousands.
-"""
+"""Corrections of a wrong line: looked for in models, read again as a whole, judged, ranked."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -18,42 +12,34 @@ from eom.checker.judge.models import Drawn
 from eom.checker.judge.notes import Understood, reread
 from eom.checker.judge.systems import Solutions
 from eom.checker.mean.claims import CONSTANT, Claim
-from eom.checker.mean.values import Value
-from eom.checker.read.paths import Path, at
+from eom.checker.read.paths import at
 from eom.checker.read.syntax import (
-    Boxed,
-    Braced,
-    Group,
-    Integral,
     Matrix,
     Node,
-    Product,
-    Scripts,
     walk,
 )
-from eom.checker.repair.candidates import Candidate, Workshop, options, repaired
+from eom.checker.repair.candidates import Candidate, Workshop, double_options, options, repaired
 from eom.checker.repair.lines import (
     Addend,
     Line,
-    Member,
     palette,
     penalty,
-    signature,
     valued,
     worth,
 )
 from eom.checker.repair.residual import Pools, remains
+from eom.checker.repair.tables import Suspects, by_cells, suspects
 from eom.fields import PRIME, RESIDUES
-from eom.terms.terms import MATRIX, SCALAR, Term
+from eom.terms.terms import Term
 
 SHOWN = 3
 """Corrections that are shown at most."""
 JUDGED = 6
 """Repairs of a line that are judged in full at most."""
-WEAK = 2.0
-"""What the best repair weighs at least if terms of symbols around the line are tried as well."""
 NEAR = 12
 """Symbols around a line that are tried in lost terms, if its own do not help."""
+FAR = 1.3
+"""What a repair weighs more at most than the best one, if it is offered beside that."""
 ENOUGH = 1.0
 """A repair found is enough if a special level could only add some that weigh this much more."""
 
@@ -83,15 +69,16 @@ def corrections(
 ) -> list[Verified]:
     """Return verified repairs of a wrong line, the most plausible first."""
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
-    ranked = _ranked(shop, given)
-    if (not ranked or ranked[0].cost > WEAK) and not shop.pools.left:
-        more = _ranked(_widened(shop), given)
-        ranked = sorted([*ranked, *more], key=lambda r: r.cost)
+    ranked: list[Ranked] = []
+    for more, least in STAGES:
+        if not ranked or ranked[0].cost > least:
+            ranked = sorted([*ranked, *_ranked(more(shop), given)], key=lambda r: r.cost)
     found: list[Verified] = []
     unique: dict[Node, Ranked] = {}
     for one in ranked:
         unique.setdefault(one.tree, one)
-    for one in list(unique.values())[:JUDGED]:
+    near = [r for r in unique.values() if r.cost <= ranked[0].cost + FAR]
+    for one in near[:JUDGED]:
         made = verified(understood, shop.line, one, given, stated)
         if made is not None:
             found.append(made)
@@ -100,8 +87,30 @@ def corrections(
     return sorted(found, key=lambda v: v.cost)
 
 
+def _doubled(shop: Workshop) -> Workshop:
+    """Return the workshop for two slips in one term."""
+    offers = {a: double_options(shop.line, a, shop.palette) for a in shop.offers}
+    return replace(shop, offers=offers)
+
+
 def _widened(shop: Workshop) -> Workshop:
-    return replace(shop, pools=shop.pools.widened())
+    """Return the workshop in which terms of symbols around the line may be lost."""
+    return shop if shop.pools.left else replace(shop, pools=shop.pools.widened())
+
+
+def _by_lexicon(shop: Workshop) -> Workshop:
+    """Return the workshop in which what is left over is written with all symbols of the lexicon."""
+    known = partial(remains, shop.line, shop.palette.symbols)
+    return replace(shop, offers=dict.fromkeys(shop.offers, ()), pools=shop.pools.knowing(known))
+
+
+STAGES: tuple[tuple[Callable[[Workshop], Workshop], float], ...] = (
+    (lambda shop: shop, 0.0),
+    (_doubled, 1.4),
+    (_widened, 2.0),
+    (_by_lexicon, 2.0),
+)
+"""Where repairs are looked for, and what the best one weighs at least if the next is tried as well."""
 
 
 def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Drawn, Drawn]]:
@@ -134,8 +143,9 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
     values = {a: worth(wrong, a.node) for a in addends}
     equal = wrong.claim.kind != CONSTANT
-    known = partial(remains, wrong, have.symbols, tuple(given)) if equal else tuple
-    shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
+    own = [n for n in have.symbols if n in have.written]
+    known = partial(remains, wrong, own, tuple(given)) if equal else tuple
+    shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known), have)
     at_fault = _suspects(shop, tuple(given))
     spared = {a: (at_fault[a].spares,) if a in at_fault else () for a in addends}
     return replace(shop, offers={a: options(wrong, a, have, *spared[a]) for a in addends})
@@ -145,8 +155,11 @@ def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
     """Return the cells of tables that may be at fault, by the terms of a line."""
     if not any(isinstance(n, Matrix) for a in shop.values for n in walk(a.node)):
         return {}
-    models = (m for both in levels(shop, given) for m in both)
-    return suspects(shop.line, shop.values, [_differences(shop, m) for m in models])
+    models = [m for both in levels(shop, given) for m in both]
+    apart = [
+        a for a, v in shop.values.items() if any(by_cells(shop.line, m, a, v) for m in models[:1])
+    ]
+    return suspects(shop.line, shop.values, [_differences(shop, m) for m in models], apart)
 
 
 def _differences(shop: Workshop, model: Drawn) -> dict[tuple[int, int], list[int]]:
@@ -267,134 +280,3 @@ def _tautology(claim: Claim, candidate: Candidate) -> bool:
     """Return whether an equation has become one of a thing with itself, by other letters."""
     same = len(claim.members) == 2 and claim.members[0].term == claim.members[1].term
     return same and any(o.slip.name in REPLACING for o in candidate.options)
-
-
-# -- cells of tables that may be at fault ----------------------------------------------------------
-
-
-Cell = tuple[int, int]
-
-_BODIES: Mapping[type[Node], str] = {
-    Boxed: "body",
-    Braced: "body",
-    Group: "body",
-    Integral: "integrand",
-    Scripts: "base",
-}
-"""What may stand around a table without moving its cells, and the field that holds the table."""
-
-
-@dataclass(frozen=True)
-class Suspects:
-    """Where a table stands in a term, and its cells that may be at fault."""
-
-    path: Path
-    cells: frozenset[Cell]
-
-    def spares(self, path: Path) -> bool:
-        """Return whether a place lies in a cell that is not at fault."""
-        n = len(self.path)
-        if path[:n] != self.path or len(path) <= n:
-            return False
-        name, numbers = path[n]
-        return name == "rows" and numbers not in self.cells
-
-
-@dataclass(frozen=True)
-class _Table:
-    """A table within a term; ``whole``: whether its cells are the components, not its rows alone."""
-
-    path: Path
-    node: Matrix
-    whole: bool
-
-    @property
-    def cells(self) -> list[Cell]:
-        return [(r, c) for r, row in enumerate(self.node.rows) for c in range(len(row))]
-
-
-def _table(line: Line, root: Node) -> _Table | None:
-    """Return the table on which the components of a term depend cell by cell, or row by row."""
-    path: Path = ()
-    whole = True
-    while True:
-        here = at(root, path)
-        if isinstance(here, Matrix):
-            return _Table(path, here, whole)
-        if isinstance(here, Product) and not here.operator:
-            tables = [k for k, f in enumerate(here.factors) if not _is_scalar(line, f)]
-            if not tables:
-                return None
-            whole = whole and len(tables) == 1
-            path = (*path, ("factors", (tables[0],)))
-        elif type(here) in _BODIES and not (isinstance(here, Scripts) and here.sup is not None):
-            path = (*path, (_BODIES[type(here)], ()))
-        else:
-            return None
-
-
-def _is_scalar(line: Line, node: Node) -> bool:
-    value = valued(line.elaborator, node)
-    return value is not None and value.shape == SCALAR
-
-
-def suspects(
-    line: Line,
-    values: Mapping[Addend, Value | None],
-    differences: Iterable[Mapping[tuple[int, int], list[int]]],
-) -> dict[Addend, Suspects]:
-    """Return the cells that may be at fault, by terms that have a table.
-
-    ``differences``: in several worlds, what members differ by, by components, for pairs of members.
-    """
-    differing = list(differences)
-    found = {}
-    for member in line.members:
-        for addend in member.addends:
-            table = _table(line, addend.node)
-            if table is None:
-                continue
-            own = values.get(addend)
-            size = 9 if own is not None and own.shape == MATRIX else 3
-            wrong = _unlike(line, table) if own is None else _least(table, size, member, differing)
-            if wrong and len(wrong) < len(table.cells):
-                found[addend] = Suspects(table.path, wrong)
-    return found
-
-
-def _unlike(line: Line, table: _Table) -> frozenset[Cell]:
-    """Return the cells that have no value, or another dimension than most."""
-    kinds = {}
-    for r, c in table.cells:
-        value = valued(line.elaborator, table.node.rows[r][c])
-        kinds[(r, c)] = (value is not None, None if value is None else signature(value))
-    counted = Counter(k for k in kinds.values() if k[0] and k[1] is not None)
-    if not counted:
-        return frozenset()
-    usual = counted.most_common(1)[0][0]
-    return frozenset(c for c, k in kinds.items() if k not in (usual, (True, None)))
-
-
-def _least(
-    table: _Table, size: int, member: Member, differing: list[Mapping[tuple[int, int], list[int]]]
-) -> frozenset[Cell]:
-    """Return the fewest cells that differ from another member in a world where any do."""
-    sets = [
-        frozenset(_at_fault(table, size, numbers))
-        for world in differing
-        for pair, numbers in world.items()
-        if member.number in pair
-    ]
-    return min((s for s in sets if s), key=len, default=frozenset())
-
-
-def _at_fault(table: _Table, size: int, numbers: list[int]) -> Iterator[Cell]:
-    """Yield the cells whose components differ; there are ``size`` of them for each numbering."""
-    wrong = {k % size for k, n in enumerate(numbers) if n % PRIME}
-    cells, rows = table.cells, len(table.node.rows)
-    if table.whole and size == len(cells):
-        yield from (cells[k] for k in sorted(wrong))
-    elif size % rows == 0 and not table.whole:
-        width = size // rows
-        bad = {k // width for k in wrong}
-        yield from (c for c in cells if c[0] in bad)

@@ -33,7 +33,7 @@ from eom.checker.repair.corrections import Verified, corrections, levels, worksh
 from eom.checker.repair.counterexample import counterexample
 from eom.checker.repair.lines import Line, line, penalty
 from eom.checker.repair.orders import between_scalars, unordered
-from eom.checker.repair.slips import LOST, Option
+from eom.checker.repair.slips import Change, Option
 from eom.checker.report.findings import UNEXPLAINED, Correction, Counterexample, Explanation
 
 
@@ -99,7 +99,7 @@ def _correction(understood: Understood, wrong: Line, found: Verified) -> Correct
     text, span, new = rewritten(understood, wrong, ranked.candidate, ranked.tree)
     options = ranked.candidate.options
     change = "; ".join(dict.fromkeys(words(wrong, o) for o in options))
-    slips = ", ".join(dict.fromkeys(o.slip.name for o in options))
+    slips = ", ".join(dict.fromkeys(c.slip.name for o in options for c in o.changes))
     return Correction(text, change, slips, span, new, found.judgement.sets)
 
 
@@ -198,17 +198,23 @@ SIDES = 2
 
 def words(line: Line, option: Option) -> str:
     """Say what was undone."""
-    head = f"{option.slip.words}{_member(line, option)}"
-    if option.added:
-        return f"{head}: {', '.join(_added(option, cell, text) for cell, text in option.added)}"
-    head += _cell(option.addend.node, option.paths[0])
-    if option.slip is LOST:
-        return f"{head}: ${'-' if option.sign < 0 else '+'} {tight(option.new)}$"
-    if isinstance(option.new, Missing):
-        return f"{head}: ${latex(option.addend.node)}$"
+    return "; ".join(
+        f"{c.slip.words}{_member(line, option)}{_said(option, c)}" for c in option.changes
+    )
+
+
+def _said(option: Option, change: Change) -> str:
+    """Say where a term was changed, what stands there and what was meant."""
+    place = _cell(option.addend.node, change.paths[0])
+    if change.added:
+        return f": ${change.added}${place}"
+    if option.appended:
+        return f": ${'-' if option.sign < 0 else '+'} {tight(change.new)}$"
+    if isinstance(change.new, Missing):
+        return f"{place}: ${latex(option.addend.node)}$"
     if option.sign != option.addend.sign:
-        return f"{head}: before ${latex(option.addend.node)}$"
-    return f"{head}: ${latex(option.old)}$ should be ${latex(option.new)}$"
+        return f"{place}: before ${latex(option.addend.node)}$"
+    return f"{place}: ${latex(change.old)}$ should be ${latex(change.new)}$"
 
 
 def _member(line: Line, option: Option) -> str:
@@ -216,13 +222,6 @@ def _member(line: Line, option: Option) -> str:
     written = [m.number for m in line.members if m.path is not None]
     place = written.index(option.addend.member) + 1
     return f" in member {place}" if len(written) > SIDES else ""
-
-
-def _added(option: Option, cell: tuple[int, int], text: str) -> str:
-    """Say what a cell of a table lacks."""
-    path = option.paths[0]
-    inside = path[-1:] == (("rows", cell),)
-    return f"${text}${_cell(option.addend.node, path if inside else (*path, ('rows', cell)))}"
 
 
 def _cell(root: Node, path: Path) -> str:
@@ -237,7 +236,7 @@ def _cell(root: Node, path: Path) -> str:
     return ""
 
 
-Change = tuple[Span, str]
+Placed = tuple[Span, str]
 
 
 def rewritten(
@@ -277,14 +276,14 @@ def _reads(understood: Understood, text: str) -> Node | None:
         return None
 
 
-def _changes(line: Line, option: Option, source: str) -> Iterator[Change]:
+def _changes(line: Line, option: Option, source: str) -> Iterator[Placed]:
     """Yield what an option changes, place by place."""
     member = next(m for m in line.members if m.number == option.addend.member)
     base: Path = (*(member.path or ()), *option.addend.path)
-    if option.slip is LOST and option.node is option.new:
+    if option.appended:
         here = at(line.tree, base)
         sign = "-" if option.sign < 0 else "+"
-        yield Span(here.span.stop, here.span.stop), f" {sign} {tight(option.new)}"
+        yield Span(here.span.stop, here.span.stop), f" {sign} {tight(option.node)}"
         return
     if option.node is NOTHING:
         yield from _dropped(line, base)
@@ -292,10 +291,11 @@ def _changes(line: Line, option: Option, source: str) -> Iterator[Change]:
     if option.sign != option.addend.sign:
         yield from _flipped(line, option, base, source)
         return
-    for path in option.paths:
-        old = at(line.tree, (*base, *path))
-        text = "" if isinstance(option.new, Missing) else _like(old, option.new)
-        yield _with_font(old.span, source), text
+    for change in option.changes:
+        for path in change.paths:
+            old = at(line.tree, (*base, *path))
+            text = "" if isinstance(change.new, Missing) else _like(old, change.new)
+            yield _with_font(old.span, source), text
 
 
 _FONT = re.compile(r"\\(?:boldsymbol|math[a-z]+|bm|mathbf|boldmath)\s*(\{?)\s*\Z")
@@ -328,7 +328,7 @@ def _like(old: Node, new: Node) -> str:
     return f"{text} " if old != new and _COMMAND.search(text) else text
 
 
-def _dropped(line: Line, path: Path) -> Iterator[Change]:
+def _dropped(line: Line, path: Path) -> Iterator[Placed]:
     parent = at(line.tree, path[:-1])
     if isinstance(parent, Addition) and path:
         k = path[-1][1][0]
@@ -337,7 +337,7 @@ def _dropped(line: Line, path: Path) -> Iterator[Change]:
         yield Span(start, term.span.stop), ""
 
 
-def _flipped(line: Line, option: Option, path: Path, source: str) -> Iterator[Change]:
+def _flipped(line: Line, option: Option, path: Path, source: str) -> Iterator[Placed]:
     """Yield the change of the sign before a term."""
     term = at(line.tree, path)
     if not option.addend.summed:
@@ -362,7 +362,6 @@ def blamed(line: Line, candidate: Candidate) -> tuple[Span, ...]:
     for option in candidate.options:
         member = next(m for m in line.members if m.number == option.addend.member)
         base: Path = (*(member.path or ()), *option.addend.path)
-        paths = option.paths if option.paths != ((),) else ((),)
-        spans = [at(line.tree, (*base, *p)).span for p in paths]
+        spans = [at(line.tree, (*base, *p)).span for c in option.changes for p in c.paths]
         found += [s for s in spans if s != NOWHERE]
     return tuple(sorted(set(found)))

@@ -273,13 +273,15 @@ NEAR, VECTORS = 10, 5
 def palette(understood: Understood, line: Line) -> Palette:
     """Return what may have been meant in a line."""
     lexicon = understood.lexicon
-    trees = list(around(understood))
+    written = list(_written(understood))
+    trees = [*written, *_entries(understood)]
     known = list(dict.fromkeys(n for t in trees for n in symbols(t)))
     own = [at(line.tree, m.path) for m in line.members if m.path is not None]
     factors = list(dict.fromkeys(f for t in own for f in _factors(t)))
     quantities = tuple(n for n in known if _is_quantity(n))[:SYMBOLS]
     return Palette(
         symbols=quantities,
+        written=frozenset(n for t in written for n in symbols(t)),
         factors=tuple(factors)[:12],
         near=tuple(n for n in quantities if n not in factors)[:NEAR],
         vectors=tuple(n for n in quantities if _shape(line, n) in {VECTOR, COLUMN})[:VECTORS],
@@ -292,12 +294,20 @@ def palette(understood: Understood, line: Line) -> Palette:
 
 
 def around(understood: Understood) -> Iterator[Node]:
-    """Yield the trees of a note, the closest first, the line's own before all."""
+    """Yield the trees of a note, the closest first, the line's own before all, then of its lexicon."""
+    yield from _written(understood)
+    yield from _entries(understood)
+
+
+def _written(understood: Understood) -> Iterator[Node]:
     around = understood.around
     if understood.formula.reading is not None:
         yield understood.formula.reading.tree
     numbered = sorted(enumerate(around.trees), key=lambda kt: (abs(kt[0] - around.number), kt[0]))
     yield from (t for _, t in numbered[:40])
+
+
+def _entries(understood: Understood) -> Iterator[Node]:
     for layer in understood.lexicon.layers:
         for entry in layer:
             if not entry.slots:
@@ -419,13 +429,14 @@ Offer = tuple[Node, float]
 class Palette:
     """What a note writes with: symbols and labels that may have been meant, the closest first.
 
-    ``marks``: raised marks that are derivatives; ``skew``: accents of skew matrices; ``labels``: rows of
-    labels that may stand for each other (points, frames, axes, indices); ``frames``: of derivatives;
-    ``factors``: of the line itself; ``near``: others that stand around it; ``vectors``: of the line and
-    around it; ``omegas``: angular velocities.
+    ``written``: those that stand in the note itself; ``marks``: raised marks that are derivatives;
+    ``skew``: accents of skew matrices; ``labels``: rows of labels that may stand for each other (points,
+    frames, axes, indices); ``frames``: of derivatives; ``factors``: of the line itself; ``near``: others
+    that stand around it; ``vectors``: of the line and around it; ``omegas``: angular velocities.
     """
 
     symbols: tuple[Node, ...] = ()
+    written: frozenset[Node] = frozenset()
     factors: tuple[Node, ...] = ()
     near: tuple[Node, ...] = ()
     vectors: tuple[Node, ...] = ()

@@ -145,7 +145,8 @@ def _edited(
         for e in edits(at(tree, path), have)
     ]
     for _, edit, path in sorted(found, key=lambda f: f[0])[:most]:
-        change = f"{edit.slip.words}: ${latex(edit.old)}$ should be ${latex(edit.new)}$"
+        old, new = latex(edit.first.old), latex(edit.first.new)
+        change = f"{edit.slip.words}: ${old}$ should be ${new}$"
         whole = put(tree, path, edit.tree)
         yield _Tried(whole, change, edit.slip.name, at(tree, path), latex(edit.tree))
 

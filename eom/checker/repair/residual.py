@@ -23,7 +23,7 @@ from eom.checker.mean.elaborate import abbreviated
 from eom.checker.mean.model import printed
 from eom.checker.mean.values import ROW, Value
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.paths import NOTHING, Path, at, operands, places, put
+from eom.checker.read.paths import NOTHING, at, operands, places
 from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import (
     Addition,
@@ -31,7 +31,6 @@ from eom.checker.read.syntax import (
     Derivative,
     Fraction,
     Group,
-    Matrix,
     Node,
     Number,
     Product,
@@ -49,7 +48,7 @@ from eom.checker.repair.lines import (
     valued,
     worth,
 )
-from eom.checker.repair.slips import LOST, Option, dotted
+from eom.checker.repair.slips import LOST, Change, Option, dotted
 from eom.errors import InputError
 from eom.fields import PRIME, RESIDUES, Singular
 from eom.system import Expr
@@ -63,6 +62,8 @@ ATOMS = 14
 DEGREE = 4
 MOST = 900
 """Products that are tried at most."""
+SHORT = 3
+"""Terms that are left over at most, if they are added to a line."""
 ALTERNATIVES = 3
 """Products that are offered at most where several are the same in a world."""
 
@@ -139,10 +140,13 @@ def _factors(line: Line, root: Node) -> Iterator[Node]:
             stack += reversed(left)
             continue
         given = seen(node)
-        bracket = isinstance(node, Group) and node.open == "[" and seen(node.body) is not None
+        bracket = isinstance(node, Group) and (
+            isinstance(node.body, Addition) or (node.open == "[" and seen(node.body) is not None)
+        )
         if bracket or isinstance(node, Call) or (given is not None and given.look.name.isalpha()):
             yield node
-            continue
+            if not isinstance(node, Group) or not isinstance(node.body, Addition):
+                continue
         if isinstance(node, Derivative) and node.operand is not None and seen(node.operand):
             yield node
         below = children(node) if isinstance(node, Product) else tuple(n for _, n in operands(node))
@@ -342,28 +346,35 @@ def total(pieces: Iterable[Piece]) -> Node:
 # -- what is left over ---------------------------------------------------------------------------
 
 
-def remains(line: Line, near: Sequence[Node], given: Iterable[str] = ()) -> tuple[Node, ...]:
+def remains(
+    line: Line, near: Sequence[Node], given: Iterable[str] = (), long: bool = False
+) -> tuple[Node, ...]:
     """Return what is left over of an equation on the solutions, whole and term by term.
 
-    ``near``: symbols of the writer, which it is written with. Nothing is where that would be long.
+    ``near``: symbols of the writer, which it is written with. Nothing is where that would need others
+    or more than a few terms, unless it may be ``long``.
     """
     models = line.models(given)
     if not isinstance(models, Solutions):
         return ()
     letters = _letters(line, near, models)
+    printable = {q.symbol: printed(q) for q in models.model.quantities.values()} if long else {}
+    letters = printable | letters
     found: dict[Node, None] = {}
     try:
         for pair in models.said:
             whole = residual(models.model.system, pair, models.held)
             parts = () if whole is None else (whole, *sp.Add.make_args(sp.expand(whole)))
-            found |= {read_formula(_latex(part, letters)).tree: None for part in parts}
+            short = parts if long or len(parts) <= SHORT + 1 else ()
+            own = (p for p in short if p.free_symbols <= letters.keys())
+            found |= {read_formula(_latex(part, letters)).tree: None for part in own}
     except (InputError, Singular):
         return ()
     return tuple(found)
 
 
 def _letters(line: Line, near: Sequence[Node], models: Solutions) -> dict[Expr, str]:
-    """Return the LaTeX of the quantities of a system: as the writer has it, else as it is printed."""
+    """Return the LaTeX of those quantities of a system that the writer has a symbol for."""
     found: dict[Expr, str] = {}
     for node in near:
         value = valued(line.elaborator, node)
@@ -372,12 +383,11 @@ def _letters(line: Line, near: Sequence[Node], models: Solutions) -> dict[Expr, 
                 meant = models.written(value.term)
                 if meant.is_Symbol:
                     found.setdefault(meant, latex(node))
-    model = models.model
-    for name, q in model.quantities.items():
-        base = model.quantities.get(name.removesuffix("_dot"), q)
-        if base is not q:
-            found.setdefault(q.symbol, rf"\dot{{{found.get(base.symbol, printed(base))}}}")
-        found.setdefault(q.symbol, model.letters.get(name, printed(q)))
+    quantities = models.model.quantities
+    for name, q in quantities.items():
+        base = quantities.get(name.removesuffix("_dot"), q)
+        if base is not q and base.symbol in found:
+            found.setdefault(q.symbol, rf"\dot{{{found[base.symbol]}}}")
     return found
 
 
@@ -415,6 +425,10 @@ class Pools:
     def widened(self) -> Pools:
         """Return pools with the symbols around the line as factors as well."""
         return replace(self, wide=True, made={})
+
+    def knowing(self, known: Callable[[], Sequence[Node]]) -> Pools:
+        """Return pools that know what is left over in another way."""
+        return replace(self, known=known, made={})
 
     @cached_property
     def left(self) -> Sequence[Node]:
@@ -464,96 +478,5 @@ def lost_terms(
         value = worth(pools.line, node)
         if value is not None:
             addend = replace(member.addends[-1], sign=sign, node=NOTHING)
-            kept = (LOST, weight(pieces), NOTHING, node, node, sign, value.term, signature(value))
-            yield Option(addend, *kept)
-
-
-# -- by entries ------------------------------------------------------------------------------------
-
-
-def entry_terms(
-    pools: Pools, model: Drawn, addend: Addend, need: Sequence[int]
-) -> Iterator[Option]:
-    """Yield a table of entries with terms added where its entries need some.
-
-    ``need``: by how much its components must grow, one for each entry.
-    """
-    found = _table(addend.node)
-    if found is None:
-        return
-    path, table = found
-    cells = [(r, c) for r, row in enumerate(table.rows) for c in range(len(row))]
-    if len(cells) != len(need):
-        return
-    tree: Node = table
-    cost, changed = 0.0, dict[tuple[int, int], str]()
-    for cell, wanted in zip(cells, need, strict=True):
-        if wanted % PRIME == 0:
-            continue
-        pieces = _entry(pools, model, table, cell, wanted)
-        if pieces is None:
-            return
-        tree = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces))
-        changed[cell] = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
-        cost += weight(pieces)
-    node = put(addend.node, path, tree)
-    value = worth(pools.line, node)
-    if value is not None and changed:
-        inside: Path = (("rows", next(iter(changed))),) if len(changed) == 1 else ()
-        old, new = at(table, inside), at(tree, inside)
-        kept = (LOST, cost, old, new, node, addend.sign, value.term, signature(value))
-        yield Option(addend, *kept, paths=((*path, *inside),), added=tuple(changed.items()))
-
-
-def entry_residual(pools: Pools, model: Drawn, node: Node, numbers: Sequence[int]) -> Node | None:
-    """Return a table of what entries have too much, by factors of the same entries; None for none."""
-    found = _table(node)
-    if found is None:
-        return None
-    _, table = found
-    cells = [(r, c) for r, row in enumerate(table.rows) for c in range(len(row))]
-    if len(cells) != len(numbers):
-        return None
-    tree: Node = table
-    for cell, number in zip(cells, numbers, strict=True):
-        pieces = _entry(pools, model, table, cell, number) if number % PRIME else ()
-        if pieces is None:
-            return None
-        tree = put(tree, (("rows", cell),), total(pieces) if pieces else Number("0"))
-    return tree
-
-
-def _table(node: Node) -> tuple[Path, Matrix] | None:
-    for path, here in places(node):
-        if isinstance(here, Matrix) and sum(map(len, here.rows)) in {3, 9}:
-            return path, here
-    return None
-
-
-def _entry(
-    pools: Pools, model: Drawn, table: Matrix, cell: tuple[int, int], wanted: int
-) -> tuple[Piece, ...] | None:
-    """Return what an entry lacks, by its own factors, then by those of all entries."""
-    kinds = [signature(v) for _, n in operands(table) for v in [_value(pools, n)] if v is not None]
-    own = _value(pools, table.rows[cell[0]][cell[1]])
-    kind = (signature(own) if own is not None else None) or next((k for k in kinds if k), None)
-    if kind is None:
-        return None
-    for roots in ([table.rows[cell[0]][cell[1]]], [table]):
-        for pieces in fits(model.scalar, pools.pool(roots, kind), wanted):
-            return pieces
-    return None
-
-
-def _value(pools: Pools, node: Node) -> Value | None:
-    return worth(pools.line, node)
-
-
-def _added(cell: Node, pieces: Sequence[Piece]) -> Node:
-    parts = [scaled(p) for p in pieces]
-    own = (cell.terms, cell.signs) if isinstance(cell, Addition) else ((cell,), ("",))
-    if cell == Number("0"):
-        own = ((), ())
-    return Addition(
-        (*own[0], *(n for _, n in parts)), (*own[1], *(s for s, _ in parts)), span=cell.span
-    )
+            lost = (Change(LOST, NOTHING, node),)
+            yield Option(addend, weight(pieces), node, sign, lost, value.term, signature(value))

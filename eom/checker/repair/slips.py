@@ -14,9 +14,11 @@ Slips in letters and labels: indices, points, frames, letters that look alike.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from heapq import nsmallest
+from itertools import combinations
 
-from eom.checker.read.paths import NOTHING, Path, at, places, put, tidy
+from eom.checker.read.paths import NOTHING, Path, at, places, put, set_down, tidy
 from eom.checker.read.symbol_shape import DOTS, seen
 from eom.checker.read.syntax import (
     Accent,
@@ -29,6 +31,7 @@ from eom.checker.read.syntax import (
     Integral,
     Marks,
     Matrix,
+    Missing,
     Node,
     Number,
     Product,
@@ -237,6 +240,11 @@ def superfluous_term(node: Node, _: Palette) -> Iterator[Offer]:
     if isinstance(node, Addition) and len(node.terms) > 1:
         for k in range(len(node.terms)):
             yield replace(node, terms=(*node.terms[:k], NOTHING, *node.terms[k + 1 :])), 0.0
+    inside = node.body if isinstance(node, Group) and node.open == "(" else None
+    if isinstance(inside, Addition) and len(inside.terms) == 2:
+        for sign, term in zip(inside.signs, inside.terms, strict=True):
+            if sign != "-" and (seen(term) is not None or isinstance(term, Group)):
+                yield term, -0.1
 
 
 _PLAIN = -0.35
@@ -521,6 +529,12 @@ def transpose(node: Node, _: Palette) -> Iterator[Offer]:
             yield Scripts(node, None, _T, span=node.span), 0.0
 
 
+def transposed(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a square table with rows and columns exchanged."""
+    if isinstance(node, Matrix) and 1 < len(node.rows) == len(node.rows[0]):
+        yield replace(node, rows=tuple(zip(*node.rows, strict=True))), 0.0
+
+
 Rule = Callable[[Node, Palette], Iterable[Offer]]
 
 
@@ -536,15 +550,36 @@ class Slip:
 
 
 @dataclass(frozen=True)
-class Edit:
-    """A slip undone at some places of a tree: the new tree, what stood there and what stands now."""
+class Change:
+    """A slip undone: what stood at some places of a tree, and what stands there now.
+
+    ``added``: what is added there, with its sign, "" for nothing.
+    """
 
     slip: Slip
-    weight: float
-    tree: Node
     old: Node
     new: Node
-    paths: tuple[Path, ...] = field(default=())
+    paths: tuple[Path, ...] = ((),)
+    added: str = ""
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Slips undone in a tree: how implausible they are, and the new tree."""
+
+    weight: float
+    tree: Node
+    changes: tuple[Change, ...]
+
+    @property
+    def first(self) -> Change:
+        """The first of the slips."""
+        return self.changes[0]
+
+    @property
+    def slip(self) -> Slip:
+        """The kind of the first slip."""
+        return self.first.slip
 
 
 # -- the table -------------------------------------------------------------------------------------
@@ -555,6 +590,7 @@ SLIPS: tuple[Slip, ...] = (
     Slip("lost tilde", "a tilde or cross was lost", 1.0, more_skew, uniform=True),
     Slip("superfluous tilde", "a tilde or cross is too much", 1.1, fewer_skew, uniform=True),
     Slip("transpose", "a transpose was lost or is too much", 1.0, transpose, uniform=True),
+    Slip("transposed table", "rows and columns of a table exchanged", 1.0, transposed),
     Slip("sign", "a sign", 1.0, signs),
     Slip("sine or cosine", "sine and cosine exchanged", 1.0, functions, uniform=True),
     Slip("index", "another label: index, point or frame", 1.05, labels, uniform=True),
@@ -595,14 +631,18 @@ def _everywhere_tried(_: Path) -> bool:
 
 
 def edits(
-    node: Node, palette: Palette, spared: Callable[[Path], bool] = _everywhere_tried
+    node: Node,
+    palette: Palette,
+    spared: Callable[[Path], bool] = _everywhere_tried,
+    many: bool = True,
 ) -> list[Edit]:
     """Return the slips undone in a tree, one each, and those of one kind at all equal places.
 
-    ``spared``: says at which places nothing need be tried.
+    ``spared``: says at which places nothing need be tried; ``many``: whether also slips that offer
+    something for every symbol of the note are undone.
     """
     found: dict[Node, Edit] = {}
-    for edit in _single(node, palette, spared):
+    for edit in _single(node, palette, spared, (False, True) if many else (False,)):
         _keep(found, edit, node)
         if len(found) >= MAX_EDITS:
             return _sorted(found)
@@ -611,16 +651,18 @@ def edits(
     return _sorted(found)
 
 
-def _single(node: Node, palette: Palette, spared: Callable[[Path], bool]) -> Iterator[Edit]:
+def _single(
+    node: Node, palette: Palette, spared: Callable[[Path], bool], kinds: tuple[bool, ...]
+) -> Iterator[Edit]:
     """Yield edits of one place each; the slips that offer much come last, at all places."""
     here_and_below = [(p, n) for p, n in places(node) if not spared(p)]
-    for many in (False, True):
+    for many in kinds:
         chosen = [s for s in SLIPS if (s.name in MANY) == many]
         for path, here in here_and_below:
             for slip in chosen:
                 for new, extra in slip.rule(here, palette):
                     tree = put(node, path, new)
-                    yield Edit(slip, slip.weight + extra, tree, here, tidy(new), (path,))
+                    yield Edit(slip.weight + extra, tree, (Change(slip, here, tidy(new), (path,)),))
 
 
 def _sorted(found: dict[Node, Edit]) -> list[Edit]:
@@ -641,34 +683,87 @@ def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) 
         if not spared(path):
             standing.setdefault(here, []).append(path)
     for edit in single:
-        paths = standing.get(edit.old, [])
-        key = (edit.slip.name, edit.old, edit.new)
+        change = edit.first
+        paths = standing.get(change.old, [])
+        key = (edit.slip.name, change.old, change.new)
         if not edit.slip.uniform or len(paths) < 2 or key in done:
             continue
         done.add(key)
         tree = node
         for path in paths:
-            tree = put(tree, path, edit.new)
+            tree = put(tree, path, change.new)
         weight = edit.weight + ALL_OVER * (len(paths) - 1)
-        yield replace(edit, tree=tree, weight=weight, paths=tuple(paths))
+        yield Edit(weight, tree, (replace(change, paths=tuple(paths)),))
+
+
+MILD = 1.3
+"""What a slip weighs at most of which there may be two in one term."""
+NUMBERS = frozenset({"factor", "number", "superfluous factor"})
+"""Slips of which two in one product are one."""
+PAIRS = 300
+"""Pairs of slips in one term that are tried at most."""
+
+
+def doubles(node: Node, single: Iterable[Edit]) -> list[Edit]:
+    """Return the likeliest pairs of slips at two places of a tree, both undone."""
+    mild = [e for e in single if e.weight <= MILD and _alone(e)]
+    pairs = (
+        (_joint(a, b), k, a, b)
+        for k, (a, b) in enumerate(combinations(mild, 2))
+        if _disjoint(a.first.paths[0], b.first.paths[0])
+        and not {a.slip.name, b.slip.name} <= NUMBERS
+    )
+    found = []
+    for weight, _, a, b in nsmallest(PAIRS, pairs):
+        tree = node
+        for path, new in ((e.first.paths[0], e.first.new) for e in (a, b)):
+            tree = set_down(tree, path, new)
+        found.append(Edit(weight, tree, (*a.changes, *b.changes)))
+    return found
+
+
+def _alone(edit: Edit) -> bool:
+    paths = edit.first.paths
+    return len(paths) == 1 and paths[0] != () and not isinstance(edit.first.new, Missing)
+
+
+def _joint(a: Edit, b: Edit) -> float:
+    """Return how implausible two slips are together; the same one again weighs less."""
+    again = a.slip.uniform and a.slip.name == b.slip.name
+    return max(a.weight, b.weight) + min(a.weight, b.weight) * (ALL_OVER if again else 1.0)
+
+
+def _disjoint(a: Path, b: Path) -> bool:
+    n = min(len(a), len(b))
+    return a[:n] != b[:n]
 
 
 @dataclass(frozen=True)
 class Option:
     """What may stand for a term: another node, the other sign, or nothing; with its value.
 
-    ``old``, ``new``: what changes within the term, at ``paths``; ``added``: what is added to cells
-    of a table, by their places, with signs.
+    ``changes``: what is undone within the term.
     """
 
     addend: Addend
-    slip: Slip
     weight: float
-    old: Node
-    new: Node
     node: Node
     sign: int
+    changes: tuple[Change, ...]
     term: Term | None = None
     signature: Signature | None = None
-    paths: tuple[Path, ...] = ((),)
-    added: tuple[tuple[tuple[int, int], str], ...] = ()
+
+    @property
+    def first(self) -> Change:
+        """The first of the slips."""
+        return self.changes[0]
+
+    @property
+    def slip(self) -> Slip:
+        """The kind of the first slip."""
+        return self.first.slip
+
+    @property
+    def appended(self) -> bool:
+        """Whether a term is added behind the others."""
+        return self.slip is LOST and self.node is self.first.new

@@ -302,9 +302,8 @@ def test_edits_are_many_and_each_another_tree():
     tree = read_formula(
         r"-\dot{\vec a}_1\times\left(2\sin\theta\vec b^T + \frac{c^2}{d}\right)"
     ).tree
-    have = Palette(
-        (read_formula("x").tree,), (read_formula("y").tree,), skew=("tilde",), marks=("circ",)
-    )
+    x, y = (read_formula(t).tree for t in "xy")
+    have = Palette(symbols=(x,), factors=(y,), skew=("tilde",), marks=("circ",))
     found = edits(tree, have)
     assert tree not in {e.tree for e in found}
     assert len({e.tree for e in found}) == len(found)

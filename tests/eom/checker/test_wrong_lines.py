@@ -257,7 +257,7 @@ def test_edits_of_a_table_stay_in_the_cell_that_differs():
     wrong = line(understood, judged.claim)
     shop = workshop(understood, wrong, GIVEN)
     table = wrong.members[1].addends[0]
-    cells = {p[0][1] for o in shop.offers[table] for p in o.paths if p and p[0][0] == "rows"}
+    cells = {p[0][1] for o in shop.offers[table] for p in o.first.paths if p and p[0][0] == "rows"}
     assert cells <= {(1, 2)}
     assert found.corrections[0].change.endswith(
         r"in row 2, column 3: $\cos \theta$ should be $\sin \theta$"
