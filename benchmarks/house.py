@@ -25,7 +25,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 413,
-    "lines of code": 75_650,
+    "lines of code": 77_400,
     "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
