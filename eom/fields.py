@@ -128,6 +128,20 @@ class Field:
         exponent = abs(exponent)
         return pow(value, exponent, self.prime) if self.prime else value**exponent
 
+    def root(self, value: Any) -> Any:
+        """Return the square root that is a square itself, or positive; raises `Singular` for none.
+
+        The prime is 3 modulo 4, so that one root of every square is a square.
+        """
+        if self.prime:
+            found: Any = pow(value, (self.prime + 1) // 4, self.prime)
+        else:
+            above, below = (isqrt(abs(n)) for n in Fraction(value).as_integer_ratio())
+            found = Fraction(above, below)
+        if found * found != value if not self.prime else (found * found - value) % self.prime:
+            raise Singular
+        return found
+
     def circle(self, tangent: Any) -> tuple[Any, Any]:
         """Return cosine and sine of the angle whose half has a tangent; raises `Singular`."""
         square = tangent * tangent

@@ -62,6 +62,12 @@ class Series:
         """Return d/dt; one coefficient is lost."""
         return _series(self.field, [k * a for k, a in enumerate(self.coefficients) if k])
 
+    def primitive(self) -> Series:
+        """Return the integral from t = 0; one coefficient is won."""
+        steps = (self.field.inverse(k) for k in range(1, len(self.coefficients) + 1))
+        rest = [a * step for a, step in zip(self.coefficients, steps, strict=True)]
+        return _series(self.field, [0, *rest])
+
     @property
     def is_zero(self) -> bool:
         """Whether every known coefficient is zero; there must be one."""
@@ -126,6 +132,21 @@ _CONVOLUTIONS: dict[int, Callable[..., Sequence[Any]]] = {
 
 Vector = tuple[Series, Series, Series]
 Matrix = tuple[tuple[Series, ...], ...]
+
+
+def root(square: Series) -> Series:
+    """Return the square root whose first coefficient is a square itself, or positive among fractions.
+
+    So the root of a product is the product of the roots. Raises `Singular` where there is none.
+    """
+    a, field = square.coefficients, square.field
+    first = field.root(a[0])
+    half = field.inverse(2 * first)
+    found = [first]
+    for n in range(1, len(a)):
+        known = sum(found[k] * found[n - k] for k in range(1, n))
+        found.append(field.reduce((a[n] - known) * half))
+    return Series(field, tuple(found))
 
 
 def constant(field: Field, value: Any, length: int) -> Series:

@@ -138,6 +138,9 @@ HEADS: dict[str, Callable[[tuple[str, ...]], str | None]] = {
     "cross": _exactly(VECTOR, VECTOR, VECTOR),
     "outer": _exactly(DYADIC, VECTOR, VECTOR),
     "der": _same,
+    "start": _same,
+    "since": _same,
+    "partial": lambda kinds: kinds[0] if len(kinds) == 2 and kinds[1] == SCALAR else None,
     "sum": _same,
     "integral": _same,
     "column": _one_of({VECTOR: COLUMN, DYADIC: MATRIX}),
@@ -272,6 +275,21 @@ def der(term: Term, frame: str = INERTIAL, times: int = 1) -> Term:
     return term
 
 
+def start(term: Term) -> Term:
+    """Return the value of ``term`` at the time from which `since` integrates; it does not change."""
+    return term if term.head == "expr" and term.data[0].is_number else _linear("start", term)
+
+
+def since(term: Term) -> Term:
+    """Return the integral of ``term`` over time, from the time of `start` until now; of vectors, in I."""
+    return _linear("since", term)
+
+
+def partial(term: Term, variable: Term) -> Term:
+    """Return the partial derivative of ``term``, a function of coordinates and rates, by one of them."""
+    return make("partial", (term, variable))
+
+
 def total(term: Term, index: str = "i", over: str = "particles") -> Term:
     """Return the sum over all particles (or rotors) of a term with the label ``index``."""
     return _linear("sum", term, (index, over))
@@ -329,12 +347,12 @@ _TIDY: dict[str, Callable[[Term, tuple[Term, ...]], Term]] = {
     "outer_column": _tidy_product(outer_column),
     **{
         head: lambda term, args: _linear(term.head, args[0], term.data)
-        for head in ("der", "sum", "integral", "column", "tilde", "transpose")
+        for head in ("der", "start", "since", "sum", "integral", "column", "tilde", "transpose")
     },
 }
 
 
-NAMED = frozenset({"scalar", "vector", "fixed_vector", "dyadic", "angle"})
+NAMED = frozenset({"scalar", "coordinate", "vector", "fixed_vector", "dyadic", "angle"})
 """Quantities whose first label is a name of their own, even where it looks like an index."""
 
 

@@ -190,6 +190,7 @@ QUANTITIES: dict[str, Quantity] = {
         SCALAR, "potential energy of gravity, to second order in the body's size"
     ),
     "scalar": Quantity(SCALAR, "any number {0}"),
+    "coordinate": Quantity(SCALAR, "any coordinate {0}, which changes with time"),
     "vector": Quantity(VECTOR, "any vector {0}"),
     "fixed_vector": Quantity(VECTOR, "any vector {0} that is fixed in frame {1}"),
     "dyadic": Quantity(DYADIC, "any dyadic {0}"),

@@ -55,6 +55,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     "identity_matrix": (),
     "angle": ("letter",),
     "scalar": ("letter",),
+    "coordinate": ("letter",),
     "vector": ("letter",),
     "fixed_vector": ("letter", ""),
     "dyadic": ("letter",),

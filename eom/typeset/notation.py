@@ -86,6 +86,7 @@ LETTERS: dict[str, str] = {
     "modified_rodrigues": "sigma sigma sigma sigma sigma",
     "shadow_rodrigues": "sigma^S sigma^S sigma^S sigma^S sigma^S",
     "scalar": "s s s s s",
+    "coordinate": "q q q q q",
     "vector": "v v v v v",
     "fixed_vector": "v v v v v",
     "dyadic": "D D D D D",

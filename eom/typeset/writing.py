@@ -365,6 +365,25 @@ def rate(writer: Writer, inner: Term, frame: str, times: int) -> Written:
     return Row((fraction, Operator("times"), writer.box(inner, ATOM))), OPEN
 
 
+def _since(writer: Writer, term: Term) -> Written:
+    """Return an integral over time, from t0 to t."""
+    t = Symbol("t")
+    sign = Scripts(Operator("integral"), Scripts(t, Symbol("0")), t)
+    inside = row(writer.box(term.args[0], OPEN), Operator("thin"), Operator("d"), t)
+    return Row((sign, inside)), OPEN
+
+
+def _start(writer: Writer, term: Term) -> Written:
+    """Return the value at t0."""
+    place = Row((Operator("open"), Scripts(Symbol("t"), Symbol("0")), Operator("close")))
+    return Row((writer.box(term.args[0], ATOM), place)), ATOM
+
+
+def _partial(writer: Writer, term: Term) -> Written:
+    above, below = (row(Operator("partial"), writer.box(a, ATOM)) for a in term.args)
+    return Fraction(above, below), ATOM
+
+
 def is_inertial(frame: str) -> bool:
     """Return whether a derivative is the plain one: of scalars and columns, or in the frame I."""
     return frame in {"", INERTIAL}
@@ -392,6 +411,9 @@ RULES: dict[str, Callable[[Writer, Term], Written]] = {
     "cross": _binary("cross"),
     "outer": _outer,
     "der": lambda w, t: w.notation.derivative(w, t),
+    "start": _start,
+    "since": _since,
+    "partial": _partial,
     "sum": _sum,
     "integral": _integral,
     "column": lambda w, t: w.notation.column(w, t),

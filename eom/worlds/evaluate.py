@@ -28,6 +28,9 @@ Value = Any
 Env = Mapping[str, int]
 
 
+MAX_POWER = 64
+
+
 @dataclass(frozen=True)
 class Evaluator:
     """Values of terms in one world; ``scalars`` says what each SymPy symbol stands for."""
@@ -113,8 +116,12 @@ class _Scalars(Evaluation):
         return found
 
     def root(self, node: Any) -> Series:
-        """Refuse a root."""
-        raise InputError("roots have no exact value in a world", got=node)
+        """Return a power of a square root; raises `Singular` in a world that has none."""
+        base, exponent = node.as_base_exp()
+        if not exponent.is_Rational or exponent.q != 2 or abs(exponent.p) > MAX_POWER:
+            raise InputError("this power has no exact value in a world", got=node)
+        found: Series = self.ring.power(series.root(self.value(base)), int(exponent.p))
+        return found
 
     def other(self, node: Any) -> Series:
         """Refuse what has no value."""
@@ -219,6 +226,18 @@ def _turned(C: series.Matrix, value: Value) -> Value:
     return series.product(series.product(C, value), series.transpose(C))
 
 
+def _since(e: Evaluator, term: Term, env: Env) -> Value:
+    return _each(Series.primitive, e.value(term.args[0], env))
+
+
+def _start(e: Evaluator, term: Term, env: Env) -> Value:
+    return _each(lambda x: e.world.constant(x.coefficients[0]), e.value(term.args[0], env))
+
+
+def _partial(_: Evaluator, term: Term, __: Env) -> Value:
+    raise InputError("only a system says how this depends on a coordinate", got=term.head)
+
+
 def _sum(e: Evaluator, term: Term, env: Env) -> Value:
     index = term.data[0]
     over = term.data[1] if term.head == "sum" else "mass"
@@ -282,6 +301,9 @@ _RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
     "cross": _cross,
     "outer": _outer,
     "der": _der,
+    "start": _start,
+    "since": _since,
+    "partial": _partial,
     "sum": _sum,
     "integral": _sum,
     "column": _column,

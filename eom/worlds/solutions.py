@@ -33,12 +33,10 @@ from eom.exact.rings import (
     summands,
 )
 from eom.exact.series import Series
-from eom.fields import PRIME, RESIDUES, Singular, solve
+from eom.fields import PRIME, RESIDUES, solve
 from eom.rotations import cosines, quaternion_product
 from eom.system import Expr, System
 
-ROOT = (PRIME + 1) // 4
-"""x**ROOT is the root of a square x that is itself a square: the prime is 3 modulo 4."""
 MAX_POWER = 64
 ENDLESS = 10**9
 
@@ -55,6 +53,18 @@ class rate(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is pri
     def _sympystr(self, printer: Any) -> str:
         inside = printer._print(self.args[0])
         return f"{inside}'" if self.args[0].is_Symbol else f"d/dt({inside})"
+
+
+class since(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is printed
+    """The integral of its argument over time, from the start until now."""
+
+    nargs = 1
+
+
+class start(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is printed
+    """The value of its argument at the start."""
+
+    nargs = 1
 
 
 def order(expression: Expr) -> int:
@@ -174,7 +184,7 @@ class Motion(Evaluation):
         base, exponent = node.as_base_exp()
         if not exponent.is_Rational or exponent.q != 2 or abs(exponent.p) > MAX_POWER:
             raise InputError("this power has no exact value", got=node)
-        found: Series = self.ring.power(_root(self.series(base)), int(exponent.p))
+        found: Series = self.ring.power(series.root(self.series(base)), int(exponent.p))
         return found
 
 
@@ -295,20 +305,6 @@ def _divided(m: Motion, matrix: Expr, right: list[int], symbols: list[Expr], n: 
 # -- rules -----------------------------------------------------------------------------------------
 
 
-def _root(square: Series) -> Series:
-    """Return the root that is a square itself; raises `Singular` where there is none."""
-    a = square.coefficients
-    first = pow(a[0], ROOT, PRIME)
-    if first * first % PRIME != a[0] or first == 0:
-        raise Singular
-    found = [first]
-    half = RESIDUES.inverse(2 * first)
-    for n in range(1, len(a)):
-        known = sum(found[k] * found[n - k] for k in range(1, n))
-        found.append((a[n] - known) * half % PRIME)
-    return Series(RESIDUES, tuple(found))
-
-
 def _rate(_: Motion, node: Expr, values: list[Series]) -> Series:
     found = values[0].derivative()
     if not found.coefficients:
@@ -341,7 +337,8 @@ Motion.rows = (
     | FLOATS
     | TRIGONOMETRY
     | {sp.NumberSymbol: Row(none, lambda m, n, _: m.constant(m.value_of(n)))}
-    | {rate: Row(arguments, _rate)}
+    | {rate: Row(arguments, _rate), since: Row(arguments, lambda _, __, v: v[0].primitive())}
+    | {start: Row(arguments, lambda m, _, v: m.constant(v[0].coefficients[0]))}
     | dict.fromkeys(INVERSES, Row(arguments, _transcendental))
 )
 

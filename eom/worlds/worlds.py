@@ -506,6 +506,7 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     **ANGLE_PRIMITIVES,
     **PRIMITIVES,
     "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
+    "coordinate": lambda w, name: _random_series(w.field, w.free("coordinate", name)),
     "vector": _free_vector,
     "fixed_vector": _fixed_vector,
     "dyadic": lambda w, name: tuple(_free_vector(w, f"{name}{k}") for k in range(3)),

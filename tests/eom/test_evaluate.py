@@ -138,7 +138,7 @@ def test_the_rate_of_a_sine(turning):
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
-        (sp.sqrt(x), "roots"),
+        (sp.cbrt(x), "this power"),
         (sp.Symbol("q"), "meaning"),
         (sp.sin(x), "angles"),
         (sp.sin(psi / 3), "angles"),

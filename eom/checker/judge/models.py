@@ -21,9 +21,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from itertools import islice
+from itertools import combinations, islice
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -34,6 +35,7 @@ from eom.exact.series import Series
 from eom.fields import PRIME, Singular
 from eom.limits import Overdue
 from eom.terms.terms import SCALAR, Equation, Term, expr, nodes, zero
+from eom.terms.terms import replace as rewritten
 from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.generators import worlds
 from eom.worlds.worlds import ASSUMPTIONS, SEQUENCES, closure, sequence_of
@@ -42,6 +44,10 @@ ENOUGH = 3
 """Models in which a claim has to hold."""
 TRIALS = 12
 """Worlds that are drawn at most, where a claim is undefined in some."""
+FREELY = frozenset({"coordinate", "free_angle"})
+"""Quantities that move in any way."""
+MAX_ROOTS = 3
+"""Square roots in a claim at most, whose signs are looked at."""
 MAX_TESTS = 160
 """Sets of assumptions that are tried at most for one claim."""
 NUMBERINGS = 3
@@ -375,14 +381,70 @@ class Worlds(Models):
         """Return names with all that they need."""
         return closure(names)
 
+    @cached_property
+    def roots(self) -> frozenset[Any]:
+        """What stands under square roots: half of all worlds have no root of each."""
+        inside = (n for t in self.terms for n in nodes(t) if n.head == "expr")
+        return frozenset(p.base for n in inside for p in half_powers(n.data[0]))
+
     def draw(self, names: frozenset[str]) -> Iterator[InWorld]:
         """Yield worlds under a closed set."""
-        for world in worlds(names, TRIALS):
+        for world in worlds(names, TRIALS << min(len(self.roots), MAX_ROOTS)):
             yield InWorld(names, world.seed, Evaluator(world, self.scalars))
 
     def needs(self, name: str) -> frozenset[str]:
         """Return an assumption with all that it needs."""
         return _needed(name)
+
+    def doubt(self) -> str:
+        """Say that what is false may be true with roots of other signs, or of one motion."""
+        if self._of_a_motion():
+            return "no system says how these coordinates move"
+        if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, _subsets(self.roots))):
+            return "this rests on the signs of its roots"
+        return ""
+
+    def _of_a_motion(self) -> bool:
+        """Return whether the claim says how coordinates move, which no law of the note's gives."""
+        found = {a.data[0] for t in self.terms for a in atoms_in(t, self.scalars)}
+        sides = (s for q in self.said for s in (q.left, q.right))
+        free = found & FREELY and found <= FREELY | {"scalar"}
+        return bool(free) and any(map(self._is_rate, sides))
+
+    def _is_rate(self, side: Term) -> bool:
+        """Return whether a side is zero, or a multiple of a time derivative of a coordinate."""
+        moving = [p for p in self._factors(side) if p.data[:1] != ("scalar",)]
+        if len(moving) != 1 or moving[0].head != "der":
+            return side.is_zero
+        inner = moving[0]
+        while inner.head == "der":
+            inner = inner.args[0]
+        return [p.head for p in self._factors(inner)] == ["atom"]
+
+    def _factors(self, term: Term) -> Iterator[Term]:
+        """Yield what a product multiplies, numbers left out; sums as they are."""
+        if term.head == "mul":
+            yield from (f for a in term.args for f in self._factors(a))
+        elif term.head == "expr" and not term.data[0].is_Add:
+            yield from (self.scalars.get(s, term) for s in term.data[0].free_symbols)
+        else:
+            yield term
+
+    def _with_signs(self, negative: frozenset[Any]) -> bool:
+        """Return whether the claim holds in the first world where it has a value, by other roots."""
+
+        def turned(term: Term) -> Term:
+            if term.head != "expr":
+                return term
+            found = {p for p in half_powers(term.data[0]) if p.base in negative}
+            return expr(term.data[0].xreplace({p: -p for p in found if p.exp.p % 2}))
+
+        said = [Equation(rewritten(q.left, turned), rewritten(q.right, turned)) for q in self.said]
+        scalars = {s: rewritten(t, turned) for s, t in self.scalars.items()}
+        for drawn in replace(self, scalars=scalars).draw(Search(self).base[1]):
+            with suppress(Singular):
+                return all(map(drawn.agrees, said))
+        return False
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield smallest sets below every largest one."""
@@ -445,6 +507,20 @@ class Worlds(Models):
 def told(names: Iterable[str], labels: Collection[str]) -> Iterator[str]:
     """Yield those assumptions that say something where some labels stand."""
     return (n for n in names if n not in MENTIONS or not MENTIONS[n].isdisjoint(labels))
+
+
+def half_powers(expression: Any) -> Iterator[Any]:
+    """Yield the powers of square roots in an expression."""
+    for part in sp.preorder_traversal(expression):
+        if part.is_Pow and part.exp.is_Rational and part.exp.q == 2:
+            yield part
+
+
+def _subsets(found: frozenset[Any]) -> Iterator[frozenset[Any]]:
+    """Yield every set of members but the empty one."""
+    ordered = sorted(found, key=sp.default_sort_key)
+    for k in range(1, len(ordered) + 1):
+        yield from map(frozenset, combinations(ordered, k))
 
 
 def labels_in(terms: Iterable[Term]) -> frozenset[str]:
@@ -532,19 +608,13 @@ def squared(equation: Equation) -> Equation:
     if any(s.kind != SCALAR or s.head not in {"expr", "zero"} for s in sides):
         return equation
     found = [_square(_expression(s)) for s in sides]
-    if None in found or not any(_has_root(_expression(s)) for s in sides):
+    if None in found or not any(True for s in sides for _ in half_powers(_expression(s))):
         return equation
     return Equation(expr(found[0]), expr(found[1]), equation.relation)
 
 
 def _expression(term: Term) -> Any:
     return term.data[0] if term.head == "expr" else sp.Integer(0)
-
-
-def _has_root(expression: Any) -> bool:
-    return any(
-        p.is_Pow and p.exp.is_Rational and p.exp.q == 2 for p in sp.preorder_traversal(expression)
-    )
 
 
 def _square(expression: Any) -> Any:

@@ -24,6 +24,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
+from eom.checker.judge.coordinates import derivative
 from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search, atoms_in
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.mean.model import Model
@@ -32,7 +33,7 @@ from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.system import Expr, System
-from eom.terms.terms import SCALAR, Term
+from eom.terms.terms import SCALAR, Term, expr
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
@@ -41,7 +42,9 @@ from eom.worlds.solutions import (
     inexact,
     order,
     rate,
+    since,
     spread,
+    start,
     without_rates,
 )
 
@@ -95,6 +98,8 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
 
     Raises `InputError` for what is no scalar of the system.
     """
+    if term.head == "partial":
+        return _partial(term, scalars, model)
     inside = tuple(written(a, scalars, model) for a in term.args)
     if term.head == "integral" and model.point is not None:
         return integrated(model.system.name, model.point, inside[0])
@@ -107,14 +112,24 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     if term.head == "expr":
         free = term.data[0].free_symbols
         own = {s: written(scalars[s], scalars, model) for s in free if s in scalars}
-        time = {s: model.system.time for s in free if s not in scalars}
+        time = {s: model.system.time for s in free if s not in scalars and s.name == "t"}
         return term.data[0].xreplace(own | time)
     if of_system(term):
         return model.symbol(term.data[1])
     raise InputError("this is no quantity of the system", got=term.head)
 
 
-_JOINED = {"add": sp.Add, "mul": sp.Mul}
+_JOINED = {"add": sp.Add, "mul": sp.Mul, "since": since, "start": start}
+
+
+def _partial(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
+    """Return a partial derivative; symbols that stand for momenta are variables of their own."""
+    momenta = {s: sp.Dummy(s.name, real=True) for s, t in scalars.items() if t.head == "partial"}
+    own = {**scalars, **{s: expr(d) for s, d in momenta.items()}}
+    function, variable = (written(a, own, model) for a in term.args)
+    found = derivative(model.system, function, variable, momenta.values())
+    back = {d: written(scalars[s], scalars, model) for s, d in momenta.items() if found.has(d)}
+    return found.xreplace(back)
 
 
 def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
@@ -363,7 +378,7 @@ def residual(system: System, pair: Pair, given: tuple[Restriction, ...] = ()) ->
         s: sp.S.Zero for r in given for s in r.zero
     }
     left, right = pair
-    if max(order(left), order(right)) > MAX_WRITTEN:
+    if max(order(left), order(right)) > MAX_WRITTEN or (left - right).has(since, start):
         return None
     forms = [_expanded(f(system, left - right).xreplace(equal)) for f in (_named, _plain)]
     found = min(forms, key=lambda f: len(sp.Add.make_args(f)))

@@ -17,8 +17,9 @@ from typing import Any
 import sympy as sp
 from sympy.simplify.fu import TR8
 
+from eom.checker.mean import dimensions, instants
 from eom.checker.mean.dimensions import LENGTH, MASS, product
-from eom.checker.mean.elaborator import Elaborator, number, powered, pure
+from eom.checker.mean.elaborator import Elaborator, number, powered, pure, quotient
 from eom.checker.mean.lexicon import Entry, Meaning
 from eom.checker.mean.values import (
     ANY,
@@ -59,7 +60,7 @@ from eom.checker.read.syntax import (
     walk,
 )
 from eom.terms import terms
-from eom.terms.terms import COLUMN, INDICES, MATRIX, SCALAR, Term, dot, expr, nodes
+from eom.terms.terms import COLUMN, INDICES, INERTIAL, MATRIX, SCALAR, Term, dot, expr, nodes
 from eom.terms.vocabulary import mass, position, unit
 
 Expr = Any
@@ -314,6 +315,8 @@ def _numbered(e: Elaborator, node: BigOperator, indices: tuple[str, ...]) -> Val
 def integral_value(e: Elaborator, node: Integral) -> Value:
     """Return an integral over the body, over its mass or its volume, or over a coordinate."""
     over = tuple(labels(v) for v in node.variables)
+    if instants.over_time(e, node):
+        return instants.integral(e, node)
     if node.upper is not None:
         return definite(e, node)
     if over not in {(("m",),), (("V",),)}:
@@ -348,14 +351,97 @@ def derivative(e: Elaborator, node: Derivative) -> Value:
     if node.operand is None:
         raise refuse(ILL_FORMED, "a derivative of nothing", node.span)
     if tuple(labels(v) for v in node.variables) != (("t",),):
-        what = "a derivative with respect to something else than time"
-        raise refuse(UNDECIDED, what, node.span)
+        return by_variables(e, node)
     order = 1 if node.order is None else _order(node.order)
     value = e.value(node.operand)
     given = "" if node.frame is None else e.frame(node.frame)
     if given:
         return rate(value, given, order, node.span)
     return overdot(e.lexicon.notation, value, order, node.span)
+
+
+def by_variables(e: Elaborator, node: Derivative) -> Value:
+    """Return a derivative by scalars: a partial one, else the ratio of rates along the motion."""
+    assert node.operand is not None
+    order = 1 if node.order is None else _order(node.order)
+    variables = [v for v in node.variables for _ in range(order if len(node.variables) == 1 else 1)]
+    if len(variables) != order:
+        raise refuse(UNDECIDED, "the order of a derivative", node.span)
+    value = e.value(node.operand)
+    for variable in (e.value(v) for v in reversed(variables)):
+        if variable.shape != SCALAR:
+            raise refuse(UNDECIDED, "a derivative by what is no scalar", node.span, variable.words)
+        if node.sign == "partial":
+            value = partially(e, value, variable, node.span)
+        else:
+            above, below = (overdot(e.lexicon.notation, v, 1, node.span) for v in (value, variable))
+            value = quotient(e, above, below, node.span)
+    return value
+
+
+def partially(e: Elaborator, value: Value, variable: Value, span: Span) -> Value:
+    """Return the partial derivative by a scalar: of what the system knows, or by the formula itself."""
+    dimension = product(value.dimension, dimensions.power(variable.dimension, -1))
+    if e.lexicon.system is not None and value.shape == SCALAR:
+        term = terms.partial(value.term, variable.term)
+    else:
+        x = e.expression(variable.term)
+        if not x.is_Symbol:
+            raise refuse(UNDECIDED, "a derivative by what is no variable", span)
+        term = _slope(e, value.term, x, span)
+    return replace(value, term=term, dimension=dimension, span=span)
+
+
+def _slope(e: Elaborator, term: Term, x: Expr, span: Span) -> Term:
+    """Return the derivative of a formula by one of its symbols."""
+    if term.kind == SCALAR and (found := e.expression(term)) not in e.scalars:
+        others = found.free_symbols - {x}
+        if all(_independent(e, e.scalars.get(s)) for s in others):
+            return expr(found.diff(x))
+    elif term.kind == SCALAR and (e.expression(term) == x or _independent(e, term)):
+        return expr(sp.Integer(int(e.expression(term) == x)))
+    elif term.head in _MULTILINEAR:
+        each = [_slope(e, a, x, span) for a in term.args]
+        if term.head in {"add", "entries", "table", "rows"}:
+            return terms.rebuild(term, each)
+        one_each = (
+            terms.rebuild(term, (*term.args[:k], d, *term.args[k + 1 :]))
+            for k, d in enumerate(each)
+        )
+        return terms.add(*one_each)
+    elif _stays(e, term, x):
+        return terms.zero(term.kind)
+    raise refuse(UNDECIDED, "it is not known how this depends on the variable", span)
+
+
+_MULTILINEAR = frozenset(
+    "add mul dot cross outer column tilde transpose matmul inner outer_column entries rows table".split()
+)
+_FREE = frozenset(
+    "scalar coordinate free_angle angle turn_angle principal_angle mass total_mass inertia unit".split()
+)
+
+
+def _independent(e: Elaborator, meaning: Term | None) -> bool:
+    """Tell whether a scalar depends on no variable but itself: a parameter, a coordinate or its rate."""
+    if meaning is None:
+        return True
+    inner = meaning
+    while inner.head == "der":
+        inner = inner.args[0]
+    found = [n for n in nodes(inner) if n.head == "atom"]
+    symbols = {s for n in nodes(inner) if n.head == "expr" for s in n.data[0].free_symbols}
+    plain = not any(n.head in {"der", "sum", "since"} for n in nodes(inner))
+    alone = inner == meaning or len(found) + len(symbols) == 1
+    named = all(n.data[0] in _FREE for n in found)
+    return plain and alone and named and all(_independent(e, e.scalars.get(s)) for s in symbols)
+
+
+def _stays(e: Elaborator, term: Term, x: Expr) -> bool:
+    """Tell whether a vector does not change with a variable: a unit vector with a rate, or one of I."""
+    meaning = e.scalars.get(x)
+    by_rate = meaning is not None and meaning.head == "der"
+    return term.is_zero or (term.data[:1] == ("unit",) and (by_rate or term.data[1] == INERTIAL))
 
 
 def _order(node: Node) -> int:

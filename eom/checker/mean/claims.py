@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eom import limits
+from eom.checker.mean import instants
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
@@ -223,7 +224,7 @@ def _upright(node: Node) -> bool:
 
 def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]:
     """Return what a chain says."""
-    signs = tuple(sign.name for sign in s.signs)
+    signs = (*_introducing(s), *(sign.name for sign in s.signs[1:]))
     unknown = next((g for g in s.signs if g.name not in EQUALITIES | COMPARISONS), None)
     if unknown is not None and unknown.name in LIMITS:
         return []
@@ -237,6 +238,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     constant = says_constant(nodes[-1])
     if constant:
         nodes.pop()
+    instants.note(e, nodes)
     look = _new(nodes, signs, e)
     skip = int(look is not None or s.continues)
     values, findings = _values(e, nodes[skip:])
@@ -254,6 +256,16 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if constant or any(says_constant(Words(w)) for w in s.words):
         found.append(_constant(made, e, values))
     return found
+
+
+def _introducing(s: Statement) -> tuple[str, ...]:
+    """Return the first sign; one of identity behind a symbol alone defines it, as words may say."""
+    first = s.signs[0].name
+    symbol, other = s.members[:2]
+    found = seen(symbol) if not s.continues else None
+    said = first == "equiv" or (first == "=" and any("by definition" in w for w in s.words))
+    alone = found is not None and not found.dots and not isinstance(other, Number | Words)
+    return (":=",) if said and alone else (first,)
 
 
 def _values(e: Elaborator, nodes: Iterable[Node]) -> tuple[list[Value], list[Finding]]:

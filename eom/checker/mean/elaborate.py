@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean import calculus
+from eom.checker.mean import calculus, instants
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborator import (
     TRANSPOSED,
@@ -35,6 +35,7 @@ from eom.checker.mean.values import (
     ILL_FORMED,
     ROW,
     UNDECIDED,
+    Refusal,
     Value,
     beside,
     components,
@@ -61,6 +62,7 @@ from eom.checker.read.syntax import (
     Call,
     Derivative,
     Differential,
+    Evaluated,
     Fraction,
     Group,
     Integral,
@@ -195,6 +197,30 @@ def _number(_: Elaborator, node: Number) -> Value:
     return replace(value, dimension=None) if value.is_zero else value
 
 
+def _symbol(e: Elaborator, node: Node) -> Value:
+    """Return what a symbol means; one without a meaning may be an instant, or have one below it."""
+    instant = instants.time(e, node) if e.lexicon.system is None else None
+    if instant is not None:
+        return instant
+    try:
+        return symbol_value(e, node)
+    except Refusal:
+        instant = instants.time(e, node) or instants.below(e, node)
+        if instant is None:
+            raise
+        return instant
+
+
+def _evaluated(e: Elaborator, node: Evaluated) -> Value:
+    """Return what stands before a bar with two instants."""
+    found = None
+    if node.sub is not None and node.sup is not None:
+        found = instants.between(e, e.value(node.base), node.sub, node.sup, node.span)
+    if found is None:
+        raise refuse(UNDECIDED, "what stands at this bar has no meaning", node.span)
+    return found
+
+
 def _missing(_: Elaborator, node: Missing) -> Value:
     raise refuse(UNDECIDED, "something is left out here", node.span)
 
@@ -252,6 +278,10 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
                 )
                 k += 2
                 continue
+        if following is not None and _is_change(e, nodes[k]):
+            values.append(instants.change(e, following, nodes[k].span.join(following.span)))
+            k += 2
+            continue
         short = abbreviated(e, nodes[k], following)
         if short is not None:
             values.append(e.value(short))
@@ -260,6 +290,12 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
         values.append(e.value(nodes[k]))
         k += 1
     return values
+
+
+def _is_change(e: Elaborator, node: Node) -> bool:
+    r"""Return whether a factor is the \Delta before what changes."""
+    plain = isinstance(node, Symbol) and node.name == "Delta" and not node.style
+    return plain and not _known(e, Look("Delta"))
 
 
 def _argument(node: Node | None) -> tuple[Group | None, Node | None]:
@@ -284,10 +320,9 @@ def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
         return skew(e.lexicon.notation, e.value(argument.body), node.span.join(argument.span))
     if entry is not None and entry.meaning.quantity in TURNS:
         return turn(e, entry.meaning, e.value(argument.body), node.span.join(argument.span))
-    time = isinstance(argument.body, Symbol) and argument.body.name == "t"
-    if time or (entry is not None and entry.meaning.function):
-        return e.value(node)
-    return None
+    if instants.key(e, argument.body):
+        return instants.at(e, e.value(node), argument.body)
+    return e.value(node) if entry is not None and entry.meaning.function else None
 
 
 _OPERATORS: dict[str, Callable[..., Value]] = {
@@ -396,7 +431,7 @@ def _scripts(e: Elaborator, node: Scripts) -> Value:
     if short is not None:
         return e.value(short)
     if seen(node) is not None:
-        return symbol_value(e, node)
+        return _symbol(e, node)
     upright = _upright(e, node)
     if upright is not None:
         return upright
@@ -434,7 +469,7 @@ def _bracketed(node: Node) -> Node | None:
 
 def _accent(e: Elaborator, node: Accent) -> Value:
     if seen(node) is not None:
-        return symbol_value(e, node)
+        return _symbol(e, node)
     notation = e.lexicon.notation
     if node.mark in DOTS:
         return overdot(notation, e.value(node.base), DOTS[node.mark], node.span)
@@ -462,7 +497,8 @@ def _body(e: Elaborator, node: Any) -> Value:
 
 RULES: dict[type, Rule] = {
     Number: _number,
-    Symbol: symbol_value,
+    Symbol: _symbol,
+    Evaluated: _evaluated,
     Words: _words,
     Missing: _missing,
     Accent: _accent,

@@ -68,7 +68,8 @@ class Elaborator:
     """The state of one elaboration; ``scalars`` collects what the symbols of SymPy stand for.
 
     ``definitions``: what the note itself has defined so far; ``indices``: numbers and labels that
-    stand for bound indices; ``rules``: one a kind of node.
+    stand for bound indices; ``rules``: one a kind of node. ``times``: which instants the statement
+    names, ``running``: the variable of an integral over time, see `eom.checker.mean.instants`.
     """
 
     lexicon: Lexicon
@@ -76,6 +77,8 @@ class Elaborator:
     definitions: Mapping[Look, Value] = field(default_factory=dict)
     indices: Mapping[str, str] = field(default_factory=dict)
     scalars: dict[Any, Term] = field(default_factory=dict)
+    times: dict[str, str] = field(default_factory=dict)
+    running: str = ""
     depth: int = 0
     sizes: dict[int, tuple[Term, int]] = field(default_factory=dict, repr=False)
 

@@ -15,6 +15,7 @@ import sympy as sp
 
 from eom.checker.mean.calculus import called
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, Parameters, Relation, claims
+from eom.checker.mean.instants import timely
 from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, seen
@@ -113,9 +114,9 @@ def _with(lexicon: Lexicon, looks: Iterable[Look]) -> Lexicon:
 
 
 def limited(statement: Statement) -> bool:
-    """Return whether a statement has an integral with limits."""
-    found = (n for m in statement.members for n in walk(m))
-    return any(isinstance(n, Integral) and n.upper is not None for n in found)
+    """Return whether a statement has an integral with limits over a coordinate."""
+    found = (n for m in statement.members for n in walk(m) if isinstance(n, Integral))
+    return any(n.upper is not None and not timely(n) for n in found)
 
 
 def _parameters(

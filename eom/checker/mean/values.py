@@ -48,7 +48,7 @@ from eom.terms.terms import (
     tilde,
     transpose,
 )
-from eom.terms.vocabulary import omega, unit
+from eom.terms.vocabulary import omega, quantity, unit
 
 ROW, VECTRIX, COVECTRIX = "row", "vectrix", "covectrix"
 ANY = ("", "")
@@ -354,9 +354,38 @@ def dotted(notation: Notation, a: Value, b: Value) -> Value:
     if (a.shape, b.shape) in {(COLUMN, COLUMN), (ROW, ROW)}:
         _agree(a, b)
         return _made(inner(a.term, b.term), SCALAR, a, b)
-    if (a.shape, b.shape) in _BESIDE:
-        return _BESIDE[a.shape, b.shape](a, b)
-    raise _unfit("these have no dot product", a, b, " . ")
+    rule = _DOTTED.get((a.shape, b.shape)) or _BESIDE.get((a.shape, b.shape))
+    if rule is None:
+        raise _unfit("these have no dot product", a, b, " . ")
+    return rule(a, b)
+
+
+def _triads(a: Value, b: Value) -> Value:
+    """Return the rotation matrix that the dot products of two frames' unit vectors make."""
+    to, start = (_whole_triad(v) for v in (a, b))
+    return _made(quantity("rotation", to, start), MATRIX, a, b, (to, start))
+
+
+def _along_triad(triad: Value, vector: Value, shape: str) -> Value:
+    """Return the dot products of a frame's unit vectors with a vector: its components."""
+    frame = _whole_triad(triad)
+    return _made(column(vector.term, frame), shape, triad, vector, (frame, ""))
+
+
+def _whole_triad(triad: Value) -> str:
+    frame = triad.frames[0]
+    if triad.term != unit(frame, 1):
+        raise refuse(UNDECIDED, "a multiple of unit vectors in a column", triad.span)
+    return frame
+
+
+_DOTTED: dict[tuple[str, str], Rule] = {
+    (VECTRIX, COVECTRIX): _triads,
+    (VECTRIX, VECTOR): lambda a, b: _along_triad(a, b, COLUMN),
+    (VECTOR, VECTRIX): lambda a, b: _along_triad(b, a, COLUMN),
+    (VECTOR, COVECTRIX): lambda a, b: _along_triad(b, a, ROW),
+}
+"""Dot products with the unit vectors of a frame in a column or a row."""
 
 
 def crossed(notation: Notation, a: Value, b: Value) -> Value:

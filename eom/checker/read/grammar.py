@@ -202,7 +202,7 @@ def skip_empty(p: Stream) -> None:
         p.place = saved
     while p.token.is_char("{") and p.ahead().is_char("}"):
         after = p.ahead(2)
-        if after.kind == "char" and after.text in "^_":
+        if after.kind == "char" and after.text in "^_'":
             return
         p.place += 2
 

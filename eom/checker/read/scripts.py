@@ -131,10 +131,12 @@ def _primes(p: Stream) -> Node:
 
 
 def _empty_braces_behind(p: Stream) -> bool:
-    r"""Whether ``{}`` only spaces scripts of what stands before it: ``T^a{}_b``."""
+    r"""Whether ``{}`` only spaces scripts of what stands before it: ``T^a{}_b``, ``\vec H{}'``."""
     script = p.ahead(2)
     if not (p.token.is_char("{") and p.ahead().is_char("}") and not p.token.spaced):
         return False
+    if script.is_char("'"):
+        return True
     if not (script.is_char("^") or script.is_char("_")):
         return False
     after = p.matching(min(p.place + 3, len(p.tokens) - 1))
@@ -260,8 +262,8 @@ def made(
         operand = operand.body
     if len(variables) == 1 and order is not None:
         below = variables[0]
-        if isinstance(below, Scripts) and below.sup == order and below.sub is None:
-            variables = [below.base]
+        if isinstance(below, Scripts) and below.sup == order:
+            variables = [below.base if below.sub is None else replace(below, sup=None)]
     return Derivative(operand, tuple(variables), order, None, sign, span=span)
 
 

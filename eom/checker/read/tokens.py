@@ -396,7 +396,24 @@ def respelt(tokens: list[Token]) -> list[Token]:
     for rule, names in PASSES:
         if any((t.kind in {"command", "begin"}) and t.text in names for t in tokens):
             tokens = rule(tokens)
-    return tokens
+    return bracketed_words(tokens) if any(t.kind == "words" for t in tokens) else tokens
+
+
+def bracketed_words(tokens: list[Token]) -> list[Token]:
+    r"""Leave out a bracket whose other half stands in words: ``\text{(drawn from } X)``."""
+    opened: list[tuple[int, str]] = []
+    dropped: set[int] = set()
+    for k, token in enumerate(tokens):
+        stretched = k > 0 and tokens[k - 1].is_command("left", "right")
+        shown = token.kind == "words" or (token.kind == "char" and not stretched)
+        for one in re.findall(r"[()\[\]]", token.text) if shown else ():
+            if one in "([":
+                opened.append((k, one))
+            elif opened:
+                other, _ = opened.pop()
+                mixed = {tokens[other].kind, token.kind} == {"words", "char"}
+                dropped |= {n for n in (other, k) if mixed and tokens[n].kind == "char"}
+    return [t for k, t in enumerate(tokens) if k not in dropped]
 
 
 def _group(tokens: list[Token], place: int) -> int:
@@ -529,14 +546,15 @@ def _bold_operator(tokens: list[Token], k: int, _: list[Token]) -> Replaced:
 
 def sizes(tokens: list[Token]) -> list[Token]:
     r"""Leave out the size of a bracket, a bar or a slash: ``\bigl(``, ``\big/``, ``\middle/``."""
-    pairs = zip(tokens, [*tokens[1:], None], strict=True)
-    return [a for a, b in pairs if not (b is not None and _is_size(a, b))]
+    places = [k for k in range(len(tokens) - 1) if _is_size(tokens[k], tokens[k + 1])]
+    points = {k + 1 for k in places if tokens[k + 1].is_char(".")}
+    return [t for k, t in enumerate(tokens) if k not in points.union(places)]
 
 
 def _is_size(token: Token, behind: Token) -> bool:
     if token.is_command("middle"):
         return behind.is_char("/")
-    shown = behind.kind == "char" and behind.text in "()[]|/"
+    shown = behind.kind == "char" and behind.text in "()[]|/."
     return token.is_command(*latex.SIZES) and (shown or behind.is_command(*latex.DELIMITERS))
 
 

@@ -223,6 +223,10 @@ WIE_WERTZ = [
 ]
 
 HANDOUTS = [
+    (r"\vec H{}' = \vec M", "vec(H){^!prime} = vec(M)"),
+    (r"\Bigl.\frac{a}{b}\Bigr|_{x=0} = c", "at(frac(a, b){_x = 0}) = c"),
+    (r"(m \text{ the mass (of }B)) = n", "(m ' the mass (of ' B) = n"),
+    (r"\frac{\partial^2 T}{\partial\dot q_2^2} = n", "P2(T)/dot(q){_2} = n"),
     (
         r"I_{ij} = \begin{cases} \frac{2}{5}MR^2 & i = j \\ 0 & \text{otherwise} \end{cases}",
         "I{_[i j]} = cases([frac(2, 5) M R{^2}] & i = j // 0 & 'otherwise')",
