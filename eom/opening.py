@@ -30,5 +30,5 @@ def load_scene(name: str | Path) -> AnyScene:
     file = catalogue.path_of(str(name)) if is_ready else Path(name)
     if file.suffix == catalogue.URDF:
         return load_urdf(file)
-    tree = data_of(file).get("model") == catalogue.TREE
+    tree = catalogue.is_tree(data_of(file))
     return TreeScene.from_toml(file) if tree else Scene.from_toml(file)

@@ -89,7 +89,7 @@ def _only(what: str, given: Iterable[Any], default: Any) -> Any:
             where="torque",
             got=" and ".join(map(str, found)),
             hint="weight is about a fixed point, gravity gradient about the centre of mass on an "
-            'orbit; a scene with model = "tree" takes both: gravity, gravity_gradient',
+            "orbit; a scene file takes gravity_gradient, 3 x 3, beside a weight",
         )
     return found[0]
 

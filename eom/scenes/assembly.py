@@ -45,11 +45,7 @@ Triple = tuple[Expr, Expr, Expr]
 
 MODEL_NAMES = frozenset(
     [
-        *(
-            f"{n}_{k}"
-            for n in ("h", "H", "torque", "up", "radial", "normal", "axle")
-            for k in (1, 2, 3)
-        ),
+        *(f"{n}_{k}" for n in "h H torque up radial normal axle".split() for k in (1, 2, 3)),
         *(f"J{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)),
         *("I1", "I2", "I3", "T", "E", "H", "tilt", "q_norm", "Omega"),
     ]
@@ -106,8 +102,8 @@ def _torques(scene: Description, general_torque: bool) -> tuple[dict[str, torque
         )
         return {"components": torques.applied(*given)}, given[0]
     chosen, (J, moments) = _attitude(scene), _inertia(scene)
-    laws = {n: law for n, law in LAWS.items() if getattr(scene.torque, n) is not None}
-    found = {n: law(scene, chosen.matrix, J) for n, law in laws.items()} if chosen else {}
+    said = {n: getattr(scene.torque, n) for n in LAWS if getattr(scene.torque, n) is not None}
+    found = {n: LAWS[n](of, chosen.matrix, J) for n, of in said.items()} if chosen else {}
     angles = rotation_sequence(scene.sequence) if scene.sequence else None
     known = (
         *(chosen.coordinates if chosen else ()),
@@ -125,21 +121,11 @@ def _names(symbols: Iterable[Expr]) -> dict[str, Expr]:
     return {s.name: s for s in symbols}
 
 
-def _weight(scene: Description, C: Expr, J: Expr) -> torques.Torque:  # noqa: ARG001
-    weight = scene.torque.weight
-    assert weight is not None
-    return torques.weight(C, [c != 0 for c in weight.centre_of_mass])
-
-
-def _gravity_gradient(scene: Description, C: Expr, J: Expr) -> torques.Torque:  # noqa: ARG001
-    return torques.gravity_gradient(C, J)
-
-
-LAWS: dict[str, Callable[[Description, Expr, Expr], torques.Torque]] = {
-    "weight": _weight,
-    "gravity_gradient": _gravity_gradient,
+LAWS: dict[str, Callable[[Any, Expr, Expr], torques.Torque]] = {
+    "weight": lambda said, C, _: torques.weight(C, [c != 0 for c in said.centre_of_mass]),
+    "gravity_gradient": lambda _, C, J: torques.gravity_gradient(C, J),
 }
-"""Torques that are derived from forces, by their fields of `eom.scenes.description.Torque`."""
+"""Torques that are derived from forces, by their fields of `eom.scenes.description.Torque`, of these."""
 
 
 WAY_OUT = 'integrate = "quaternion" in the scene goes through it, and shows the same angles'

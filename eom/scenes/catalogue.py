@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,15 @@ TOML, URDF = ".toml", ".urdf"
 
 TREE = "tree"
 """The ``model`` of scenes with many bodies, which `eom.multibody.files.scene.TreeScene` reads."""
+OF_TREES = frozenset(
+    "bodies constraints gravity gravity_gradient joint joints loads points repeat rotors springs".split()
+)
+"""Keys of scene files that bring what trees have; of one body, they make it a tree of one."""
+
+
+def is_tree(data: Mapping[str, Any]) -> bool:
+    """Tell whether what a scene file says is of a tree of bodies, or of one body that is derived as one."""
+    return data.get("model") == TREE or not OF_TREES.isdisjoint(data)
 
 
 def is_file(name: str) -> bool:
@@ -40,7 +50,7 @@ def single() -> list[str]:
     >>> "heavy-top" in single(), "double-pendulum" in single()
     (True, False)
     """
-    return [n for n in names() if _data(n).get("model") != TREE]
+    return [n for n in names() if not is_tree(_data(n))]
 
 
 def titles() -> dict[str, str]:

@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, PositiveFloat
 
 from eom.errors import InputError, unknown_name
 from eom.kinematics.coordinates import SEQUENCES
+from eom.kinematics.frames import tilde
 from eom.mass import inertia, solids
 from eom.scenes.naming import check_names
 
@@ -100,7 +101,8 @@ class Torque(Part):
     ``components``: along b1, b2, b3 (N m), numbers, or formulas over parameters, inputs, states, t and
     what the scene defines: I1, I2, I3 (or J11 to J33), a weight's m, g and r1, r2, r3 where they are not
     zero, the orbital rate n, a solid's mass and sizes.
-    ``weight``, ``gravity_gradient``: see their types; about different points, and never both.
+    ``weight``, ``gravity_gradient``: see their types; about different points, and never both. Beside a
+    weight, the scene's own ``gravity_gradient`` (3 x 3) is about the fixed point.
     """
 
     components: tuple[Formula, Formula, Formula] | None = None
@@ -203,6 +205,10 @@ class Description(Request):
     t = 0 (rad, rad/s), or of outputs that determine a missing state; numbers, or formulas over parameters
     and what the scene defines (see ``torque``). ``initial_attitude``: in place of the coordinates' values.
     ``body``, ``torque``: see their types. SI units.
+
+    What trees have (`eom.multibody.files.description.TreeDescription`), ``gravity``, ``gravity_gradient``,
+    ``loads``, ``rotors``, ``springs``, ``constraints``, ``points``, and one ``joint``, may stand beside it:
+    the scene is then a tree of one body (`eom.multibody.files.scene.of_one`).
     """
 
     model: Literal["rigid body", "spinner"] = "rigid body"
@@ -250,33 +256,26 @@ def inertia_values(scene: Description) -> tuple[Triple, Triple, Triple] | None:
 
     About the point that the equations are about: that of a solid under its weight is moved there.
     """
-    body = scene.body
-    if body.solid is None:
-        return body.matrix
-    central = solids.central_inertia(body.solid)
-    moved = _moved(scene)
-    if central.is_diagonal() and all(moved[i][j] == 0 for i, j in ((0, 1), (0, 2), (1, 2))):
-        return None
-    a, b, c, d, e, f, g, h, i = (
-        _number_of(entry, body) + more
-        for entry, more in zip(central, (m for row in moved for m in row), strict=True)
-    )
-    return (a, b, c), (d, e, f), (g, h, i)
+    if scene.body.solid is None:
+        return scene.body.matrix
+    J = _of_solid(scene)
+    rows: Any = tuple(tuple(map(float, row)) for row in J.tolist())
+    return None if J.is_diagonal() else rows
 
 
-def _moved(scene: Description) -> tuple[Triple, Triple, Triple]:
-    """Return what a solid's inertia has more about the fixed point than about its centre of mass.
+def _of_solid(scene: Description) -> Any:
+    """Return the inertia (kg m^2) of a solid about the point that the equations are about.
 
-    Huygens and Steiner's theorem: m (r.r 1 - r r^T); zero where there is no fixed point.
+    Moved to the fixed point of its weight by Huygens and Steiner's theorem: m (r.r 1 - r r^T).
     """
-    weight = scene.torque.weight
-    m = 0.0 if weight is None or scene.body.mass is None else scene.body.mass
-    x, y, z = (0.0, 0.0, 0.0) if weight is None else weight.centre_of_mass
-    return (
-        (m * (y * y + z * z), -m * x * y, -m * x * z),
-        (-m * x * y, m * (x * x + z * z), -m * y * z),
-        (-m * x * z, -m * y * z, m * (x * x + y * y)),
-    )
+    body, weight = scene.body, scene.torque.weight
+    numbers = {
+        sp.Symbol(n, positive=True): sp.Float(v)
+        for n, v in (*body.size.items(), ("mass", body.mass))
+    }
+    across = tilde(weight.centre_of_mass if weight else (0, 0, 0))
+    central = solids.central_inertia(str(body.solid)).xreplace(numbers)
+    return central + sp.Float(body.mass) * (across.T * across)
 
 
 def principal_values(scene: Description) -> tuple[float, float, float]:
@@ -293,10 +292,7 @@ def principal_values(scene: Description) -> tuple[float, float, float]:
             )
         first, second, *third = body.moments
         return (first, second, first) if spinner else (first, second, third[0])
-    a, b, c = (
-        _number_of(f, body) + _moved(scene)[k][k]
-        for k, f in enumerate(solids.principal_moments(str(body.solid)))
-    )
+    a, b, c = map(float, _of_solid(scene).diagonal())
     if not spinner:
         return a, b, c
     if a != b:
@@ -304,15 +300,6 @@ def principal_values(scene: Description) -> tuple[float, float, float]:
             "a spinner is symmetric about its axle", where="[body] solid", got=body.solid
         )
     return a, c, a
-
-
-def _number_of(formula: Any, body: Body) -> float:
-    """Put the mass and the sizes of a solid into one of its formulas."""
-    numbers = {
-        sp.Symbol(n, positive=True): sp.Float(v)
-        for n, v in (*body.size.items(), ("mass", body.mass))
-    }
-    return float(formula.xreplace(numbers))
 
 
 def _check_attitude(scene: Description) -> None:

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import add, mul, sub, truediv
 from typing import Any
 
 import sympy as sp
@@ -25,28 +26,9 @@ MAX_BITS = 512
 MAX_EXPONENT = 64
 MAX_GROWTH = 700  # exp(700) is close to the largest double
 
+_OF_ONE = "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log sqrt sign"
 FUNCTIONS: dict[str, tuple[int, Callable[..., Expr]]] = {
-    **{
-        name: (1, getattr(sp, name))
-        for name in (
-            "sin",
-            "cos",
-            "tan",
-            "asin",
-            "acos",
-            "atan",
-            "sinh",
-            "cosh",
-            "tanh",
-            "asinh",
-            "acosh",
-            "atanh",
-            "exp",
-            "log",
-            "sqrt",
-            "sign",
-        )
-    },
+    **{name: (1, getattr(sp, name)) for name in _OF_ONE.split()},
     "abs": (1, sp.Abs),
     "atan2": (2, sp.atan2),
     "min": (2, sp.Min),
@@ -60,6 +42,7 @@ _TOKEN = re.compile(
 )
 _INFINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 _BINARY: dict[str, int] = {"+": 10, "-": 10, "*": 20, "/": 20, "^": 40, "**": 40}
+_ARITHMETIC: dict[str, Callable[..., Expr]] = {"+": add, "-": sub, "*": mul, "/": truediv}
 _UNARY_POWER = 30
 
 
@@ -221,16 +204,8 @@ class _Parser:
         return self.checked(value, token)
 
     def combine(self, operator: Token, left: Expr, right: Expr) -> Expr:
-        if operator.text == "+":
-            value = left + right
-        elif operator.text == "-":
-            value = left - right
-        elif operator.text == "*":
-            value = left * right
-        elif operator.text == "/":
-            value = left / right
-        else:
-            value = self.raise_to(operator, left, right)
+        applied = _ARITHMETIC.get(operator.text)
+        value = applied(left, right) if applied else self.raise_to(operator, left, right)
         return self.checked(value, operator)
 
     def raise_to(self, operator: Token, base: Expr, exponent: Expr) -> Expr:

@@ -80,7 +80,7 @@ class BaseScene(Request):
         file = Path(path)
         data = data_of(file)
         with in_file(file):
-            if (data.get("model") == catalogue.TREE) != cls.is_tree:
+            if catalogue.is_tree(data) != cls.is_tree:
                 own, found = ("one body", "a tree of bodies")[:: -1 if cls.is_tree else 1]
                 raise InputError(
                     f"this scene is {found}, not {own}",

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import fields
 from functools import cache, reduce
 from operator import or_
@@ -31,7 +31,7 @@ from eom.multibody.model.constraints import (
     Rolling,
     SpeedEquation,
 )
-from eom.multibody.model.parts import ACTING, MOVING, Kind, kinds
+from eom.multibody.model.parts import ACTING, CENTRE, MOVING, ORIGIN, Kind, kinds
 from eom.multibody.recursion.quantities import Point as TreePoint
 from eom.scenes.description import Formula, InitialAttitude, Part, Request
 
@@ -41,18 +41,15 @@ _formulas = pydantic.TypeAdapter(Formulas)
 _each = pydantic.TypeAdapter(tuple[Formula, ...])
 
 
-def _axis(given: Any) -> Any:
-    """Return the name of an axis, or three components."""
-    if isinstance(given, str) and given not in NAMED_AXES:
-        raise ValueError(f"expected {', '.join(NAMED_AXES)} or three components")
-    return given if isinstance(given, str) else _formulas.validate_python(given)
+def _named_or(names: Collection[str]) -> pydantic.PlainValidator:
+    """Return what reads one of some names, or three components."""
 
+    def read(given: Any) -> Any:
+        if isinstance(given, str) and given not in names:
+            raise ValueError(f"expected {', '.join(names)} or three components")
+        return given if isinstance(given, str) else _formulas.validate_python(given)
 
-def _point(given: Any) -> Any:
-    """Return centre, origin, or three components."""
-    if isinstance(given, str) and given not in {"centre", "origin"}:
-        raise ValueError("expected centre, origin or three components")
-    return given if isinstance(given, str) else _formulas.validate_python(given)
+    return pydantic.PlainValidator(read)
 
 
 def _one_or_each(given: Any) -> Any:
@@ -61,7 +58,7 @@ def _one_or_each(given: Any) -> Any:
     return _each.validate_python(given) if listed else _formula.validate_python(given)
 
 
-Point = Annotated[Any, pydantic.PlainValidator(_point)]
+Point = Annotated[Any, _named_or((CENTRE, ORIGIN))]
 
 
 class Turned(Part):
@@ -99,7 +96,7 @@ class BodyPart(Part):
 _FORMS: Mapping[Any, Any] = {
     "number": Formula,
     "vector": Formulas,
-    "axis": Annotated[Any, pydantic.PlainValidator(_axis)],
+    "axis": Annotated[Any, _named_or(NAMED_AXES)],
     "each": Annotated[Any, pydantic.PlainValidator(_one_or_each)],
     "rotation": Turned | None,
     "ratios": dict[str, Formula],

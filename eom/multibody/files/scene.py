@@ -29,16 +29,17 @@ from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
 from eom.multibody.files.sections import JointAngles, Reading, angles_of, points_of, tree_of
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import Joint, Tree
+from eom.multibody.model.model import GROUND, Joint, Tree
 from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import OUTPUTS, derive
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
-from eom.scenes.description import check_end, check_initial_attitude
+from eom.scenes.description import Description, check_end, check_initial_attitude
 from eom.scenes.naming import check_used
 from eom.scenes.reduce import Explanation, Pass, Reduction, by_name, only, reductions
+from eom.scenes.scene import Scene
 from eom.scenes.scene_files import BaseScene
-from eom.scenes.start import in_coordinates, number
+from eom.scenes.start import in_coordinates, number, sizes
 from eom.system import System
 
 
@@ -46,9 +47,10 @@ class TreeScene(BaseScene, TreeDescription):
     """A checked description, with the tree, systems and numbers that follow from it.
 
     Fields: see `eom.multibody.files.description.TreeDescription`; ``repeat`` writes out repeated parts
-    first (`eom.multibody.files.scene`). ``notes``: what a file said that is not used, for `explain`. SI
-    units, angles in radians; frames are those of the ground, the bodies and the joints (`Joint`). Raises
-    `InputError` for anything that is misspelt, missing or impossible.
+    first (`eom.multibody.files.scene`), and ``body`` is a tree of one (`of_one`). ``notes``: what a file
+    said that is not used, for `explain`; ``spare``: parameters that no formula need use. SI units, angles
+    in radians; frames are those of the ground, the bodies and the joints (`Joint`). Raises `InputError` for
+    anything that is misspelt, missing or impossible.
 
     >>> rod = {"mass": "m", "centre": (0, 0, "-l/2"), "moments": ("m*l**2/12", "m*l**2/12", 0)}
     >>> hinge = {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x"}
@@ -59,13 +61,14 @@ class TreeScene(BaseScene, TreeDescription):
 
     is_tree = True
     notes: tuple[str, ...] = ()
+    spare: tuple[str, ...] = ()
 
     def __init__(self, /, **data: Any) -> None:
         super().__init__(**data)
 
     @classmethod
     def _written_out(cls, data: dict[str, Any]) -> dict[str, Any]:
-        return written_out(data)
+        return written_out(of_one(data))
 
     @pydantic.model_validator(mode="after")
     def _check(self) -> Self:
@@ -74,7 +77,8 @@ class TreeScene(BaseScene, TreeDescription):
         states, choice, angles = self._start, self._choice, self._angles
         read = self._reading
         hint = "use it in a formula of a body, joint, load or the like, or remove it"
-        check_used((q.name for q in (*read.parameters, *read.inputs)), read.used, hint)
+        names = (q.name for q in (*read.parameters, *read.inputs) if q.name not in self.spare)
+        check_used(names, read.used, hint)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
@@ -164,6 +168,100 @@ class TreeScene(BaseScene, TreeDescription):
     def attitudes(self) -> tuple[tuple[str, ...], ...]:
         """Names of the states that are one attitude together, and cannot vary alone."""
         return tuple(quaternions(self.tree))
+
+
+ONE = "body"
+"""The name of the body of a scene of one, and of its joint."""
+_UNSAID: dict[str, dict[str, Any]] = {
+    **{key: {"body": ONE} for key in ("rotors", "loads", "points")},
+    "springs": {"first": GROUND, "second": ONE},
+    "constraints": {},
+}
+"""What parts of a scene of one body need not say."""
+_READ = {"body", "torque", "attitude", "angles", "integrate", "parameters"}
+_TIDE = [["2*n^2", 0, 0], [0, "-n^2", 0], [0, 0, "-n^2"]]
+_FIELDS = {"weight": ("gravity", [0, 0, "-g"]), "gravity_gradient": ("gravity_gradient", _TIDE)}
+"""Gravity by what the torque of a scene of one body says; on a circular orbit n^2 (3 r r - 1)."""
+_TURNING = {"position": (0,), "rate": ("n",), "acceleration": (0,)}
+_ORBIT = {"kind": "revolute", "parent": GROUND, "child": "orbit", "motion": _TURNING}
+"""The joint of the orbit frame, a body without mass: axes of the ground are those along it at any time."""
+
+
+def of_one(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the data of a tree of one body for what `eom.scenes.description.Description` says of it.
+
+    Its numbers become parameters, by the names that they have there. ``joint``: from the ground, or from
+    the orbit frame; a spherical one about the point that the inertia is about, unless it says otherwise.
+    Data with ``bodies`` are returned as they are. Raises `InputError` as `Scene` does, and for what is
+    given twice.
+    """
+    if "body" not in data or "bodies" in data:
+        return data
+    said = Description(**{k: v for k, v in data.items() if k in _READ})
+    base = _by_laws(said)
+    torque, own = said.torque, _own(base, said)
+    field = dict(row for law, row in _FIELDS.items() if getattr(torque, law))
+    masses = {"mass"} if torque.weight and not said.body.solid else set()
+    for name in sorted({*field, *own, "joints"} & {*data, *said.parameters, *masses}):
+        raise InputError(f"{name} is given twice", where=f"{name}, and [body], [torque] or [joint]")
+    joint = {"kind": "spherical", "attitude": base.coordinates, "angles": base.sequence, "alone": True,
+             "parent": GROUND, "child": ONE}  # fmt: skip
+    frame = "orbit" if torque.gravity_gradient else GROUND
+    bodies, joints = {ONE: _body_of(own)}, _filled({ONE: data.get("joint", {})}, joint, frame)
+    if frame != GROUND:
+        bodies["orbit"], joints["orbit"] = {}, _ORBIT
+    told = {*_READ, "joint", *({"model"} if data.get("model") == "rigid body" else ())}
+    found = {k: v for k, v in data.items() if k not in told}
+    found |= {k: _filled(data.get(k, {}), unsaid, frame) for k, unsaid in _UNSAID.items()}
+    if torque.components and isinstance(found["loads"], Mapping):
+        couple = {"body": ONE, "torque": torque.components, "axes": "body"}
+        found["loads"] = {"[torque] components": couple, **found["loads"]}
+    if "initial_attitude" in data:
+        found["initial_attitude"] = {ONE: data["initial_attitude"]}
+    made = {"bodies": bodies, "joints": joints, "parameters": {**said.parameters, **own}}
+    return {**found, **field, **made, "spare": tuple(sizes(said))}
+
+
+def _by_laws(said: Description) -> Scene:
+    """Return the scene of the body under the torques that have laws, which is checked as such.
+
+    The mass of a body that is no solid is of no use to it.
+    """
+    torque = said.torque.model_copy(update={"components": None})
+    attitude = QUATERNION if said.attitude == "none" else said.attitude
+    body = said.body if said.body.solid else said.body.model_copy(update={"mass": None})
+    given = {"angles": said.angles, "integrate": said.integrate}
+    return Scene(body=body, attitude=attitude, torque=torque, **given)
+
+
+def _own(base: Scene, said: Description) -> dict[str, Any]:
+    """Return what the body and its torques define, as parameters."""
+    said_of = {q.name: {"unit": q.unit, "meaning": q.meaning} for q in base.full_system.parameters}
+    values = {**base.numbers, **sizes(said)}
+    return {n: {**said_of.get(n, {}), "value": float(v)} for n, v in values.items()}
+
+
+def _body_of(own: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the body of a tree over the names of ``own``; inertia about the body's origin."""
+    rows = [[f"J{min(i, j)}{max(i, j)}" for j in (1, 2, 3)] for i in (1, 2, 3)]
+    inertia = {"moments": ("I1", "I2", "I3")} if "I1" in own else {"matrix": rows}
+    mass = next((n for n in ("m", "mass") if n in own), 0)
+    centre = [n if n in own else 0 for n in ("r1", "r2", "r3")]
+    return {"mass": mass, "centre": centre, "about": "origin", **inertia}
+
+
+def _filled(given: Any, unsaid: Mapping[str, Any], frame: str) -> Any:
+    """Return the parts of a section with what they do not say; what is on the ground is on ``frame``."""
+    if not isinstance(given, Mapping):
+        return given
+    return {
+        n: _on(frame, {**unsaid, **p}) if isinstance(p, Mapping) else p for n, p in given.items()
+    }
+
+
+def _on(frame: str, part: Mapping[str, Any]) -> dict[str, Any]:
+    named = (k for k in ("first", "second", "body", "parent") if part.get(k) == GROUND)
+    return {**part, **dict.fromkeys(named, frame)}
 
 
 MOST = 200

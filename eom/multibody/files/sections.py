@@ -85,9 +85,8 @@ def turned(sequence: str, angles: Iterable[Any], where: str) -> tuple[tuple[Valu
 
 def rounded(expression: Any, where: str) -> Value:
     """Return a number that is no fraction as the nearest double, everything else as it is."""
-    if expression.is_number and not expression.is_Rational:
-        return value(float(expression), where)
-    return value(expression, where)
+    rounds = expression.is_number and not expression.is_Rational
+    return value(float(expression) if rounds else expression, where)
 
 
 RIGHT = 4
@@ -206,7 +205,8 @@ def _quantities(group: Mapping[str, Any]) -> tuple[Quantity, ...]:
 
 def _bare(name: str, part: JointPart) -> Joint:
     """Return a joint of the kind, for the names of its coordinates, speeds and motors."""
-    return Joint(name, part.kind, part.parent, part.child, attitude=part.attitude, motor=part.motor)
+    known = ("kind", "parent", "child", "attitude", "motor", "alone")
+    return Joint(name, **{key: getattr(part, key) for key in known})
 
 
 def _bare_rotor(name: str, part: RotorPart) -> Rotor:
@@ -341,10 +341,12 @@ def points_of(reading: Reading) -> tuple[Point, ...]:
 
 
 def _check_clash(reading: Reading) -> None:
-    """Refuse names of states and motors as names of parameters and inputs, and of joints as rotors."""
+    """Refuse names of states and motors as those of parameters and inputs, and what has two names alike."""
     for name in reading.scene.rotors:
         if name in reading.scene.joints:
             raise InputError("a joint has this name", where=f"rotor {name!r}", got=name)
+    for name in sorted({q.name for q in reading.inputs} & {*reading.scene.parameters}):
+        raise InputError("a parameter has this name", where="[inputs]", got=name)
     own = {q.name for q in reading.states}
     groups = (("[parameters]", {*own, *reading.motors}, reading.parameters),
               ("[inputs]", own, reading.inputs))  # fmt: skip

@@ -270,7 +270,6 @@ class _Reader:
         self.part = ""
         self.elements = 0
         self.left_out: Counter[str] = Counter()
-        self.children: list[set[str]] = []
 
     def where(self) -> str:
         return f"{self.part or '/'.join(self.path)}, line {self.parser.CurrentLineNumber}"

@@ -331,6 +331,11 @@ _SLIDE = Letter("q", "", "m", "displacement")
 _SPEED = Letter("u", "", "m/s", "rate of the displacement")
 
 
+ALONE = {f"e{k}": f"q{k}" for k in range(4)} | {f"w{k}": f"omega_{k}" for k in (1, 2, 3)}
+ALONE |= {"q1": "psi", "q2": "theta", "q3": "phi"}
+"""Names of attitude and angular velocity of a body by itself (`eom.kinematics`), by letter and suffix."""
+
+
 def _numbered(letter: Letter, *suffixes: str) -> tuple[Letter, ...]:
     return tuple(letter._replace(suffix=s) for s in suffixes)
 

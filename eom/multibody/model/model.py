@@ -20,7 +20,7 @@ from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
-from eom.multibody.model.joints import KINDS, QUATERNION
+from eom.multibody.model.joints import ALONE, KINDS, QUATERNION
 from eom.multibody.model.joints import Kind as JointKind
 from eom.multibody.model.parts import (
     ACTING,
@@ -74,8 +74,8 @@ class Body(Part):
         checks.body(self.mass, self.central_inertia, self.where)
 
     @property
-    def _point(self) -> tuple[Value, ...]:
-        """The point that the inertia is about, from the origin."""
+    def point(self) -> tuple[Value, ...]:
+        """The point (m) that the inertia is about, from the origin, in the body's axes, (3,)."""
         known = {CENTRE: self.centre, ORIGIN: ZERO}
         return tuple(known[self.about] if isinstance(self.about, str) else self.about)
 
@@ -85,7 +85,12 @@ class Body(Part):
 
         Shape (3, 3), as rows.
         """
-        return checks.central(self.inertia, self.axes, self.mass, self.centre, self._point)
+        return checks.central(self.inertia, self.axes, self.mass, self.centre, self.point)
+
+    @property
+    def turned_inertia(self) -> Matrix:
+        """The inertia (kg m^2) about the point that it is given about, in the body's axes, (3, 3)."""
+        return checks.central(self.inertia, self.axes, 0, self.centre, self.point)
 
     @property
     def values(self) -> Iterator[Value]:
@@ -165,7 +170,8 @@ class Joint(Part):
     its gear (kg m^2 or kg); ``force``, an applied force or torque (N or N m) on the child in the direction
     of the speed, its opposite on the parent; ``motor``: whether there is an input ``tau_<joint>`` (of
     several speeds ``tau_<joint>_<letter>``). One value serves all speeds. ``motion``: prescribed motion, in
-    place of coordinates.
+    place of coordinates. ``alone``: whether an attitude has the names of that of a body by itself, q0 to q3
+    or psi, theta, phi, and, on the ground, the angular velocity omega_1 to omega_3.
 
     Raises `InputError` for unknown kinds and attitudes, a zero axis, two axes along one line, springs where
     no coordinate is, and a motion that does not fit.
@@ -194,6 +200,7 @@ class Joint(Part):
     force: Annotated[Any, Kind("each", ACTING)] = 0
     motor: bool = False
     motion: Annotated[Any, Kind(Motion, optional=True)] = None
+    alone: bool = False
 
     def complete(self) -> None:
         """Give each speed its values, and raise `InputError` for what the kind of joint does not take."""
@@ -224,12 +231,12 @@ class Joint(Part):
     @cached_property
     def coordinates(self) -> tuple[Quantity, ...]:
         """The coordinates: symbols named by the joint, ``q_<joint>`` where there is one."""
-        return self._named(self.row.coordinates(self.attitude))
+        return self._named(self.row.coordinates(self.attitude), self.alone)
 
     @cached_property
     def speeds(self) -> tuple[Quantity, ...]:
         """The speeds: symbols named by the joint, ``u_<joint>`` where there is one."""
-        return self._named(self.row.speeds(self.attitude))
+        return self._named(self.row.speeds(self.attitude), self.alone and self.parent == GROUND)
 
     @cached_property
     def motors(self) -> tuple[Quantity, ...]:
@@ -247,15 +254,14 @@ class Joint(Part):
             for letter, suffix, unit, meaning in letters
         )
 
-    def _named(self, letters: Iterable[Any]) -> tuple[Quantity, ...]:
-        return tuple(
-            Quantity(
-                sp.Symbol(f"{letter}_{self.name}{'_' * bool(suffix)}{suffix}", real=True),
-                unit,
-                f"{meaning}, joint {self.name}",
-            )
-            for letter, suffix, unit, meaning in letters
-        )
+    def _named(self, letters: Iterable[Any], alone: bool) -> tuple[Quantity, ...]:
+        own = ALONE if alone and self.row.attitude else {}
+        found = []
+        for letter, suffix, unit, meaning in letters:
+            usual = f"{letter}_{self.name}{'_' * bool(suffix)}{suffix}"
+            symbol = sp.Symbol(own.get(letter + suffix, usual), real=True)
+            found.append(Quantity(symbol, unit, f"{meaning}, joint {self.name}"))
+        return tuple(found)
 
 
 def _each(given: Any, size: int, where: str) -> tuple[Value, ...]:
@@ -355,11 +361,9 @@ class Rotor(Part):
     @property
     def acceleration(self) -> Value:
         """The rate of a given speed (rad/s^2). Raises `InputError` where it is no real expression."""
-        return (
-            0
-            if values.is_number(self.speed)
-            else values.value(sp.diff(self.speed, TIME), f"rotor {self.name!r}: rate of the speed")
-        )
+        if values.is_number(self.speed):
+            return 0
+        return values.value(sp.diff(self.speed, TIME), f"{self.where}: rate of the speed")
 
 
 @typed_fields
@@ -523,10 +527,8 @@ def _check_tree(given: Tree) -> None:
     """Raise `InputError` for what is no tree, naming the body or joint."""
     where = f"tree {given.name!r}"
     checks.name(given.name, where)
-    _once("body", [b.name for b in given.bodies], where)
-    _once("joint", [j.name for j in given.joints], where)
-    _once("rotor", [r.name for r in given.rotors], where)
-    _once("spring", [s.name for s in given.springs], where)
+    for parts in (given.bodies, given.joints, given.rotors, given.springs, given.constraints):
+        _once(parts, where)
     known = {b.name for b in given.bodies}
     if GROUND in known:
         raise InputError(
@@ -541,7 +543,6 @@ def _check_tree(given: Tree) -> None:
             raise InputError("both ends are on one body", where=s.where, got=s.bodies[0])
     _single_parents(given, where)
     ordered(given)
-    _once("constraint", [c.name for c in given.constraints], where)
     for constraint in given.constraints:
         constraint.check(given)
     _massless(given)
@@ -561,10 +562,11 @@ def _held(given: Tree, known: set[str], where: str) -> Iterator[tuple[str, str, 
             yield "spring on unknown body", s.where, name, known | {GROUND}
 
 
-def _once(kind: str, names: Sequence[str], where: str) -> None:
-    repeated = sorted(n for n, count in Counter(names).items() if count > 1)
+def _once(parts: Sequence[Any], where: str) -> None:
+    repeated = sorted(n for n, count in Counter(p.name for p in parts).items() if count > 1)
     if repeated:
-        raise InputError(f"repeated name of a {kind}", where=where, got=", ".join(repeated))
+        what = f"repeated name of a {parts[0].noun}"
+        raise InputError(what, where=where, got=", ".join(repeated))
 
 
 def _single_parents(given: Tree, where: str) -> None:

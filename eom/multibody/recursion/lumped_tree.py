@@ -270,12 +270,15 @@ class _Growing:
     def _inertia(self, body: Body, seat: BodyPlacement) -> Inertia:
         m, C = self.lift(body.mass), seat.rotation
         x = seat.point(self.vector(body.centre))
-        turned = product(transposed(C), product(self.matrix(body.central_inertia), C))
-        square = dot(x, x)
+        about_origin = all(map(is_zero, (*seat.origin, *body.point)))
+        given = body.turned_inertia if about_origin else body.central_inertia
+        turned = product(transposed(C), product(self.matrix(given), C))
+        away = ZERO if about_origin else x
+        square = dot(away, away)
 
         def entry(i: int, j: int) -> Scalar:
             i, j = min(i, j), max(i, j)
-            return add(turned[i][j], mul(m, sub(square if i == j else 0, mul(x[i], x[j]))))
+            return add(turned[i][j], mul(m, sub(square if i == j else 0, mul(away[i], away[j]))))
 
         J = [[entry(i, j) for j in range(3)] for i in range(3)]
         return Inertia(J, skew(scaled(m, x)), [[m, 0, 0], [0, m, 0], [0, 0, m]])

@@ -464,6 +464,8 @@ def _caption(s: TreeAtStart) -> str:
         f"Forces and torques on {count} {'bodies' if count > 1 else 'body'} at the start, drawn as "
         "uniform solids of the same inertia."
     )
+    if any(not is_zero(x) for row in s.tree.gravity_gradient for x in row):
+        words += " Gravity varies with the position; its gradient acts, too."
     return words + (f" Bound by {held}." if held else "")
 
 
