@@ -21,11 +21,13 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +38,7 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.symbol_shape import Labels, Look, labels, seen
 from eom.checker.read.syntax import Group, Node, Product, Scripts
 from eom.errors import InputError, unknown_name
+from eom.worlds.worlds import ASSUMPTIONS, closure
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
@@ -108,7 +111,7 @@ PRESETS = (
 
 MAX_LEXICON = 1_000_000
 _TABLES = ("notation", "frames", "points", "marks", "symbols")
-_SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols")
+_SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols", "system", "assume")
 _YAML = re.compile(r"\A---[ ]*\n(.*?)^---[ ]*$", re.DOTALL | re.MULTILINE)
 _FRONT = re.compile(r"\A\ufeff?\+\+\+[ \t]*\r?\n(.*?)^\+\+\+[ \t]*\r?$", re.DOTALL | re.MULTILINE)
 
@@ -175,7 +178,9 @@ class _Reader:
                 self.errors.append(InputError("not a mark with a frame", where=where, got=frame))
         return replace(base, marks=marks, **changed)
 
-    def scopes(self, data: Mapping[str, Any], notation: Notation) -> list[Scope]:
+    def scopes(
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None
+    ) -> list[Scope]:
         """Return the parts of the note that have entries of their own."""
         given = data.get("scope", [])
         if not isinstance(given, list) or not all(isinstance(g, Mapping) for g in given):
@@ -183,9 +188,11 @@ class _Reader:
                 InputError("scopes are tables", where=self.where("scope"), expected="[[scope]]")
             )
             return []
-        return [self.scope(g, notation, f"scope {n}") for n, g in enumerate(given, 1)]
+        return [self.scope(g, notation, folder, f"scope {n}") for n, g in enumerate(given, 1)]
 
-    def scope(self, data: Mapping[str, Any], notation: Notation, place: str) -> Scope:
+    def scope(
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None, place: str
+    ) -> Scope:
         self.unknown(data, _SCOPE_KEYS, place)
         texts = [data.get(k, "") for k in ("heading", "after")]
         if not all(isinstance(t, str) for t in texts) or not any(texts):
@@ -198,28 +205,48 @@ class _Reader:
                 )
             )
             texts = ["", ""]
+        system, spelt = self.system(data, notation, folder, place)
         return Scope(
             texts[0],
             texts[1],
             tuple(self.entries(data, notation, place)),
             self.names(data, "frames", place),
             self.names(data, "points", place),
+            system,
+            spelt,
+            self.assumed(data, place),
         )
 
+    def assumed(self, data: Mapping[str, Any], *above: str) -> tuple[str, ...]:
+        """Return names of assumptions that can stand together; none of what is no such list."""
+        given, where = data.get("assume", []), self.where(*above, "assume")
+        if not (isinstance(given, list) and all(isinstance(g, str) for g in given)):
+            self.errors.append(InputError("not a list of assumptions", where=where, got=given))
+            return ()
+        unknown = [g for g in given if g not in ASSUMPTIONS]
+        if unknown:
+            self.errors.append(unknown_name("assumption", unknown[0], ASSUMPTIONS, where))
+            return ()
+        with self.kept():
+            closure(given)
+        return tuple(given)
+
     def system(
-        self, data: Mapping[str, Any], notation: Notation, folder: Path | None
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None, *above: str
     ) -> tuple[Model | None, tuple[tuple[Entry, ...], ...]]:
         """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
         if "system" not in data:
             return None, ()
         from eom.checker.mean.model import model_in  # most notes need no scenes
 
-        where = self.where("system")
+        where = self.where(*above, "system")
         try:
             model = model_in(data["system"], folder, where)
             return _entries_of(model, data["system"], notation, where)
         except InputError as error:
-            self.errors.append(error)
+            own = error.where.startswith(where)
+            place = error.where if own else ", ".join(p for p in (where, error.where) if p)
+            self.errors.append(_moved(error, place))
             return None, ()
 
     def unknown(self, data: Mapping[str, Any], known: Iterable[str], *above: str) -> None:
@@ -237,7 +264,7 @@ def lexicon_of(
     ``folder``: where the scene file of a note's system is looked for.
     """
     reader = _Reader(name)
-    reader.unknown(data, ("preset", "scope", "system", *_TABLES))
+    reader.unknown(data, ("preset", "scope", "system", "assume", *_TABLES))
     base = Lexicon()
     if "preset" in data:
         if data["preset"] in PRESETS:
@@ -254,8 +281,9 @@ def lexicon_of(
         {**base.frames, **reader.names(data, "frames")},
         {**base.points, **reader.names(data, "points")},
         (own, *spelt, *base.layers),
-        tuple(reader.scopes(data, notation)),
+        tuple(reader.scopes(data, notation, folder)),
         system,
+        reader.assumed(data),
     )
     return lexicon, tuple(reader.errors)
 
@@ -299,8 +327,54 @@ def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexi
     """Return the lexicon that a TOML text spells. Raises `InputError`: all that is wrong with it."""
     lexicon, errors = lexicon_of(_toml(text, name), name, folder)
     if errors:
-        raise _joined(errors)
+        raise _joined(tuple(_lined(e, text, name) for e in errors))
     return lexicon
+
+
+_HEADER = re.compile(r"\s*(\[{1,2})\s*([^\]]+?)\s*\]{1,2}\s*(?:#.*)?$")
+_ASSIGNED = re.compile(r"""\s*((?:[\w.-]|'[^']*'|"[^"]*")+)\s*=""")
+_PART = re.compile(r"""'([^']*)'|"([^"]*)"|([\w-]+)""")
+
+
+def _lined(error: InputError, text: str, name: str) -> InputError:
+    """Return an error of a TOML text with the number of the line where its entry stands."""
+    path = error.where.removeprefix(name).lstrip(", ").replace(", ", " > ").split(" > ")
+    wanted = [w for p in path for w in (p.split() if p.startswith("scope ") else [p])]
+    best, line = 0, 0
+    for number, keys in _keys(text):
+        same = sum(1 for _ in takewhile(lambda p: p[0] == p[1], zip(keys, wanted, strict=False)))
+        if same > best and same == min(len(keys), len(wanted)):
+            best, line = same, number
+    if not line:
+        return error
+    where = error.where.replace(name, f"{name}, line {line}", 1) if name else f"line {line}"
+    return _moved(error, where)
+
+
+def _moved(error: InputError, where: str) -> InputError:
+    """Return an error with another place."""
+    return InputError(
+        error.what, where=where, got=error.got, expected=error.expected, hint=error.hint
+    )
+
+
+def _keys(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the lines of a TOML text that begin an entry or a table, each with its keys from the top."""
+    table: list[str] = []
+    counts: Counter[str] = Counter()
+    for number, line in enumerate(text.splitlines(), 1):
+        header, assigned = _HEADER.match(line), _ASSIGNED.match(line)
+        if header is not None:
+            parts = _parts(header[2])
+            counts[parts[0]] += header[1] == "[["
+            table = [*parts[:1], *([str(n)] if (n := counts[parts[0]]) else []), *parts[1:]]
+            yield number, table
+        elif assigned is not None:
+            yield number, [*table, *_parts(assigned[1])]
+
+
+def _parts(dotted: str) -> list[str]:
+    return ["".join(m.groups(default="")) for m in _PART.finditer(dotted)]
 
 
 def _joined(errors: tuple[InputError, ...]) -> InputError:
@@ -373,7 +447,7 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     return None
 
 
-_KEYS = frozenset({"preset", "scope", "system", *_TABLES})
+_KEYS = frozenset({"preset", "scope", "system", "assume", *_TABLES})
 
 
 def lexicon_text(file: Path) -> str:
