@@ -82,9 +82,6 @@ LABELS = {
     "internal_force": ("i", "j"),
     "eigenvectors": ("B", "A"),
     "turn_angle": ("1", "313", "B", "I"),
-    "free_angle": ("a",),
-    "scalar": ("a",),
-    "vector": ("a",),
     "fixed_vector": ("a", "B"),
     "dyadic": ("D",),
 }
@@ -121,19 +118,22 @@ def entries() -> dict[str, tuple[str, str, str]]:
     from eom.checker.mean.lexicon import OWN
     from eom.checker.mean.lexicon_files import PRESETS
     from eom.terms.vocabulary import QUANTITIES, quantity
+    from eom.typeset.letters import ROLES
     from eom.typeset.notation import NOTATIONS
     from eom.typeset.writing import write
 
-    usual = {}
+    known = {}
     for preset in PRESETS:
         for latex, meaning in _preset(preset).items():
-            usual.setdefault(meaning.split()[0], (latex, meaning))
+            known.setdefault(meaning.split()[0], (latex, meaning))
     found = {}
     for name, row in QUANTITIES.items():
-        labels = LABELS.get(name, ("1",) * row.words.count("{"))
+        places = row.words.count("{")
+        usual = tuple("a" if r == "letter" else "1" for r in ROLES.get(name, ("",) * places))
+        labels = LABELS.get(name, usual)
         latex = write(quantity(name, *labels), NOTATIONS["arrow"], "latex")
         made = (latex.removeprefix(r"\left[ ").removesuffix(r" \right]"), " ".join((name, *labels)))
-        latex, meaning = usual.get(name, made)
+        latex, meaning = known.get(name, made)
         found[name] = (latex, row.words.format("(1)", "(2)", "(3)", "(4)"), meaning)
     return found | {
         n: (latex, words, meaning or n) for n in OWN for latex, words, meaning in [OWN_ENTRIES[n]]

@@ -86,7 +86,8 @@ _MAKERS = {
 
 SOLIDS = (
     "box", "rectangular plate", "triangular plate", "triangular prism", "tetrahedron", "pyramid",
-    "rod", "ring", "disc", "cylinder", "elliptical cylinder", "hollow cylinder", "cylindrical shell",
+    "rod", "ring", "disc", "annulus", "semicircular disc", "elliptical disc",
+    "cylinder", "elliptical cylinder", "hollow cylinder", "cylindrical shell",
     "cone", "frustum", "conical shell", "sphere", "hollow sphere", "spherical shell", "hemisphere",
     "hemispherical shell", "ellipsoid", "torus",
 )  # fmt: skip

@@ -166,6 +166,21 @@ SOLIDS: dict[str, Solid] = {
         Region(_around(_RADIUS * _S, _0), (_TURN, _OUT)),
         {"rim": (_RADIUS, _0, _0)},
     ),
+    "annulus": Solid(
+        ("inner_radius", "outer_radius"),
+        Region(_around(_S, _0), (_TURN, _BETWEEN)),
+        {"rim": (_OUTER, _0, _0)},
+        _HOLLOW,
+    ),
+    "semicircular disc": Solid(
+        ("radius",),
+        Region(_around(_RADIUS * _S, _0), ((_ANGLE, _0, sp.pi), _OUT)),
+        {"base": _CORNER},
+    ),
+    "elliptical disc": Solid(
+        ("a", "b"),
+        Region((_A * _S * sp.cos(_ANGLE), _B * _S * sp.sin(_ANGLE), _0), (_TURN, _OUT)),
+    ),
     "rectangular plate": Solid(
         ("a", "b"),
         Region((_A * _S, _B * _T, _0), ((_S, -_HALF, _HALF), (_T, -_HALF, _HALF))),
@@ -260,6 +275,18 @@ def central_inertia(name: str) -> Expr:
     c, factor = body.first_moment, MASS / body.mass
     central = (body.second_moments - c * c.T / body.mass) * factor
     return MassProperties(MASS, sp.zeros(3, 1), central).inertia
+
+
+@lru_cache
+def extent(name: str) -> Expr:
+    """Return the volume (m^3), area (m^2) or length (m) of a solid, surface or rod, over its sizes.
+
+    By integration, as of `eom.mass.regions.properties`. Raises `InputError` for an unknown solid.
+
+    >>> extent("cylinder")
+    pi*length*radius**2
+    """
+    return properties(_solid(name).region).mass
 
 
 def check_sizes(name: str, sizes: Mapping[str, float], where: str = "sizes") -> None:

@@ -189,6 +189,7 @@ QUANTITIES: dict[str, Quantity] = {
     "gravity_energy": Quantity(
         SCALAR, "potential energy of gravity, to second order in the body's size"
     ),
+    "gravity": Quantity(VECTOR, "acceleration of uniform gravity"),
     "scalar": Quantity(SCALAR, "any number {0}"),
     "coordinate": Quantity(SCALAR, "any coordinate {0}, which changes with time"),
     "vector": Quantity(VECTOR, "any vector {0}"),
@@ -203,6 +204,11 @@ QUANTITIES: dict[str, Quantity] = {
     "slug_inertia": Quantity(SCALAR, "moment of inertia of the spherical slug"),
     "slug_damping": Quantity(SCALAR, "viscous torque on the slug for each unit of relative rate"),
     "rotor_inertia": Quantity(SCALAR, "moment of inertia of rotor {0} about its axis"),
+    "rotor_torque": Quantity(
+        SCALAR,
+        "torque on rotor {0} about its axis, exerted by the body",
+        lambda k: dot(quantity("rotor_axis", k), der(quantity("rotor_momentum", k))),
+    ),
     "total_mass": Quantity(
         SCALAR,
         "mass of {0}",
@@ -227,6 +233,29 @@ QUANTITIES: dict[str, Quantity] = {
         VECTOR,
         "external torque on {0} about {1}",
         lambda w, o: over_parts(w, lambda i: cross(position(i, o), quantity("force", i))),
+    ),
+    "weight": Quantity(
+        VECTOR, "weight of {0}", lambda w: over_mass(w, lambda _: quantity("gravity"))
+    ),
+    "weight_torque": Quantity(
+        VECTOR,
+        "torque of the weight of {0} about {1}",
+        lambda w, o: over_mass(w, lambda i: cross(position(i, o), quantity("gravity"))),
+    ),
+    "weight_energy": Quantity(
+        SCALAR,
+        "potential energy of the weight of {0}, zero at {1}",
+        lambda w, o: -over_mass(w, lambda i: dot(quantity("gravity"), position(i, o))),
+    ),
+    "reaction": Quantity(
+        VECTOR,
+        "force on {0} besides its weight",
+        lambda w: add(quantity("external_force", w), -quantity("weight", w)),
+    ),
+    "reaction_torque": Quantity(
+        VECTOR,
+        "torque on {0} about {1} besides that of its weight",
+        lambda w, o: add(quantity("torque", w, o), -quantity("weight_torque", w, o)),
     ),
     "kinetic_energy": Quantity(
         SCALAR,

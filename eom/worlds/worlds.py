@@ -458,6 +458,12 @@ def _free_vector(world: World, name: str) -> Vector:
     return _random_vector(world.field, world.free("vector", name))
 
 
+def _gravity(world: World) -> Vector:
+    generator = world.free("gravity", "uniform")
+    x, y, z = (world.constant(world.field.draw(generator)) for _ in range(3))
+    return (x, y, z)
+
+
 def _fixed_vector(world: World, name: str, frame: str) -> Vector:
     generator = world.free("fixed", name)
     x, y, z = (world.constant(world.field.draw(generator)) for _ in range(3))
@@ -508,6 +514,7 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
     "coordinate": lambda w, name: _random_series(w.field, w.free("coordinate", name)),
     "vector": _free_vector,
+    "gravity": _gravity,
     "fixed_vector": _fixed_vector,
     "dyadic": lambda w, name: tuple(_free_vector(w, f"{name}{k}") for k in range(3)),
     "rotor_axis": lambda w, k: series.apply(w.rotation("I", "B"), w.rotor(k).axis),

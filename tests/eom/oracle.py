@@ -498,6 +498,10 @@ def _spin(s, members):
     return sum(m * cross(r, rate(r)) for m, r in zip(masses, arms, strict=True))
 
 
+def _gravity(s):
+    return still(Random(s.seed, "gravity").point())
+
+
 def _fixed(s, name, frame):
     return matrix_by_vector(turned(s.frames[frame].C), still(Random(s.seed, "fixed", name).point()))
 
@@ -529,6 +533,7 @@ ATOMS = {
     "rotor_inertia": lambda s, k: s.rotors[k][1],
     "rotor_speed": lambda s, k: s.rotors[k][2],
     "rotor_momentum": lambda s, k: _spin(s, s.rotors[k][3]),
+    "rotor_torque": lambda s, k: (s.rotors[k][0] * rate(_spin(s, s.rotors[k][3]))).sum(axis=0),
     "slug_inertia": lambda s: s.slug[0],
     "slug_damping": lambda s: s.slug[1],
     "slug_momentum": lambda s: _spin(s, s.slug[2]),
@@ -548,6 +553,22 @@ ATOMS = {
     ),
     "torque": lambda s, who, o: _over(
         s, who, lambda n: cross(s.places[n] - _place(s, o), s.forces[n])
+    ),
+    "gravity": _gravity,
+    "weight": lambda s, who: _over(s, who, lambda n: s.masses[n] * _gravity(s)),
+    "weight_torque": lambda s, who, o: _over(
+        s, who, lambda n: cross(s.places[n] - _place(s, o), s.masses[n] * _gravity(s))
+    ),
+    "weight_energy": lambda s, who, o: (
+        -_over(
+            s, who, lambda n: s.masses[n] * ((s.places[n] - _place(s, o)) * _gravity(s)).sum(axis=0)
+        )
+    ),
+    "reaction": lambda s, who: _over(s, who, lambda n: s.forces[n] - s.masses[n] * _gravity(s)),
+    "reaction_torque": lambda s, who, o: _over(
+        s,
+        who,
+        lambda n: cross(s.places[n] - _place(s, o), s.forces[n] - s.masses[n] * _gravity(s)),
     ),
     "kinetic_energy": lambda s, who: _energy(s, who, s.points["OI"]),
     "rotational_energy": lambda s, who, o: _energy(s, who, _place(s, o)),

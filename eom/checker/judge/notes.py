@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf
 
 from eom.checker.judge.judge import judge
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
-from eom.checker.judge.systems import covered
+from eom.checker.judge.systems import Solutions, agreeing, covered
 from eom.checker.mean.claims import Claim, Relation, claims, defined
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.parameters import limited, named, read
@@ -32,6 +33,7 @@ from eom.checker.mean.roles import (
     says,
     unnamed,
 )
+from eom.checker.mean.solid_words import Beside, beside, readings
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
 from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.read.documents import Document
@@ -41,6 +43,7 @@ from eom.checker.read.statements import Formula, Statement, read_piece, split
 from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import Node
 from eom.checker.read.tokens import tokenize
+from eom.errors import InputError
 from eom.limits import Overdue, deadline
 
 
@@ -101,6 +104,7 @@ def understand(
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
     letters, relations, named_here, new_names = _named(document), Known(), Named(), False
+    solids = beside(document.pieces)
     for number, (piece, role) in enumerate(
         zip(document.pieces, roles(document.pieces), strict=True)
     ):
@@ -118,13 +122,14 @@ def understand(
         known |= named_here.at(titles)
         scalars = Scalars(letters, relations.at(titles), new_names)
         context = _Context(here, known, before if display else (), scalars)
-        new = _timely(formula, previous if display else (), context, seconds)
+        general = _timely(formula, previous if display else (), context, seconds)
+        new = _of_solid(solids.get(number), general, previous if display else (), context, seconds)
         if display:
             previous, before = new.formula.statements, new.claims
         if new_names:
             named_here.add(titles, new.claims)
-        definitions |= _lasting(new.claims, here, new_names)
-        relations.add(titles, new.claims)
+        definitions |= _lasting(new.claims, new.lexicon, new_names)
+        relations.add(titles, general.claims)
         around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
     return _finished(found)
@@ -207,7 +212,7 @@ class _Context:
         a meaning.
         """
         new = self._general(statement, known, before)
-        if not _gaps(new) and not limited(statement):
+        if not _gaps(new) and (not limited(statement) or all(map(_of_system, new))):
             return new
         own = self.scalars
         brought = first(statement, self.lexicon) if own.defining else None
@@ -231,6 +236,46 @@ class _Context:
             return new
         other = claims(statement, self.lexicon.without_system(), known, before)
         return min((other, new), key=_gaps)
+
+
+def _of_system(claim: Claim) -> bool:
+    return claim.model is not None and covered(claim)
+
+
+def _decided(claim: Claim) -> bool:
+    """Return whether a claim is one that the solutions of its system decide."""
+    with suppress(InputError):
+        return _of_system(claim) and bool(Solutions(claim, claim.scalars).said)
+    return False
+
+
+def _of_solid(
+    said: Beside | None,
+    general: Understood,
+    previous: tuple[Statement, ...],
+    context: _Context,
+    seconds: float,
+) -> Understood:
+    """Return a formula about the solid that the words beside it name, by the reading that suits it best.
+
+    A formula that the words make nothing of, or whose lexicon names a system, stays as it is.
+    """
+    formula, best, most = general.formula, general, -1
+    if said is None or formula.reading is None or context.lexicon.system is not None:
+        return general
+    if not said.concerns(formula.reading.tree):
+        return general
+    for lexicon in readings(context.lexicon, said, formula.reading.tree):
+        new = _timely(formula, previous, replace(context, lexicon=lexicon), seconds)
+        about = [c for c in new.claims if _decided(c)]
+        if not about or _left(new) > _left(general):
+            break
+        count = sum(map(agreeing, about))
+        if count > most:
+            best, most = new, count
+        if all(agreeing(c) == len(c.members) - 1 for c in about):
+            break
+    return best
 
 
 def _gaps(found: Iterable[Claim]) -> int:

@@ -19,7 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from itertools import combinations, islice
+from itertools import combinations, islice, pairwise
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -33,7 +33,7 @@ from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.system import Expr, System
-from eom.terms.terms import SCALAR, Term, expr
+from eom.terms.terms import SCALAR, Term, add, expr, mul
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
@@ -86,8 +86,32 @@ def on_solutions(claim: Claim) -> bool:
 def covered(claim: Claim) -> bool:
     """Whether a claim is a relation between scalars of the system alone."""
     atoms = _atoms(claim)
-    scalars = all(m.term.kind == SCALAR for m in claim.members)
-    return bool(atoms) and all(map(of_system, atoms)) and scalars
+    return (
+        bool(atoms) and all(map(of_system, atoms)) and all(_listed(m.term) for m in claim.members)
+    )
+
+
+def _listed(term: Term) -> bool:
+    """Whether a term is a scalar, or its elements are known one by one."""
+    with suppress(InputError):
+        return bool(elements(term))
+    return False
+
+
+def elements(term: Term) -> tuple[Term, ...]:
+    """Return a scalar, or the elements of a column, matrix or table. Raises `InputError` for others."""
+    if term.kind == SCALAR:
+        return (term,)
+    if term.head in {"entries", "table"}:
+        return term.args
+    if term.head == "mul":
+        *factors, last = term.args
+        return tuple(mul(*factors, e) for e in elements(last))
+    if term.head == "add":
+        each = [elements(a) for a in term.args]
+        if len({len(e) for e in each}) == 1:
+            return tuple(add(*column) for column in zip(*each, strict=True))
+    raise InputError("this is no quantity of the system", got=term.head)
 
 
 # -- claims as expressions ----------------------------------------------------------------------------
@@ -101,8 +125,8 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     if term.head == "partial":
         return _partial(term, scalars, model)
     inside = tuple(written(a, scalars, model) for a in term.args)
-    if term.head == "integral" and model.point is not None:
-        return integrated(model.system.name, model.point, inside[0])
+    if term.head == "integral" and model.body is not None:
+        return integrated(model.body, inside[0])
     if term.head in _JOINED:
         return _JOINED[term.head](*inside)
     if term.head == "zero":
@@ -137,13 +161,17 @@ def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
     others = [r for r in claim.relations if r not in EQUALITIES]
     if others or claim.kind == SAME_POINT:
         raise InputError("only equations are judged on solutions", got=others[0] if others else "")
-    members = [written(m.term, claim.scalars, model) for m in claim.members]
-    if model.point is not None and any(m.free_symbols & set(COORDINATES) for m in members):
+    members = [[written(e, claim.scalars, model) for e in elements(m.term)] for m in claim.members]
+    if model.body is not None and any(
+        e.free_symbols & set(COORDINATES) for m in members for e in m
+    ):
         raise InputError("the place of an element outside of an integral")
     if claim.kind == CONSTANT:
-        return [(members[0], sp.Integer(0))]
-    start = int(claim.kind == DEFINITION)
-    return list(zip(members[start:], members[start + 1 :], strict=False))
+        return [(e, sp.Integer(0)) for e in members[0]]
+    links = list(pairwise(members))[int(claim.kind == DEFINITION) :]
+    if any(len(a) != len(b) for a, b in links):
+        raise InputError("tables of other sizes")
+    return [pair for a, b in links for pair in zip(a, b, strict=True)]
 
 
 # -- solutions ----------------------------------------------------------------------------------------
@@ -162,12 +190,12 @@ class OnSolution(Drawn):
         return (self.motion.series(a) - self.motion.series(b)).is_zero
 
     def values(self, term: Term) -> list[int] | None:
-        """Return the value of a scalar at t = 0."""
+        """Return the values of a scalar, or of all elements, at t = 0."""
         try:
-            found = self.motion.series(self.models.written(term))
+            found = [self.motion.series(self.models.written(e)) for e in elements(term)]
         except (InputError, Singular, KeyError):
             return None
-        return [int(found.coefficients[0])]
+        return [int(f.coefficients[0]) for f in found]
 
 
 @dataclass(frozen=True)
@@ -308,6 +336,17 @@ class Solutions(Models):
         except InputError:
             return True
         return bool(found.free_symbols - {q.symbol for q in self.model.system.parameters})
+
+
+def agreeing(claim: Claim) -> int:
+    """Return how many links of a chain hold at a random point; none of what has no value there."""
+    models = Solutions(claim, claim.scalars)
+    with suppress(InputError, Singular):
+        drawn = next(models.draw(frozenset()))
+        members = [m.term for m in claim.members]
+        values = [drawn.number(m) for m in members]
+        return sum(a == b and a is not None for a, b in pairwise(values))
+    return 0
 
 
 def _zero(motion: Motion, part: Expr) -> bool:

@@ -79,7 +79,7 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     error = understood.formula.error
     if error is not None:
         return Verdict(UNDECIDED, f"not read: {error}")
-    given = tuple(given)
+    given = (*given, *understood.lexicon.assume)
     judged = tuple(_judged(c, given, understood) for c in understood.claims)
     judged = _of_one_model(judged, given, understood)
     judged = _conditional(judged)
@@ -138,8 +138,14 @@ def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
 def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Judged:
     """Return the verdict on a claim: by its findings, else in worlds, else by its role.
 
-    What is left of a claim with a place that has no meaning may still be wrong.
+    What is left of a claim with a place that has no meaning may still be wrong. Of a chain that is
+    assumed the first link is; what goes on with it is worked out, and judged.
     """
+    worked = _worked(claim) if understood.role in {ASSUMPTION, LAW} else None
+    if worked is not None:
+        found = meant(judge(worked, given), worked, understood.lexicon, given)
+        if found.verdict in {HOLDS, UNDER, WRONG}:
+            return Judged(claim, found, found.verdict, found.reason)
     found = Judgement(claim.verdict) if claim.verdict in GRAVE else judge(claim, given)
     found = meant(found, claim, understood.lexicon, given)
     if claim.verdict and found.verdict != WRONG:
@@ -150,6 +156,22 @@ def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Jud
         return Judged(claim, found, UNDECIDED, "a number that is given; nothing here determines it")
     role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
     return Judged(claim, found, _played(role, claim, found), found.reason)
+
+
+def _worked(claim: Claim) -> Claim | None:
+    """Return the chain behind the first link where no member of it is a letter or a number alone."""
+    members = claim.members[1:]
+    if len(members) < 2 or claim.findings or claim.kind != STATEMENT:
+        return None
+    if not EQUALITIES.issuperset(claim.relations) or any(map(_lone, (m.term for m in members))):
+        return None
+    return replace(claim, members=members, relations=claim.relations[1:])
+
+
+def _lone(term: Term) -> bool:
+    """Tell whether a term is a quantity, a letter or a number by itself."""
+    atomic = term.head == "expr" and (term.data[0].is_Symbol or term.data[0].is_number)
+    return atomic or term.is_zero or term.head in {"atom", "der"}
 
 
 def _played(role: str, claim: Claim, found: Judgement) -> str:

@@ -141,8 +141,16 @@ def _steady(e: Elaborator, term: Term) -> bool:
     free = {s for s in e.expression(term).free_symbols if not isinstance(s, sp.Dummy)}
     meanings = [e.scalars[s] for s in free if s in e.scalars]
     atoms = [n for t in (term, *meanings) for n in nodes(t) if n.head != "expr"]
-    known = all(n.head in {"add", "mul"} or n.data[:1] in {(q,) for q in STEADY} for n in atoms)
+    known = all(n.head in {"add", "mul"} or _constant(e, n) for n in atoms)
     return known and len(meanings) == len(free)
+
+
+def _constant(e: Elaborator, atom: Term) -> bool:
+    """Tell whether a quantity is no function of place or time: of a system, whether it is a parameter."""
+    model = e.lexicon.system
+    if atom.data[:1] == ("system",) and model is not None:
+        return atom.data[1] in {q.name for q in model.system.parameters} or not model.system.states
+    return atom.data[:1] in {(q,) for q in STEADY}
 
 
 # -- rules -----------------------------------------------------------------------------------------

@@ -15,7 +15,10 @@ A TOML file beside the note, or front matter between lines of ``+++`` (there in 
     [system.symbols]              # 'A' = "I1"; what is spelt as the system prints it needs no entry
     [[scope]]                     # from here on, and within this part alone
     heading = "Rigid bodies"      # a heading of the note, or: after = "a phrase of the note"
-    [scope.symbols]
+    assume = ["rigid"]            # what this part takes for granted; at the top: the whole note
+    [scope.symbols]               # a scope may also have frames, points, and a system of its own
+    [scope.system]                # in the place of any other: a solid, a scene, a tree (below)
+    is = "cone"
 
 Slots of patterns: ``<F>``, ``<G>`` any frame, ``<P>``, ``<Q>`` any point, ``<i>``, ``<j>`` the index
 of a particle, ``<k>``, ``<l>`` an axis.
@@ -284,13 +287,20 @@ class Entry:
 
 @dataclass(frozen=True)
 class Scope:
-    """A part of the note, under a heading or after a phrase, with entries of its own."""
+    """A part of the note, under a heading or after a phrase, with entries of its own.
+
+    ``system``: what its scalar lines are about, in the place of the note's; ``spelt``: entries for its
+    quantities, in layers; ``assume``: names of assumptions that hold there.
+    """
 
     heading: str
     after: str
     entries: tuple[Entry, ...]
     frames: Mapping[Labels, str]
     points: Mapping[Labels, str]
+    system: Model | None = field(default=None, compare=False)
+    spelt: tuple[tuple[Entry, ...], ...] = ()
+    assume: tuple[str, ...] = ()
 
     def holds(self, headings: Iterable[str], passed: Container[str]) -> bool:
         """Return whether a place is in this part; ``passed``: phrases that stand before it."""
@@ -302,7 +312,8 @@ class Scope:
 class Lexicon:
     """Notation, frames and points by labels, entries in layers: what comes first goes first.
 
-    ``system``: what scalar lines are about, if the note says so.
+    ``system``: what scalar lines are about, if the note says so; ``assume``: names of assumptions that
+    hold.
     """
 
     notation: Notation = field(default_factory=Notation)
@@ -311,16 +322,27 @@ class Lexicon:
     layers: tuple[tuple[Entry, ...], ...] = ()
     scopes: tuple[Scope, ...] = ()
     system: Model | None = field(default=None, compare=False)
+    assume: tuple[str, ...] = ()
 
     def at(self, headings: Sequence[str] = (), passed: Container[str] = ()) -> Lexicon:
         """Return what holds under some headings, after some of the phrases that begin scopes."""
-        active = [s for s in self.scopes if s.holds(headings, passed)]
-        frames, points = dict(self.frames), dict(self.points)
-        for scope in active:
-            frames |= scope.frames
-            points |= scope.points
-        own = tuple(s.entries for s in reversed(active))
-        return replace(self, frames=frames, points=points, layers=own + self.layers, scopes=())
+        here = replace(self, scopes=())
+        for scope in self.scopes:
+            if scope.holds(headings, passed):
+                here = here.within(scope)
+        return here
+
+    def within(self, scope: Scope) -> Lexicon:
+        """Return the lexicon with what a part of the note adds; its system takes the place of another."""
+        other = self if scope.system is None else self.without_system()
+        return replace(
+            other,
+            frames={**self.frames, **scope.frames},
+            points={**self.points, **scope.points},
+            layers=(scope.entries, *scope.spelt, *other.layers),
+            system=scope.system or self.system,
+            assume=(*self.assume, *scope.assume),
+        )
 
     def without_system(self) -> Lexicon:
         """Return the lexicon in which no symbol is a quantity of the note's system."""

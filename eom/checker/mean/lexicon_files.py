@@ -37,6 +37,7 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.symbol_shape import Labels, Look, labels, seen
 from eom.checker.read.syntax import Group, Node, Product, Scripts
 from eom.errors import InputError, unknown_name
+from eom.worlds.worlds import ASSUMPTIONS, closure
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
@@ -109,7 +110,7 @@ PRESETS = (
 
 MAX_LEXICON = 1_000_000
 _TABLES = ("notation", "frames", "points", "marks", "symbols")
-_SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols")
+_SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols", "system", "assume")
 _YAML = re.compile(r"\A---[ ]*\n(.*?)^---[ ]*$", re.DOTALL | re.MULTILINE)
 _FRONT = re.compile(r"\A\ufeff?\+\+\+[ \t]*\r?\n(.*?)^\+\+\+[ \t]*\r?$", re.DOTALL | re.MULTILINE)
 
@@ -119,14 +120,10 @@ class _Reader:
     """Collects the errors of one file."""
 
     name: str
-    lines: Mapping[tuple[str, ...], int] = field(default_factory=dict)
     errors: list[InputError] = field(default_factory=list)
 
     def where(self, *keys: str) -> str:
-        """Return the place of an entry: file, line where that is known, keys."""
-        above = (self.lines.get(keys[:n], 0) for n in range(len(keys), 0, -1))
-        line = next((f"line {n}" for n in above if n), "")
-        return ", ".join(p for p in (self.name, line, " > ".join(keys)) if p)
+        return ", ".join(p for p in (self.name, " > ".join(keys)) if p)
 
     @contextmanager
     def kept(self) -> Iterator[None]:
@@ -180,7 +177,9 @@ class _Reader:
                 self.errors.append(InputError("not a mark with a frame", where=where, got=frame))
         return replace(base, marks=marks, **changed)
 
-    def scopes(self, data: Mapping[str, Any], notation: Notation) -> list[Scope]:
+    def scopes(
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None
+    ) -> list[Scope]:
         """Return the parts of the note that have entries of their own."""
         given = data.get("scope", [])
         if not isinstance(given, list) or not all(isinstance(g, Mapping) for g in given):
@@ -188,9 +187,11 @@ class _Reader:
                 InputError("scopes are tables", where=self.where("scope"), expected="[[scope]]")
             )
             return []
-        return [self.scope(g, notation, f"scope {n}") for n, g in enumerate(given, 1)]
+        return [self.scope(g, notation, folder, f"scope {n}") for n, g in enumerate(given, 1)]
 
-    def scope(self, data: Mapping[str, Any], notation: Notation, place: str) -> Scope:
+    def scope(
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None, place: str
+    ) -> Scope:
         self.unknown(data, _SCOPE_KEYS, place)
         texts = [data.get(k, "") for k in ("heading", "after")]
         if not all(isinstance(t, str) for t in texts) or not any(texts):
@@ -203,28 +204,48 @@ class _Reader:
                 )
             )
             texts = ["", ""]
+        system, spelt = self.system(data, notation, folder, place)
         return Scope(
             texts[0],
             texts[1],
             tuple(self.entries(data, notation, place)),
             self.names(data, "frames", place),
             self.names(data, "points", place),
+            system,
+            spelt,
+            self.assumed(data, place),
         )
 
+    def assumed(self, data: Mapping[str, Any], *above: str) -> tuple[str, ...]:
+        """Return names of assumptions that can stand together; none of what is no such list."""
+        given, where = data.get("assume", []), self.where(*above, "assume")
+        if not (isinstance(given, list) and all(isinstance(g, str) for g in given)):
+            self.errors.append(InputError("not a list of assumptions", where=where, got=given))
+            return ()
+        unknown = [g for g in given if g not in ASSUMPTIONS]
+        if unknown:
+            self.errors.append(unknown_name("assumption", unknown[0], ASSUMPTIONS, where))
+            return ()
+        with self.kept():
+            closure(given)
+        return tuple(given)
+
     def system(
-        self, data: Mapping[str, Any], notation: Notation, folder: Path | None
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None, *above: str
     ) -> tuple[Model | None, tuple[tuple[Entry, ...], ...]]:
         """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
         if "system" not in data:
             return None, ()
         from eom.checker.mean.model import model_in  # most notes need no scenes
 
-        where = self.where("system")
+        where = self.where(*above, "system")
         try:
             model = model_in(data["system"], folder, where)
             return _entries_of(model, data["system"], notation, where)
         except InputError as error:
-            self.errors.append(error)
+            own = error.where.startswith(where)
+            place = error.where if own else ", ".join(p for p in (where, error.where) if p)
+            self.errors.append(_moved(error, place))
             return None, ()
 
     def unknown(self, data: Mapping[str, Any], known: Iterable[str], *above: str) -> None:
@@ -268,15 +289,14 @@ def lines_of(text: str) -> Mapping[tuple[str, ...], int]:
 
 
 def lexicon_of(
-    data: Mapping[str, Any], name: str = "", folder: Path | None = None, text: str = ""
+    data: Mapping[str, Any], name: str = "", folder: Path | None = None
 ) -> tuple[Lexicon, tuple[InputError, ...]]:
     """Return the lexicon that a table holds, and one error for each entry that cannot be used.
 
-    ``folder``: where the scene file of a note's system is looked for; ``text``: that the table was read
-    from, so that errors can name its lines.
+    ``folder``: where the scene file of a note's system is looked for.
     """
-    reader = _Reader(name, lines_of(text) if text else {})
-    reader.unknown(data, ("preset", "scope", "system", *_TABLES))
+    reader = _Reader(name)
+    reader.unknown(data, ("preset", "scope", "system", "assume", *_TABLES))
     base = Lexicon()
     if "preset" in data:
         if data["preset"] in PRESETS:
@@ -293,8 +313,9 @@ def lexicon_of(
         {**base.frames, **reader.names(data, "frames")},
         {**base.points, **reader.names(data, "points")},
         (own, *spelt, *base.layers),
-        tuple(reader.scopes(data, notation)),
+        tuple(reader.scopes(data, notation, folder)),
         system,
+        reader.assumed(data),
     )
     return lexicon, tuple(reader.errors)
 
@@ -336,10 +357,37 @@ def about(
 
 def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexicon:
     """Return the lexicon that a TOML text spells. Raises `InputError`: all that is wrong with it."""
-    lexicon, errors = lexicon_of(_toml(text, name), name, folder, text)
+    return _usable(_toml(text, name), name, folder, text)
+
+
+def _usable(data: Mapping[str, Any], name: str, folder: Path | None, text: str) -> Lexicon:
+    """Return the lexicon that a table holds, which stands in a text. Raises `InputError` with its lines."""
+    lexicon, errors = lexicon_of(data, name, folder)
     if errors:
-        raise _joined(errors)
+        lines = lines_of(text)
+        raise _joined(tuple(_lined(e, lines, name) for e in errors))
     return lexicon
+
+
+def _lined(error: InputError, lines: Mapping[tuple[str, ...], int], name: str) -> InputError:
+    """Return an error with the number of the line where its entry stands."""
+    keys = tuple(error.where.removeprefix(name).lstrip(", ").replace(", ", " > ").split(" > "))
+    line = next((lines[keys[:n]] for n in range(len(keys), 0, -1) if keys[:n] in lines), 0)
+    if not line:
+        return error
+    where = (
+        error.where.replace(name, f"{name}, line {line}", 1)
+        if name
+        else f"line {line}, {error.where}"
+    )
+    return _moved(error, where)
+
+
+def _moved(error: InputError, where: str) -> InputError:
+    """Return an error with another place."""
+    return InputError(
+        error.what, where=where, got=error.got, expected=error.expected, hint=error.hint
+    )
 
 
 def _joined(errors: tuple[InputError, ...]) -> InputError:
@@ -400,10 +448,8 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     """
     data = front_matter(note)
     if data:
-        lexicon, errors = lexicon_of(data, "front matter", path.parent if path else None, note)
-        if errors:
-            raise _joined(errors)
-        return "front matter", lexicon
+        name = "front matter"
+        return name, _usable(data, name, path.parent if path else None, note)
     for file in _beside(path):
         text = lexicon_text(file) if file.is_file() else ""
         sure = file.name.endswith("lexicon.toml")
@@ -412,7 +458,7 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     return None
 
 
-_KEYS = frozenset({"preset", "scope", "system", *_TABLES})
+_KEYS = frozenset({"preset", "scope", "system", "assume", *_TABLES})
 
 
 def lexicon_text(file: Path) -> str:

@@ -17,11 +17,13 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eom.checker.mean.solid_models import SPELLINGS, solid_system
+from eom.checker.mean.own_systems import KEYS, described, is_described
+from eom.checker.mean.solid_models import SPELLINGS, body_about, solid_system
 from eom.errors import InputError, typed, unknown_name
 from eom.fields import Singular
 from eom.kinematics.coordinates import attitude as attitude_of
-from eom.mass.solids import CENTRE, SOLIDS, mass_properties
+from eom.mass.properties import MassProperties
+from eom.mass.solids import CENTRE, SOLIDS
 from eom.mechanics.dissipation import viscous_slug
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
@@ -70,7 +72,7 @@ class Model:
 
     ``values``: the scene's numbers of parameters and inputs. ``letters``: how a note writes
     quantities, by their names, where it writes them its own way. ``drawn``: solutions, kept for later.
-    ``point``: of a solid, from which its elements are measured.
+    ``body``: of a solid, about the point from which its elements are measured.
     """
 
     system: System
@@ -79,7 +81,7 @@ class Model:
     name: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, float] = field(default_factory=dict)
-    point: str | None = None
+    body: MassProperties | None = None
     drawn: dict[Any, Motion | Inconsistent | None] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -126,7 +128,7 @@ class Model:
         """Yield LaTeX and name: how each quantity is printed, then its usual spellings."""
         for name, q in self.quantities.items():
             yield printed(q), name
-        if self.point is not None:
+        if self.body is not None:
             yield from ((w, n) for n, ws in SPELLINGS.items() if n in self.quantities for w in ws)
         for name in self.quantities:
             for pattern, letters in LETTERS:
@@ -188,13 +190,14 @@ def _of_scene(scene: AnyScene) -> Model:
 def restrictions(system: System) -> Iterator[Restriction]:
     """Yield what may be assumed of a system: equal moments, zero torques or products, steady angles, rest.
 
-    Rest (a rate that is zero at all times) comes with ``rest`` set: it is never assumed unasked.
+    Rest (a rate that is zero at all times), and an imposed motion that is steady, come with ``rest`` set:
+    they are never assumed unasked.
     """
     inertia = [q for q in system.parameters if q.unit == "kg m^2"]
     moments = [q.symbol for q in inertia if _MOMENT.fullmatch(q.name)]
     for a, b in combinations(moments, 2):
         yield Restriction(f"{a.name} = {b.name}", equal=((a, b),))
-    for q in (*system.parameters, *system.inputs):
+    for q in (*system.parameters, *(q for q in system.inputs if not q.name.endswith("_ddot"))):
         if q.unit in ZERO_UNITS or (q.unit == "kg m^2" and _PRODUCT.fullmatch(q.name)):
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,))
     names = {q.name: q.symbol for q in system.states}
@@ -205,6 +208,10 @@ def restrictions(system: System) -> Iterator[Restriction]:
             yield Restriction(f"{angle} constant", zero=(q.symbol,), balanced=others)
         elif q.unit == "rad/s":
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,), rest=True)
+    for q in system.inputs:
+        if q.name.removesuffix("_ddot") in names:
+            steady = q.name.replace("_ddot", "_dot constant")
+            yield Restriction(steady, zero=(q.symbol,), rest=True)
 
 
 _OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
@@ -248,8 +255,7 @@ def load_model(
     if name in BUILTIN:
         return model_of(BUILTIN[name](attitude), assume)
     if name in SOLIDS:
-        mass_properties(name, point)
-        return Model(solid_system(name), name=name, point=point)
+        return Model(solid_system(name), name=name, body=body_about(name, point))
     raise unknown_name("system", name, [*catalogue.names(), *BUILTIN, *SOLIDS])
 
 
@@ -261,7 +267,8 @@ def _beside(name: str, folder: Path | None) -> Path:
     return file
 
 
-_KEYS: dict[str, type] = {"is": str, "attitude": str, "assume": list, "point": str, "symbols": dict}
+_OWN: dict[str, type] = {"assume": list, "symbols": dict}
+_KEYS: dict[str, type] = {"is": str, "attitude": str, "point": str, **_OWN}
 
 Row = tuple[str, Any, str]
 """LaTeX, meaning, and where it stands."""
@@ -270,11 +277,21 @@ Row = tuple[str, Any, str]
 def model_in(given: Any, folder: Path | None, where: str) -> Model:
     """Return the system that a text or table names. Raises `InputError` for what is neither."""
     table = _table(given, where)
-    if "is" not in table:
-        raise InputError("a system has no name", where=where, expected='is = "heavy-top"')
     assume = table.get("assume", [])
     if not all(isinstance(a, str) for a in assume):
         raise InputError("not a list of assumptions", where=where, got=assume)
+    if is_described(table) and "is" in table:
+        raise InputError(
+            "a system is given twice", where=where, got="is, and a description", expected="one"
+        )
+    if is_described(table):
+        return model_of(described({k: v for k, v in table.items() if k not in _OWN}, where), assume)
+    if "is" not in table:
+        raise InputError(
+            "a system has no name",
+            where=where,
+            expected='is = "heavy-top", or coordinates and bodies',
+        )
     point = table.get("point", CENTRE)
     return load_model(table["is"], folder, table.get("attitude", ""), assume, point)
 
@@ -285,9 +302,9 @@ def _table(given: Any, where: str) -> Mapping[str, Any]:
     if not isinstance(given, Mapping):
         raise InputError("not a system", where=where, got=given, expected="a name or a table")
     for key, value in given.items():
-        if key not in _KEYS:
-            raise unknown_name("key", str(key), _KEYS, where)
-        if not isinstance(value, _KEYS[key]):
+        if key not in _KEYS and key not in KEYS:
+            raise unknown_name("key", str(key), [*_KEYS, *sorted(KEYS)], where)
+        if key in _KEYS and not isinstance(value, _KEYS[key]):
             expected = _KEYS[key].__name__
             raise InputError("wrong type", where=f"{where} > {key}", got=value, expected=expected)
     return given

@@ -442,7 +442,17 @@ _CENTRE = (
     r"|mass cent(?:re|er)|barycent(?:re|er))"
 )
 
+_ROTOR = r"(?:the|a|each|its) (?:wheel|rotor|flywheel)"
+LOADS: tuple[tuple[str, str], ...] = (
+    (rf"torque (?:that )?(?:\w+ ){{1,4}}exerts? on {_ROTOR}", "rotor_torque k"),
+    (rf"torque (?:exerted )?(?:by \w+ \w+ )?on {_ROTOR}", "rotor_torque k"),
+    (r"acceleration (?:of|due to) (?:uniform )?gravity|gravitational acceleration", "gravity"),
+    (r"weight of (?:the )?body", "weight body"),
+)
+"""Words that say what a load is, so plainly that they add to any lexicon."""
+
 _QUANTITIES: tuple[tuple[str, str], ...] = (
+    *LOADS,
     (r"angular velocity", "angular_velocity B I"),
     (rf"from {_CENTRE} to", "position dm C"),
     (rf"relative to {_CENTRE}|with respect to {_CENTRE}", "position dm C"),
@@ -513,8 +523,8 @@ def _indexed(look: Look, meaning: str) -> tuple[str, str]:
 
 
 _SCALARS = frozenset(
-    "mass total_mass kinetic_energy rotational_energy angle turn_angle principal_angle free_angle "
-    "euler_parameter".split()
+    "rotor_torque mass total_mass kinetic_energy rotational_energy angle turn_angle principal_angle "
+    "free_angle euler_parameter".split()
 )
 _TABLES = frozenset({"inertia", "rotation"})
 
@@ -594,13 +604,29 @@ def meanings(
     if notation:
         return Meanings(preset(notation), f"preset {notation}")
     if lexicon:
-        return Meanings(
-            parse_lexicon(lexicon_text(Path(lexicon)), lexicon, Path(lexicon).parent), lexicon
-        )
+        parsed = parse_lexicon(lexicon_text(Path(lexicon)), lexicon, Path(lexicon).parent)
+        return _added(document, parsed, lexicon)
     found = lexicon_found(_front(document), path)
-    if found is not None:
-        return Meanings(found[1], found[0])
-    return _drafted(document)
+    return _drafted(document) if found is None else _added(document, found[1], found[0])
+
+
+def _added(document: Document, lexicon: Lexicon, origin: str) -> Meanings:
+    """Return the meanings of a lexicon with loads that only the note's words explain, as it says."""
+    plain = {meaning for _, meaning in LOADS}
+    drafts: dict[Look, Draft] = {}
+    scoped = [e.look for s in lexicon.scopes for e in s.entries]
+    for given, said, line in _sayings(read(document)):
+        look = lexicon.notation.plain(given)
+        draft = _draft(look, said, line)
+        known = lexicon.find(look) is not None or look in scoped
+        if draft is not None and draft.meaning in plain and not known:
+            drafts.setdefault(look, draft)
+    if not drafts:
+        return Meanings(lexicon, origin)
+    more, _ = lexicon_of({"symbols": {d.latex: d.meaning for d in drafts.values()}}, DRAFT)
+    words = ", ".join(f"{d.latex} is {d.meaning} (line {d.line})" for d in drafts.values())
+    whole = replace(lexicon, layers=(*lexicon.layers, *more.layers))
+    return Meanings(whole, f"{origin}, and the note's words: {words}")
 
 
 def _front(document: Document) -> str:

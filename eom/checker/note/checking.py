@@ -136,7 +136,8 @@ def _explained(found: Found, settings: Settings) -> Found:
         return found
     try:
         with deadline(settings.seconds, "what is said of this formula"):
-            explanation = explain(found.understood, judged, settings.given, found.stated)
+            given = (*settings.given, *found.understood.lexicon.assume)
+            explanation = explain(found.understood, judged, given, found.stated)
     except (Overdue, RecursionError):
         return found
     return replace(found, finding=replace(reported, explanation=explanation))

@@ -86,7 +86,10 @@ def review(
     ]
     worldly = [replace(u, claims=()) if _is_apart(u) else u for u in understood]
     context, loose = assumed(document, worldly, alone), approximate(document.pieces)
-    placed = [_Placed(k, context, loose, given).verdict(v) for k, v in enumerate(alone)]
+    placed = [
+        _Placed(k, context, loose, (*given, *u.lexicon.assume)).verdict(v)
+        for k, (u, v) in enumerate(zip(understood, alone, strict=True))
+    ]
     settled = [v for v, _ in placed]
     lines = [u.formula.piece.line for u in understood]
     about = remarks(settled, lines, context, given)
