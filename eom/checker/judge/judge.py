@@ -37,6 +37,7 @@ class Judgement:
     ``verdict``: "holds", "holds under", "wrong", "definition", "undecided".
     ``sets`` are without what others need; ``complete``: whether there can be no other sets;
     ``refuted``: assumptions and seed of a model where the claim is false, none if it holds in all.
+    ``special``: of a claim that is wrong in general, the special case in which it holds, in words.
     """
 
     verdict: str
@@ -45,6 +46,7 @@ class Judgement:
     refuted: tuple[tuple[str, ...], int] | None = None
     complete: bool = True
     reason: str = ""
+    special: str = ""
 
 
 def models_of(
@@ -121,8 +123,8 @@ def _beyond(search: Search) -> Judgement:
     names = claim.kind == SAME_POINT or (not sets and models.names_scalars)
     verdict = DEFINITION if names else UNDER if sets else WRONG
     complete = search.tests < MAX_TESTS and not search.stopped
-    why = models.why(search) if verdict == WRONG else ""
-    return Judgement(verdict, sets, context, refuted, complete, why)
+    why, case = (models.why(search), models.case()) if verdict == WRONG else ("", "")
+    return Judgement(verdict, sets, context, refuted, complete, why, case)
 
 
 def _between_scalars(claim: Claim) -> Judgement:
