@@ -46,7 +46,7 @@ def _assumptions() -> Rows:
     from eom.worlds.worlds import ASSUMPTIONS
 
     return [
-        (f"`{name}`", row.meaning, ", ".join(f"`{n}`" for n in row.needs))
+        (f"`{name}`", row.meaning, row.kind, ", ".join(f"`{n}`" for n in row.needs))
         for name, row in ASSUMPTIONS.items()
     ]
 
@@ -184,7 +184,7 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     ),
     "choices": (("choice", "value", "meaning"), _choices),
     "methods": (("method", "what it is", "projects", "finds events"), _methods),
-    "assumptions": (("assumption", "meaning", "needs"), _assumptions),
+    "assumptions": (("assumption", "meaning", "kind", "needs"), _assumptions),
     "scenes": (("scene", "title"), _scenes),
     "targets": (("target", "files"), _targets),
     "presets": (("preset", "title"), _presets),

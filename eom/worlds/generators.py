@@ -16,7 +16,17 @@ from typing import Any
 from eom.exact import series
 from eom.exact.series import LENGTH, Matrix, Series, Vector
 from eom.fields import PRIME, Field, Singular, solve
-from eom.worlds.shapes import Draw, Point, Weighted, along, any_body, central, mirrored, shape
+from eom.worlds.shapes import (
+    SYMMETRIES,
+    Draw,
+    Point,
+    Weighted,
+    along,
+    any_body,
+    central,
+    mirrored,
+    shape,
+)
 from eom.worlds.turning import (
     Angle,
     Build,
@@ -61,7 +71,7 @@ def _frames(
 ) -> tuple[Turns, dict[tuple[str, str], Turned]]:
     """Return the frames A and B; by a sequence, B is turned from I, and from A, by other angles."""
     build = _build_of(assumed)
-    B = B or any_turn(draw, build)
+    B = B or (axial_turn(draw, assumed) if "fixed_axis" in assumed else any_turn(draw, build))
     if build is about_axis:
         return {"A": any_turn(draw), "B": B}, {}
     from_A = any_turn(draw, build)
@@ -84,7 +94,7 @@ def _settled(
     draw: Draw, assumed: frozenset[str], masses: Sequence[Series], places: Sequence[Vector]
 ) -> tuple[tuple[Vector, ...], dict[str, Vector]]:
     """Return places and reference points; all is moved where the centre of mass has to rest."""
-    reference, rest = draw.vector(), draw.fixed(draw.point())
+    reference, rest = _reference(draw, assumed), draw.fixed(draw.point())
     if "O_fixed_in_space" in assumed:
         reference = draw.fixed((0, 0, 0)) if "O_at_origin" in assumed else rest
     centre = series.centre(masses, places)
@@ -124,10 +134,12 @@ def _placed(
     """Let one point of the body move along a path, and carry the others with it."""
     centre = body.centre(draw.field)
     about_centre = "about_centre" in assumed
-    pivot = centre if about_centre else draw.point()
+    pivot = centre if about_centre else _pivot(draw, assumed, centre)
     body_fixed = about_centre or "O_fixed_in_body" in assumed
     still = draw.fixed((0, 0, 0)) if "O_at_origin" in assumed else draw.fixed(draw.point())
     anchor, path = draw.point(), draw.vector()
+    if body_fixed and "O_uniform" in assumed:
+        anchor, path = pivot, _reference(draw, assumed)
     if "C_at_rest" in assumed:
         anchor, path = centre, draw.fixed(draw.point())
     if body_fixed and "O_fixed_in_space" in assumed:
@@ -136,7 +148,7 @@ def _placed(
     def carried(point: Point) -> Vector:
         return series.add(path, body.carried(draw, along(draw.field, point, anchor, -1)))
 
-    reference = draw.vector()
+    reference = _reference(draw, assumed)
     if "O_fixed_in_space" in assumed:
         reference = still
     if body_fixed:
@@ -149,15 +161,38 @@ def _placed(
     return Stage(masses, tuple(carried(p) for _, p in body.points), frames, angles, points)
 
 
+def _reference(draw: Draw, assumed: frozenset[str]) -> Vector:
+    """Return the path of a reference point that moves at will, or uniformly."""
+    x, y, z = draw.vector()
+    return (_even(x), _even(y), _even(z)) if "O_uniform" in assumed else (x, y, z)
+
+
+def _pivot(draw: Draw, assumed: frozenset[str], centre: Point) -> Point:
+    """Return the place of O in the body: for principal axes on one of those through the centre of mass.
+
+    A body that has them at O alone has them at the origin of its places.
+    """
+    x, y, z = draw.point()
+    if "principal_at_O" in assumed:
+        axes = [k for name, k in SYMMETRIES.items() if name in assumed]
+        axis = axes[0] if axes else draw.generator.randrange(3)
+        along_axis: Point = (x * (axis == 0), x * (axis == 1), x * (axis == 2))
+        central = bool(axes) or "principal_axes" in assumed
+        x, y, z = along(draw.field, centre, along_axis, 1) if central else (0, 0, 0)
+    return (x, y, centre[2] if "plane_body" in assumed else z)
+
+
 def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
     """A carrier that is fixed in B, and rotors of four or eight masses each."""
     frames, relative = _frames(draw, assumed)
     B = frames["B"].matrix
     weighted = [(m, draw.fixed(p)) for m, p in any_body(draw)]
     rotors = []
-    for _ in range(draw.generator.randint(1, 3)):
+    for _ in range(1 if "one_rotor" in assumed else draw.generator.randint(1, 3)):
         base, centre = draw.fixed_rotation(), draw.fixed(draw.point())
         angle = draw.series()
+        if "steady_rotors" in assumed:
+            angle = _even(angle)
         cosine, sine = draw.field.circle(draw.number())
         turn = elementary(2, *series.sine_cosine(angle, sine, cosine))
         to_B = series.transpose(series.product(turn, base))
@@ -371,6 +406,18 @@ def _with(s: Series, place: int, value: Any) -> Series:
 def any_turn(draw: Draw, build: Build = about_axis) -> Turned:
     """Return a rotation from three random angles."""
     return build([angle(draw.series(), draw.number()) for _ in range(3)])
+
+
+def axial_turn(draw: Draw, assumed: frozenset[str]) -> Turned:
+    """Return a rotation about an axis that is constant, at a constant rate where that is assumed."""
+    first, second = (angle(draw.fixed(draw.point())[0], draw.number()) for _ in range(2))
+    by = _even(draw.series()) if "steady_turn" in assumed else draw.series()
+    return about_axis([first, second, angle(by, draw.number())])
+
+
+def _even(value: Series) -> Series:
+    """Return what grows at a constant rate, from the same start."""
+    return Series(value.field, (*value.coefficients[:2], *(0,) * (LENGTH - 2)))
 
 
 def fixed_turn(draw: Draw) -> Turned:

@@ -98,15 +98,15 @@ def mirrored(field: Field, bodies: Sequence[Weighted]) -> list[Weighted]:
     return [*bodies, *x]
 
 
-def _principal(draw: Draw) -> list[Weighted]:
-    """Return a body without any symmetry whose principal axes are those of its coordinates.
+def _principal(draw: Draw, central: bool = True) -> list[Weighted]:
+    """Return a body without any symmetry whose principal axes at the origin are those of its coordinates.
 
-    The columns of its coordinates, weighted by mass, are made orthogonal to that of ones and to each
-    other (Gram and Schmidt, without roots).
+    The columns of its coordinates, weighted by mass, are made orthogonal to each other and, where the
+    centre of mass is to be the origin, to that of ones (Gram and Schmidt, without roots).
     """
     field = draw.field
     masses = [draw.mass() for _ in range(6)]
-    columns: list[list[Any]] = [[1] * len(masses)]
+    columns: list[list[Any]] = [[1] * len(masses)] if central else []
     for _ in range(3):
         column = [draw.number() for _ in masses]
         for other in columns:
@@ -115,7 +115,7 @@ def _principal(draw: Draw) -> list[Weighted]:
             factor = above * field.inverse(below)
             column = [field.reduce(a - factor * b) for a, b in zip(column, other, strict=True)]
         columns.append(column)
-    return [(m, p) for m, p in zip(masses, zip(*columns[1:], strict=True), strict=True)]
+    return [(m, p) for m, p in zip(masses, zip(*columns[-3:], strict=True), strict=True)]
 
 
 def _axis_pairs(draw: Draw) -> list[Weighted]:
@@ -162,14 +162,24 @@ def central(draw: Draw) -> list[Weighted]:
     return _moved(draw.field, bodies, (-x, -y, -z))
 
 
+SYMMETRIES = {"spin_312": 1, "symmetric": 2, "symmetric_1": 0, "symmetric_2": 1}
+"""Assumptions by which two principal moments are equal, and the axis of symmetry, from 0."""
+
+
 def shape(draw: Draw, assumed: frozenset[str]) -> list[Weighted]:
     """Return a body for the assumptions on its inertia, its centre of mass anywhere."""
-    if "spin_312" in assumed:
-        body = draw.choose(lambda d: _equal_moments(d, 1), lambda d: _quarter_turns(d, 1))
-    elif "symmetric" in assumed:
-        body = draw.choose(lambda d: _equal_moments(d, 2), lambda d: _quarter_turns(d, 2))
-    elif "principal_axes" in assumed:
+    axis = next((k for name, k in SYMMETRIES.items() if name in assumed), None)
+    if axis is not None:
+        body = draw.choose(lambda d: _equal_moments(d, axis), lambda d: _quarter_turns(d, axis))
+    elif "principal_axes" in assumed or {"principal_at_O", "about_centre"} <= assumed:
         body = draw.choose(_principal, _axis_pairs)
+    elif "principal_at_O" in assumed:
+        return _flat(_principal(draw, central=False), assumed)
     else:
-        return _thin_rod(draw) if "thin_rod" in assumed else any_body(draw)
-    return _moved(draw.field, body, draw.point())
+        return _thin_rod(draw) if "thin_rod" in assumed else _flat(any_body(draw), assumed)
+    return _moved(draw.field, _flat(body, assumed), draw.point())
+
+
+def _flat(bodies: list[Weighted], assumed: frozenset[str]) -> list[Weighted]:
+    """Return a body, or what remains of a plane one in its plane."""
+    return [(m, (p[0], p[1], 0)) for m, p in bodies] if "plane_body" in assumed else bodies

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -33,7 +34,7 @@ from eom.exact.rings import (
     summands,
 )
 from eom.exact.series import Series
-from eom.fields import PRIME, RESIDUES, solve
+from eom.fields import PRIME, RESIDUES, Singular, solve
 from eom.rotations import cosines, quaternion_product
 from eom.system import Expr, System
 
@@ -90,14 +91,14 @@ class Restriction:
     """What is assumed of parameters and solutions: ``name``, symbols made equal or zero.
 
     ``equal``: pairs of parameters, the second takes the value of the first; ``zero``: parameters,
-    inputs and states that are zero at all times; ``balanced``: parameters of which one takes the value
-    that keeps the states of ``zero`` at zero; ``rest``: whether states are zero that few motions keep so.
+    inputs and states that are zero at all times; ``held``: what is constant at all times, by the speeds,
+    loads and parameters that it takes; ``rest``: whether states are zero that few motions keep so.
     """
 
     name: str
     equal: tuple[tuple[Expr, Expr], ...] = ()
     zero: tuple[Expr, ...] = ()
-    balanced: tuple[Expr, ...] = ()
+    held: tuple[Expr, ...] = ()
     rest: bool = False
 
 
@@ -110,6 +111,7 @@ class Motion(Evaluation):
     seed: int
     restrictions: tuple[Restriction, ...] = ()
     given: dict[Expr, Series] = field(default_factory=dict)
+    start: dict[Expr, int] = field(default_factory=dict)
     memo: dict[Expr, Series] = field(default_factory=dict)
     tangents: dict[Expr, int] = field(default_factory=dict)
     values: dict[Expr, int] = field(default_factory=dict)
@@ -120,6 +122,8 @@ class Motion(Evaluation):
         self.ring = series.Ring(RESIDUES, self.length)
         _draw(self)
         _solve(self)
+        _hold(self)
+        _keeps(self)
 
     def series(self, expression: Expr) -> Series:
         """Return the series of an expression over the system's quantities, `rate` among them.
@@ -221,9 +225,7 @@ def _draw(m: Motion) -> None:
                 start[symbol] = 0
             else:
                 m.given[symbol] = m.constant(0)
-    m.given |= {symbol: Series(RESIDUES, (value,)) for symbol, value in start.items()}
-    if any(r.balanced for r in m.restrictions):
-        _balance(m)
+    m.start = start
 
 
 def _on_constraint(m: Motion, vanish: Iterable[Expr], states: set[Expr]) -> dict[Expr, int]:
@@ -242,39 +244,75 @@ def _on_constraint(m: Motion, vanish: Iterable[Expr], states: set[Expr]) -> dict
     return dict(zip(ordered, RESIDUES.scaled(values, scale), strict=True))
 
 
-def _balance(m: Motion) -> None:
-    """Give a parameter the value that keeps states at zero, where their rates are linear in it."""
-    states = [q.symbol for q in m.system.states]
-    held = [(r, s) for r in m.restrictions if r.balanced for s in r.zero if s in states]
-    for r, symbol in held:
-        expression = m.system.expand(m.system.rates[states.index(symbol)])
-        if not any(_balanced(m, expression, p) for p in r.balanced):
-            raise Inconsistent
+def _hold(m: Motion) -> None:
+    """Give speeds, loads and parameters values by which what is held is constant, order by order."""
+    held = [e for r in m.restrictions for e in r.held]
+    free = list(_slots(m)) if held else []
+    m.generator.shuffle(free)  # others with each seed: there may be several such motions
+    for e in held:
+        for n in range(1, m.length):
+            if m.series(e).coefficients[n]:
+                slot = next((s for s in free if _balanced(m, e, n, *s)), None)
+                if slot is None:
+                    raise Inconsistent
+                free.remove(slot)
 
 
-def _balanced(m: Motion, expression: Expr, parameter: Expr) -> bool:
-    if parameter not in expression.free_symbols:
-        return False
+def _slots(m: Motion) -> Iterator[tuple[Expr, int]]:
+    """Yield what may be chosen: states at the start, coefficients of inputs, parameters but inertia."""
+    zero = {s for r in m.restrictions for s in r.zero}
+    fixed = {*zero, *(s for r in m.restrictions for s in r.held)}
+    fixed |= {s for r in m.restrictions for pair in r.equal for s in pair}
+    fixed |= {s for a in m.system.assumptions for e in a.vanish for s in e.free_symbols}
+    yield from ((q.symbol, 0) for q in m.system.states if q.symbol not in fixed)
+    inputs = [q.symbol for q in m.system.inputs if q.symbol not in fixed]
+    yield from ((s, n) for n in range(m.length) for s in inputs)
+    others = (q for q in m.system.parameters if q.unit != "kg m^2" and q.symbol not in fixed)
+    yield from ((q.symbol, 0) for q in others)
+
+
+def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int) -> bool:
+    """Choose a number on which a coefficient depends linearly so that it and those before are zero."""
+    old = m.start.get(symbol, m.given[symbol])
 
     def at(value: int) -> int:
-        m.memo.clear()
-        m.given[parameter] = m.constant(value)
-        return int(m.series(expression).coefficients[0])
+        if isinstance(old, Series):
+            c = old.coefficients
+            m.given[symbol] = Series(RESIDUES, (*c[:place], value, *c[place + 1 :]))
+        else:
+            m.start[symbol] = value
+        _solve(m)
+        return int(m.series(e).coefficients[n])
 
-    old = m.given[parameter]
-    nought, one, two = at(0), at(1), at(2)
-    slope = (one - nought) % PRIME
-    if slope and (two - one - slope) % PRIME == 0:
-        return at(-nought * RESIDUES.inverse(slope) % PRIME) == 0
-    m.memo.clear()
-    m.given[parameter] = old
+    with suppress(Singular):
+        nought, one, two = at(0), at(1), at(2)
+        slope = (one - nought) % PRIME
+        if slope and (two - one - slope) % PRIME == 0:
+            left = at(-nought * RESIDUES.inverse(slope) % PRIME)
+            if not left and not any(m.series(e).coefficients[1:n]):
+                return True
+    if isinstance(old, Series):
+        m.given[symbol] = old
+    else:
+        m.start[symbol] = old
+    _solve(m)
     return False
+
+
+def _keeps(m: Motion) -> None:
+    """Raise `Inconsistent` where the motion does not keep what is assumed of it."""
+    zero = {s for r in m.restrictions for s in r.zero}
+    held = [e for r in m.restrictions for e in r.held]
+    moved = any(not m.series(e).derivative().is_zero for e in held)
+    if moved or any(not m.given[s].is_zero for s in m.start if s in zero):
+        raise Inconsistent
 
 
 def _solve(m: Motion) -> None:
     """Find the coefficients of the states one after another: of t^n from the rates up to t^(n-1)."""
     s = m.system
     symbols = [q.symbol for q in s.states]
+    m.given |= {symbol: Series(RESIDUES, (value,)) for symbol, value in m.start.items()}
     for n in range(m.length - 1):
         m.memo.clear()
         right = [m.series(r).coefficients[n] for r in s.rates]
@@ -285,9 +323,6 @@ def _solve(m: Motion) -> None:
             known = m.given[symbol].coefficients
             m.given[symbol] = Series(RESIDUES, (*known, value * step % PRIME))
     m.memo.clear()
-    zero = {symbol for r in m.restrictions for symbol in r.zero}
-    if any(s in zero and not m.given[s].is_zero for s in symbols):
-        raise Inconsistent
 
 
 def _divided(m: Motion, matrix: Expr, right: list[int], symbols: list[Expr], n: int) -> list[int]:

@@ -216,13 +216,26 @@ SEQUENCES: dict[str, str] = {
 """Assumptions that say by which turns B is reached, with their axes."""
 
 
+GENERAL, SPECIAL = "general", "special"
+"""Kinds of assumptions: what a text takes for granted or states once; a special body, load or motion."""
+
+MOMENT = "moment "
+"""What stands before the number of an axis in the name of the moment of inertia about it."""
+
+
 @dataclass(frozen=True)
 class Restriction:
-    """What an assumption says, and which others it needs or cannot stand with."""
+    """What an assumption says, and which others it needs or cannot stand with.
+
+    ``kind``: `GENERAL` or `SPECIAL`; ``joins``: labels of what coincides by it, which nobody means who
+    names all of them: points, frames ("frame A"), moments of inertia about axes ("moment 1").
+    """
 
     meaning: str
     needs: tuple[str, ...] = ()
     excludes: tuple[str, ...] = ()
+    kind: str = GENERAL
+    joins: tuple[str, ...] = ()
 
 
 ASSUMPTIONS: dict[str, Restriction] = {
@@ -240,28 +253,87 @@ ASSUMPTIONS: dict[str, Restriction] = {
         "the distance of any two points of the body is constant", ("constant_mass",)
     ),
     "body_frame": Restriction("the frame B is fixed in the body", ("rigid",), ("spin_312",)),
-    "about_centre": Restriction("the reference point O is the centre of mass C"),
+    "about_centre": Restriction("the reference point O is the centre of mass C", joins=("O", "C")),
     "O_fixed_in_body": Restriction("the reference point O is fixed in the body", ("rigid",)),
-    "O_fixed_in_space": Restriction("the reference point O is inertially fixed"),
-    "O_at_origin": Restriction(
-        "the reference point O is the origin of the inertial frame", ("O_fixed_in_space",)
+    "O_fixed_in_space": Restriction("the reference point O is inertially fixed", kind=SPECIAL),
+    "O_uniform": Restriction(
+        "the reference point O moves uniformly",
+        (),
+        ("about_centre", "C_at_rest", "O_fixed_in_space"),
+        kind=SPECIAL,
     ),
-    "C_at_rest": Restriction("the centre of mass is at rest"),
+    "O_at_origin": Restriction(
+        "the reference point O is the origin of the inertial frame",
+        ("O_fixed_in_space",),
+        kind=SPECIAL,
+        joins=("O", "OI"),
+    ),
+    "C_at_rest": Restriction("the centre of mass is at rest", kind=SPECIAL),
     "principal_axes": Restriction(
         "b1, b2, b3 are principal axes at the centre of mass", ("body_frame",)
     ),
-    "symmetric": Restriction("b3 is an axis of inertial symmetry: I1 = I2", ("principal_axes",)),
+    "principal_at_O": Restriction(
+        "b1, b2, b3 are principal axes at the reference point O, too, which is fixed in the body",
+        ("O_fixed_in_body",),
+        ("thin_rod",),
+    ),
+    "symmetric": Restriction(
+        "b3 is an axis of inertial symmetry: I1 = I2",
+        ("principal_axes",),
+        kind=SPECIAL,
+        joins=("moment 1", "moment 2"),
+    ),
+    "symmetric_1": Restriction(
+        "b1 is an axis of inertial symmetry: I2 = I3",
+        ("principal_axes",),
+        ("symmetric", "spin_312"),
+        kind=SPECIAL,
+        joins=("moment 2", "moment 3"),
+    ),
+    "symmetric_2": Restriction(
+        "b2 is an axis of inertial symmetry: I3 = I1",
+        ("principal_axes",),
+        ("symmetric", "symmetric_1", "spin_312"),
+        kind=SPECIAL,
+        joins=("moment 1", "moment 3"),
+    ),
     "torque_free": Restriction(
         "the resultant torque about the centre of mass is zero",
         ("body_frame", "newton_2", "third_law_strong", "constant_mass"),
+        kind=SPECIAL,
     ),
     "unit_eigenvectors": Restriction(
         "a matrix of eigenvectors is the rotation from principal axes: unit vectors, right-handed"
     ),
-    "A_fixed_in_body": Restriction("the frame A is fixed in the body, too", ("body_frame",)),
-    "OA_at_centre": Restriction("the point OA of the body is its centre of mass", ("rigid",)),
+    "A_fixed_in_body": Restriction(
+        "the frame A is fixed in the body, too",
+        ("body_frame",),
+        kind=SPECIAL,
+        joins=("frame A", "frame B"),
+    ),
+    "OA_at_centre": Restriction(
+        "the point OA of the body is its centre of mass", ("rigid",), joins=("OA", "C")
+    ),
     "thin_rod": Restriction(
-        "all mass lies on one line", ("body_frame",), ("principal_axes", "torque_free")
+        "all mass lies on one line",
+        ("body_frame",),
+        ("principal_axes", "torque_free"),
+        kind=SPECIAL,
+    ),
+    "plane_body": Restriction(
+        "the body is a plane lamina: all mass lies in the plane of b1 and b2 through O",
+        ("body_frame", "O_fixed_in_body"),
+        ("thin_rod", "spin_312"),
+        kind=SPECIAL,
+    ),
+    "fixed_axis": Restriction(
+        "the axis about which B turns is constant, in B as in the inertial frame",
+        (),
+        ("torque_free", "spin_312", "viscous_slug", *SEQUENCES),
+        kind=SPECIAL,
+    ),
+    "steady_turn": Restriction(
+        "the angular velocity of B is constant", ("fixed_axis",), kind=SPECIAL
     ),
     "spin_312": Restriction(
         "A, B, C follow from I by turns about axes 3, 1, 2 through psi, theta, phi; C is fixed in "
@@ -269,8 +341,12 @@ ASSUMPTIONS: dict[str, Restriction] = {
         ("rigid",),
         ("body_frame", "rotors"),
     ),
-    "no_torque_2": Restriction("the torque about b2 is zero", ("spin_312", "newton_2")),
-    "no_torque_3": Restriction("the torque about b3 is zero", ("spin_312", "newton_2")),
+    "no_torque_2": Restriction(
+        "the torque about b2 is zero", ("spin_312", "newton_2"), kind=SPECIAL
+    ),
+    "no_torque_3": Restriction(
+        "the torque about b3 is zero", ("spin_312", "newton_2"), kind=SPECIAL
+    ),
     "viscous_slug": Restriction(
         "a spherical slug turns in the body about the centre of mass, against a viscous torque; no "
         "torque acts from outside, and B is fixed in the body",
@@ -281,6 +357,10 @@ ASSUMPTIONS: dict[str, Restriction] = {
         "rotors, symmetric about axes that are fixed in the body, turn in the body",
         ("constant_mass",),
         ("body_frame", "rigid"),
+    ),
+    "one_rotor": Restriction("there is one rotor", ("rotors",), joins=("rotors",)),
+    "steady_rotors": Restriction(
+        "the speed of each rotor relative to the body is constant", ("rotors",), kind=SPECIAL
     ),
     **{
         name: Restriction(

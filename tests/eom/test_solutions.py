@@ -104,8 +104,11 @@ def test_restrictions_hold_or_are_refused():
         Motion(body, 3, 0, (rest,))
     assert Motion(body, 3, 0, (equal, rest)).series(w3).is_zero
     assert not Motion(body, 3, 0, (rest, Restriction("", zero=(w1,)))).series(w2).is_zero
-    steady = Restriction("", zero=(v,), balanced=(k,))
-    assert Motion(SPRING, 3, 0, (steady,)).series(k).is_zero
+    steady = Motion(SPRING, 3, 0, (Restriction("x constant", held=(x,)),))
+    assert steady.series(v).is_zero
+    assert steady.series(k).is_zero
+    with pytest.raises(Inconsistent):
+        Motion(SPRING, 3, 0, (Restriction("time stands", held=(SPRING.time,)),))
 
 
 def test_what_has_no_value():

@@ -37,6 +37,7 @@ class Judgement:
     ``verdict``: "holds", "holds under", "wrong", "definition", "undecided".
     ``sets`` are without what others need; ``complete``: whether there can be no other sets;
     ``refuted``: assumptions and seed of a model where the claim is false, none if it holds in all.
+    ``special``: of a claim that is wrong in general, the special case in which it holds, in words.
     """
 
     verdict: str
@@ -45,6 +46,7 @@ class Judgement:
     refuted: tuple[tuple[str, ...], int] | None = None
     complete: bool = True
     reason: str = ""
+    special: str = ""
 
 
 def row_of(claim: Claim) -> type[Models]:
@@ -125,7 +127,8 @@ def _beyond(search: Search) -> Judgement:
     verdict = DEFINITION if names else UNDER if shown else WRONG
     complete = search.tests < MAX_TESTS and not search.stopped
     why = "" if sets else models.why(search)
-    return Judgement(verdict, sets, context, refuted, complete, why)
+    case = models.case() if verdict == WRONG else ""
+    return Judgement(verdict, sets, context, refuted, complete, why, case)
 
 
 def _ordered(claim: Claim, given: tuple[str, ...]) -> Judgement:

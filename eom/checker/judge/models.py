@@ -38,7 +38,7 @@ from eom.terms.terms import SCALAR, Equation, Term, expr, nodes, zero
 from eom.terms.terms import replace as rewritten
 from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.generators import worlds
-from eom.worlds.worlds import ASSUMPTIONS, SEQUENCES, closure, sequence_of
+from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, SEQUENCES, closure, sequence_of
 
 ENOUGH = 3
 """Models in which a claim has to hold."""
@@ -154,6 +154,10 @@ class Models(ABC):
         """Say why what does not hold in these models may hold for real numbers, "" for no doubt."""
         return ""
 
+    def case(self) -> str:
+        """Return the special case in which what does not hold does, as LaTeX or words, "" for none."""
+        return ""
+
     def why(self, search: Search) -> str:  # noqa: ARG002
         """Say what is wrong with what does not hold, or what it needs beyond sets; "" if not known."""
         return ""
@@ -263,12 +267,37 @@ MENTIONS: dict[str, frozenset[str]] = {
     "O_fixed_in_body": frozenset({"O"}),
     "O_fixed_in_space": frozenset({"O"}),
     "O_at_origin": frozenset({"O"}),
+    "O_uniform": frozenset({"O"}),
+    "principal_at_O": frozenset({"O", "inertia"}),
+    "symmetric_1": frozenset({"inertia"}),
+    "symmetric_2": frozenset({"inertia"}),
+    "plane_body": frozenset({"inertia"}),
+    "fixed_axis": frozenset({"angular_velocity"}),
+    "one_rotor": frozenset({"rotor_axis"}),
+    "steady_turn": frozenset({"angular_velocity"}),
+    "steady_rotors": frozenset({"rotor_speed"}),
 }
-"""Assumptions that say nothing unless a label stands in the claim."""
+"""Assumptions that say nothing unless labels or quantities stand in the claim."""
+
+RARE = (
+    *("plane_body", "fixed_axis", "one_rotor", "steady_rotors"),
+    *("symmetric_1", "symmetric_2", "O_uniform", "steady_turn"),
+)
+"""Assumptions that are tried where nothing else makes a claim true."""
+SHAPES = frozenset({"plane_body"})
+"""Those on the shape of a body, which no line about its motion means."""
+AXIAL = frozenset({"fixed_axis", "steady_turn"})
+"""Those on the axis of a rotation, which no line about any attitude means."""
+ATTITUDES = frozenset(
+    "rotation euler_parameter euler_vector rodrigues modified_rodrigues shadow_rodrigues".split()
+)
+GEOMETRY = frozenset({"inertia", "position", "unit", "identity", "mass", "total_mass", "scalar"})
+"""Quantities of a line about the shape of a body."""
 
 CHANCE = frozenset(
-    "about_centre O_fixed_in_space O_at_origin C_at_rest OA_at_centre A_fixed_in_body torque_free "
-    "thin_rod no_torque_2 no_torque_3".split()
+    name
+    for name, row in ASSUMPTIONS.items()
+    if (row.kind != GENERAL or row.joins) and not any(MOMENT in j for j in row.joins)
 )
 """Assumptions under which something is zero; the others say of what kind a body, a frame, a law is."""
 
@@ -448,8 +477,8 @@ class Worlds(Models):
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield smallest sets below every largest one."""
-        labels = labels_in(self.terms)
-        names = [*told((n for n in ASSUMPTIONS if n not in SPECIAL), labels)]
+        names = self._applicable()
+        usual = [n for n in names if n not in RARE]
         found, seen = set[frozenset[str]](), set[frozenset[str]]()
 
         def below(names: frozenset[str]) -> Iterator[frozenset[str]]:
@@ -467,11 +496,25 @@ class Worlds(Models):
             for name in sorted(inside - base):
                 yield from below(self.without(names, name))
 
-        for first in range(len(names)):
-            row = names[first:] + names[:first]
+        for first in range(len(usual)):
+            row = usual[first:] + usual[:first]
             new = next((n for n in row if n not in base), "")
             if not new or new in filled(base, [new]):
                 yield from below(filled(base, row))
+        rare = [n for n in names if n in RARE and not found]
+        for name in (n for n in rare if n in filled(base, [n])):
+            yield from below(filled(base, [name, *rare, *usual]))
+
+    def _applicable(self) -> list[str]:
+        """Return the assumptions that say something of what the claim is about."""
+        labels = labels_in(self.terms)
+        wanted = (n for n in ASSUMPTIONS if n not in SPECIAL)
+        names = [n for n in wanted if MENTIONS.get(n, frozenset()) <= labels]
+        kinds = {a.data[0] for t in self.terms for a in atoms_in(t, self.scalars)}
+        unmeant = (SHAPES if kinds - GEOMETRY else frozenset()) | (
+            AXIAL if kinds & ATTITUDES else frozenset()
+        )
+        return [n for n in names if n not in unmeant]
 
     def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:
         """Yield worlds where terms have values: without more than is given, and one of each level."""
@@ -485,7 +528,7 @@ class Worlds(Models):
             free = self.at(base, terms)
             if free is None:
                 continue
-            for names in dict.fromkeys(filled(base, told(n, labels)) for n in LEVELS):
+            for names in dict.fromkeys(filled(base, relevant(n, labels)) for n in LEVELS):
                 there = self.at(names, terms)
                 if there is not None:
                     yield free, there
@@ -504,7 +547,7 @@ class Worlds(Models):
         return None
 
 
-def told(names: Iterable[str], labels: Collection[str]) -> Iterator[str]:
+def relevant(names: Iterable[str], labels: Collection[str]) -> Iterator[str]:
     """Yield those assumptions that say something where some labels stand."""
     return (n for n in names if n not in MENTIONS or not MENTIONS[n].isdisjoint(labels))
 

@@ -262,8 +262,11 @@ class Solutions(Models):
 
     def _small(self, search: Search, names: Sequence[str], most: int) -> Iterator[frozenset[str]]:
         found: list[frozenset[str]] = []
+        held = {n for n in names if self.possible[n].held}
         for chosen in (frozenset(c) for k in range(most) for c in combinations(names, k + 1)):
             if any(f <= chosen for f in found) or search.tests > MAX_TESTS:
+                continue
+            if len(held & chosen) > 1:
                 continue
             if search.counts(chosen):
                 found.append(chosen)
@@ -289,6 +292,26 @@ class Solutions(Models):
         rest = next(self._small(search, list(self.possible), MAX_REST), None)
         held = f"it holds if {' and '.join(self.shown(rest))}" if rest else ""
         return "; ".join(filter(None, (self._slip(), held)))
+
+    def case(self) -> str:
+        """Return the simplest special case in which the one equation that fails holds, "" for none."""
+        failing = [p for p in self.said if next(self._failing(p), None) is not None]
+        with suppress(Singular, InputError):
+            one = len(failing) == 1
+            over = residual(self.model.system, failing[0], self.held) if one else None
+            factors = [] if over is None else sorted(_vanishing(over), key=_size)
+            least = min(factors, key=lambda f: len(f.free_symbols), default=None)
+            return "" if least is None else f"${self._equated(least)}$"
+        return ""
+
+    def _equated(self, factor: Expr) -> str:
+        """Return that a sum is zero as an equation of its two parts, in the letters of the note."""
+        quantities = self.model.quantities.items()
+        letters = {q.symbol: sp.Symbol(self.model.letter(n)) for n, q in quantities}
+        terms = sp.Add.make_args(factor.xreplace(letters))
+        minus = [t for t in terms if t.could_extract_minus_sign()]
+        sides = (sp.Add(*(t for t in terms if t not in minus)), -sp.Add(*minus))
+        return " = ".join(sp.latex(side) for side in sorted(sides, key=lambda s: s == 0))
 
     def _slip(self) -> str:
         for pair in self.said:
@@ -381,6 +404,16 @@ def _inside(expression: Expr) -> Iterator[Expr]:
 
 
 # -- what is left over --------------------------------------------------------------------------------
+
+
+def _vanishing(residual: Expr) -> Iterator[Expr]:
+    """Yield the factors of a residual that may be zero: sums of both signs, sines and cosines."""
+    above = sp.fraction(sp.together(residual))[0]
+    for factor, _ in sp.factor_list(above)[1]:
+        terms = sp.Add.make_args(factor)
+        signs = {t.could_extract_minus_sign() for t in terms}
+        if len(signs) > 1 or isinstance(factor, sp.sin | sp.cos):
+            yield factor
 
 
 @dataclass(frozen=True)

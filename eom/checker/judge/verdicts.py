@@ -299,6 +299,8 @@ def _blamed(
 
 
 _WORLDS = 2
+RESTING = CHANCE | {"O_fixed_in_body", "symmetric_1", "symmetric_2"}
+"""Assumptions under which terms vanish that a slip may stand in."""
 
 _BEGINS: dict[str, str] = {
     "spin_312": "angle",
@@ -336,17 +338,18 @@ def _named(lexicon: Lexicon, begins: str) -> bool:
 def _empties(claim: Claim, equation: Equation, base: frozenset[str], names: Iterable[str]) -> bool:
     """Return whether terms of an equation vanish under a set alone, and two or more others do not."""
     signed = [*_addends(equation.left), *(-t for t in _addends(equation.right))]
-    if len(signed) < 3 or not CHANCE.intersection(names):
+    if len(signed) < 3 or not RESTING.intersection(names):
         return False
     try:
-        before = _zeros(claim, signed, closure([*base, *(n for n in names if n not in CHANCE)]))
+        without = closure([*base, *(n for n in names if n not in RESTING)])
+        before = _zeros(claim, signed, without)
         after = _zeros(claim, signed, closure([*base, *names]))
         if after <= before or len(signed) - len(after) < 2:
             return False
         if _holds(claim, equation, base):
             return False
         kept = [t for k, t in enumerate(signed) if k not in after]
-        return not _holds(claim, Equation(add(*kept), zero(equation.left.kind)), base)
+        return not _holds(claim, Equation(add(*kept), zero(equation.left.kind)), without)
     except InputError:
         return False
 

@@ -413,8 +413,16 @@ def says_constant(node: Node) -> bool:
 def _constant(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
     if not values:
         return claim
-    steady = overdot(e.lexicon.notation, without_root(values[-1]), 1, claim.span)
+    moving = [v for v in values if not _is_free(v, e)] or values
+    steady = overdot(e.lexicon.notation, without_root(moving[-1]), 1, claim.span)
     return replace(claim, members=(steady,), relations=(), kind=CONSTANT)
+
+
+def _is_free(value: Value, e: Elaborator) -> bool:
+    """Return whether a member is a free scalar alone, of which it says nothing that it is constant."""
+    expression = value.term.data[0] if value.term.head == "expr" else None
+    meaning = e.scalars.get(expression)
+    return meaning is not None and meaning.data[:1] == ("scalar",)
 
 
 def without_root(value: Value) -> Value:

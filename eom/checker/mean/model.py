@@ -50,6 +50,8 @@ BUILTIN: dict[str, Callable[[str], System]] = {
 
 ZERO_UNITS = frozenset({"N m", "N", "m/s^2", "m", "kg m^2/s", "N m s", "rad/s"})
 """Units of the parameters and inputs that may be assumed to be zero."""
+HELD_UNITS = frozenset({"rad", "m", "rad/s", "m/s"})
+"""Units of the states that may be assumed to be constant."""
 
 _MOMENT = re.compile(r"[A-Z]([1-3])\1?")
 _PRODUCT = re.compile(r"[A-Z]([1-3])(?!\1)[1-3]")
@@ -177,7 +179,7 @@ def _of_scene(scene: AnyScene) -> Model:
     given, possible = [], []
     for r in restrictions(system):
         names = {str(s.name) for s in (*r.zero, *(s for pair in r.equal for s in pair))}
-        if not names <= values.keys():
+        if r.held or not names <= values.keys():
             possible.append(r)
         elif all(values[a.name] == values[b.name] for a, b in r.equal) and not any(
             values[s.name] for s in r.zero
@@ -200,13 +202,12 @@ def restrictions(system: System) -> Iterator[Restriction]:
     for q in (*system.parameters, *(q for q in system.inputs if not q.name.endswith("_ddot"))):
         if q.unit in ZERO_UNITS or (q.unit == "kg m^2" and _PRODUCT.fullmatch(q.name)):
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,))
-    names = {q.name: q.symbol for q in system.states}
-    others = tuple(q.symbol for q in system.parameters if q.symbol not in moments)
     for q in system.states:
-        angle = q.name.removesuffix("_dot")
-        if angle != q.name and angle in names:
-            yield Restriction(f"{angle} constant", zero=(q.symbol,), balanced=others)
-        elif q.unit == "rad/s":
+        if q.unit in HELD_UNITS:
+            yield Restriction(f"{q.name} constant", held=(q.symbol,))
+    names = {q.name for q in system.states}
+    for q in system.states:
+        if q.unit == "rad/s" and q.name.removesuffix("_dot") not in names - {q.name}:
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,), rest=True)
     for q in system.inputs:
         if q.name.removesuffix("_ddot") in names:

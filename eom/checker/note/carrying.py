@@ -18,20 +18,19 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eom.checker.judge.consequences import follows, parts
+from eom.checker.judge.consequences import follows
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge_within, row_of
 from eom.checker.judge.laws import STILL, own, refuted, settled
-from eom.checker.judge.models import Worlds, addends, filled, terms_of
+from eom.checker.judge.models import Worlds, filled, terms_of
 from eom.checker.judge.systems import equations, on_solutions
 from eom.checker.judge.verdicts import GRAVE, Judged, Verdict
-from eom.checker.mean.claims import CONSTANT, STATEMENT, Claim
+from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.model import Model
-from eom.checker.mean.values import Value
 from eom.checker.prose_claims.assumptions import Context
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.system import Expr, System
-from eom.terms.terms import Term, nodes
+from eom.terms.terms import nodes
 from eom.worlds.solutions import rate
 from eom.worlds.worlds import ASSUMPTIONS, closure
 
@@ -184,39 +183,10 @@ def by_laws(
     return None if wrong else Judgement(UNDECIDED, context=judged.judgement.context)
 
 
-# -- terms that vanish --------------------------------------------------------------------------------
-
 SPECIAL_MOTION = frozenset(
     {"symmetric", "torque_free", "thin_rod", "C_at_rest", "no_torque_2", "no_torque_3"}
 )
 """Assumptions about special bodies and motions, under which terms of equations vanish."""
-
-
-def vanishing(claim: Claim, names: Iterable[str]) -> bool:
-    """Whether a term of a claim, written down by its author, is zero under special assumptions alone.
-
-    A member that says that it is zero is no such term.
-    """
-    names = tuple(names)
-    plain = [n for n in names if n not in SPECIAL_MOTION]
-    silent = claim.kind != STATEMENT or any(m.is_zero for m in claim.members)
-    if silent or len(plain) == len(names):
-        return False
-    try:
-        special, general = closure([*names, *USUAL]), closure([*plain, *USUAL])
-        return any(
-            not any(v) and any(w)
-            for m in claim.members
-            for t in addends(m.term)
-            for v, w in [(_value(t, claim, special), _value(t, claim, general))]
-        )
-    except (InputError, Singular):
-        return False
-
-
-def _value(term: Term, claim: Claim, assumed: frozenset[str]) -> tuple[int, ...]:
-    value = Value(term, term.kind)
-    return parts(replace(claim, members=(value,), relations=()), assumed)[0]
 
 
 # -- systems with a slip -------------------------------------------------------------------------------
@@ -254,12 +224,13 @@ def _other_rate(system: System, left: Expr, right: Expr) -> Iterator[System]:
         if slope.has(mark) or slope == 0 or plain.has(rate):
             continue
         value = sp.together(-plain.xreplace({mark: sp.Integer(0)}) / slope)
-        yield replace(
-            system,
-            rates=(*system.rates[:place], value, *system.rates[place + 1 :]),
-            invariants=(),
-            attitudes=(),  # what holds of the bodies need not with the writer's rate
-        )
+        with suppress(InputError):  # a value in quantities that are defined by states
+            yield replace(
+                system,
+                rates=(*system.rates[:place], value, *system.rates[place + 1 :]),
+                invariants=(),
+                attitudes=(),  # what holds of the bodies need not with the writer's rate
+            )
 
 
 def _named(expression: Expr, speeds: Mapping[Expr, Expr]) -> Expr:

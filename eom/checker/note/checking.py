@@ -212,6 +212,7 @@ def finding(one: Understood, judged: Verdict, number: int = 1) -> Finding:
         reason,
         _place(one, gravest),
         tuple(r.text for r in one.repairs),
+        special=" and ".join(dict.fromkeys(filter(None, (j.judgement.special for j in gravest)))),
     )
 
 

@@ -16,7 +16,6 @@ from eom.checker.judge.models import MENTIONS, MODELS, SPECIAL, labels_in, terms
 from eom.checker.judge.verdicts import LAWS, Judged, Verdict
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.roles import ASSUMPTION
-from eom.checker.note.carrying import SPECIAL_MOTION, vanishing
 from eom.checker.prose_claims.assumptions import PARAGRAPH, Context, Stated, implied
 from eom.checker.report.findings import Remark
 from eom.errors import InputError
@@ -35,7 +34,6 @@ KINDS: dict[str, str] = {
     "contradicts assumption": "cannot stand together with the assumption of line {line}",
     "repeats": "repeats line {line}",
     "carried": "carries the slip of line {line} forward",
-    "vanishing term": "holds only where a term of it vanishes, with {what}, which the note does not state",
     "approximate": "does not hold exactly; line {line} speaks of an approximation",
 }
 """Kinds of remarks, and their words."""
@@ -54,12 +52,21 @@ NOUNS: dict[str, str] = {
     "O_at_origin": "the origin as reference point",
     "C_at_rest": "a centre of mass at rest",
     "principal_axes": "principal axes",
+    "principal_at_O": "principal axes at the reference point",
     "symmetric": "inertial symmetry (I1 = I2)",
+    "symmetric_1": "inertial symmetry (I2 = I3)",
+    "symmetric_2": "inertial symmetry (I3 = I1)",
     "torque_free": "no torque about the centre of mass",
     "unit_eigenvectors": "eigenvectors of unit length, right-handed",
     "A_fixed_in_body": "that frame A is fixed in the body",
     "OA_at_centre": "the centre of mass as the point OA",
     "thin_rod": "a thin rod",
+    "plane_body": "a plane body",
+    "O_uniform": "a reference point that moves uniformly",
+    "fixed_axis": "an axis of rotation that is constant",
+    "steady_turn": "a constant angular velocity",
+    "one_rotor": "a single rotor",
+    "steady_rotors": "constant speeds of the rotors",
     "spin_312": "the spinning symmetric body with angles 3-1-2",
     "no_torque_2": "no torque about b2",
     "no_torque_3": "no torque about b3",
@@ -108,8 +115,7 @@ def remarks(
     found = []
     for number, verdict in enumerate(verdicts):
         known = context.names(number) | implied(given)
-        new = [*_hollow(verdict, context, given)]
-        new = new or [*_needs(verdict, number, lines[number], context, known, named)]
+        new = [*_needs(verdict, number, lines[number], context, known, named)]
         new += _spare(verdict, verdicts, number, context)
         new += before.take(verdict, number)
         found.append(tuple(dict.fromkeys(new)))
@@ -142,16 +148,6 @@ def _needs(
     absent = [noun(n) for n, stated in later if stated is None]
     if absent:
         yield remark("not stated", what=_listed(absent))
-
-
-def _hollow(verdict: Verdict, context: Context, given: tuple[str, ...]) -> Iterator[Remark]:
-    """Yield that a claim holds only because a term of it vanishes by what the note never states."""
-    everywhere = implied(n for s in context.stated for n in s.names)
-    for judged in verdict.claims:
-        sets = judged.judgement.sets if judged.verdict == UNDER else ()
-        absent = [[n for n in s if n in SPECIAL_MOTION - everywhere] for s in sets]
-        if absent and all(absent) and all(vanishing(judged.claim, (*given, *s)) for s in sets):
-            yield remark("vanishing term", what=_listed([noun(n) for n in absent[0]]))
 
 
 def _first(name: str, number: int, context: Context) -> Stated | None:

@@ -19,8 +19,10 @@ from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, j
 from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import Worlds, equations
 from eom.checker.judge.notes import Understood
-from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, verdict
+from eom.checker.judge.special import Name, excused, in_letters, named, says
+from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
 from eom.checker.mean.claims import EQUALITIES, Claim
+from eom.checker.mean.lexicon import Lexicon
 from eom.checker.note.carrying import (
     SPECIAL_MOTION,
     by_laws,
@@ -30,13 +32,17 @@ from eom.checker.note.carrying import (
 )
 from eom.checker.note.remarks import ranked, remark, remarks
 from eom.checker.prose_claims.assumptions import (
+    ANY_MOTION,
+    APPROXIMATE,
     PARAGRAPH,
     Context,
+    Place,
     Said,
     Stated,
-    approximate,
+    amounts,
     assumed,
     implied,
+    spoken,
 )
 from eom.checker.prose_claims.propositions import Plain, Reading, Test, truth
 from eom.checker.read.documents import Document
@@ -85,15 +91,25 @@ def review(
         replace(v, claims=()) if _is_apart(u) else v for u, v in zip(understood, first, strict=True)
     ]
     worldly = [replace(u, claims=()) if _is_apart(u) else u for u in understood]
-    context, loose = assumed(document, worldly, alone), approximate(document.pieces)
+    context = assumed(document, worldly, alone)
+    loose, free = (spoken(document.pieces, table) for table in (APPROXIMATE, ANY_MOTION))
+    sections = {u.headings: [v for v in understood if v.headings == u.headings] for u in understood}
+    names = {h: named(c for u in us for c in u.claims) for h, us in sections.items()}
     placed = [
-        _Placed(k, context, loose, (*given, *u.lexicon.assume)).verdict(v)
+        _Placed(
+            k, context, loose, free, (*given, *u.lexicon.assume), names[u.headings], u.lexicon
+        ).verdict(v)
         for k, (u, v) in enumerate(zip(understood, alone, strict=True))
     ]
     settled = [v for v, _ in placed]
     lines = [u.formula.piece.line for u in understood]
     about = remarks(settled, lines, context, given)
-    final = [first[k] if _is_apart(u) else settled[k] for k, u in enumerate(understood)]
+    final = [
+        _of_system(understood[:k], u, first[k], names[u.headings], _near(free, context.places[k]))
+        if _is_apart(u)
+        else settled[k]
+        for k, u in enumerate(understood)
+    ]
     slips = carried(final, context, given)
     found = []
     for k, (_, own) in enumerate(placed):
@@ -109,6 +125,55 @@ def _is_apart(understood: Understood) -> bool:
     return any(row_of(c) is not Worlds for c in understood.claims)
 
 
+def _of_system(
+    before: Sequence[Understood],
+    one: Understood,
+    found: Verdict,
+    names: frozenset[Name],
+    anyhow: bool,
+) -> Verdict:
+    """Return the verdict on a formula about a system without what parameters excuse that coincide."""
+    earlier = (u for u in before if one.headings[: len(u.headings)] == u.headings)
+    stated = frozenset().union(*(says(c) for u in earlier for c in u.claims))
+    claims = tuple(
+        j
+        if j.verdict != UNDER or says(j.claim)
+        else _in_general(j, names, stated, one.lexicon, anyhow)
+        for j in found.claims
+    )
+    return _gravest(claims) if claims != found.claims else found
+
+
+def _in_general(
+    judged: Judged,
+    names: frozenset[Name],
+    stated: frozenset[str],
+    lexicon: Lexicon,
+    anyhow: bool,
+) -> Judged:
+    """Return a claim as wrong in general where only a special case excuses it that is not stated."""
+    unsaid = excused(judged.judgement, judged.claim, names, stated, anyhow)
+    if not unsaid:
+        return judged
+    case = " and ".join(in_letters(n, judged.claim, lexicon) for n in unsaid)
+    plain = case.replace("$", "")
+    why = f"it is wrong in general: it holds only if {plain}, which the note does not state"
+    found = replace(judged.judgement, verdict=WRONG, sets=(), reason=why, special=case)
+    return _replaced(judged, found)
+
+
+def _near(found: Iterable[Said], place: Place) -> bool:
+    """Return whether something that is said holds in a place."""
+    return any(s.start <= place and place[0] < s.stop for s in found)
+
+
+def _gravest(claims: tuple[Judged, ...]) -> Verdict:
+    """Return the verdict on a formula from what was found of its claims."""
+    reasons = {j.verdict: j.reason for j in reversed(claims)}
+    gravest = next(v for v in ORDER if v in reasons)
+    return Verdict(gravest, reasons[gravest], claims)
+
+
 SPECIAL_BODIES = frozenset({"thin_rod", "spin_312", "rotors", "viscous_slug"})
 """Assumptions that are not tried unless the note states them."""
 
@@ -118,24 +183,44 @@ _Other = tuple[Judgement, str, int]
 
 @dataclass(frozen=True)
 class _Placed:
-    """A formula in its place: its number, what the note assumes, what is said of approximations."""
+    """A formula in its place: its number, what the note assumes, what is said of approximations.
+
+    ``free``: what is said of any motion; ``named``: what its section names (`eom.checker.judge.special`).
+    """
 
     number: int
     context: Context
     loose: Sequence[Said]
+    free: Sequence[Said]
     given: tuple[str, ...]
+    named: frozenset[Name]
+    lexicon: Lexicon
 
     def verdict(self, alone: Verdict) -> tuple[Verdict, tuple[Remark, ...]]:
         """Return the verdict on the formula in its place, and why it differs."""
         found = [(j, self._other(j)) for j in alone.claims]
-        claims = tuple(self._ranked(j if o is None else _replaced(j, o[0])) for j, o in found)
+        claims = tuple(
+            self._ranked(self._general(j) if o is None else _replaced(j, o[0])) for j, o in found
+        )
         differs = (remark(o[1], o[2]) for _, o in found if o is not None)
         why = tuple(dict.fromkeys(differs))
-        if not why:
+        if not why and all(
+            a.verdict == b.verdict for a, b in zip(claims, alone.claims, strict=True)
+        ):
             return replace(alone, claims=claims), ()
-        reasons = {j.verdict: j.reason for j in reversed(claims)}
-        gravest = next(v for v in ORDER if v in reasons)
-        return Verdict(gravest, reasons[gravest], claims), why
+        return _gravest(claims), why
+
+    def _general(self, judged: Judged) -> Judged:
+        """Return a claim as wrong in general where a coincidence excuses it, unless it says so itself."""
+        if judged.verdict != UNDER or amounts(judged):
+            return judged
+        stated = self.names | implied(self.given)
+        return _in_general(judged, self.named, stated, self.lexicon, self.anyhow)
+
+    @property
+    def anyhow(self) -> bool:
+        """Whether the note speaks of any motion here."""
+        return _near(self.free, self.context.places[self.number])
 
     @property
     def names(self) -> frozenset[str]:
@@ -202,7 +287,9 @@ class _Placed:
         """Judge a claim that holds for the special body that the note speaks of."""
         stated = [s for s in self.context.at(self.number) if SPECIAL_BODIES & set(s.names)]
         names = tuple(n for s in stated for n in s.names if n in SPECIAL_BODIES)
-        found = judge(judged.claim, (*self.given, *names)) if names else judged.judgement
+        given = (*self.given, *names)
+        found = judge(judged.claim, given) if names else judged.judgement
+        found = meant(found, judged.claim, self.lexicon, given)
         plain = [s for s in found.sets if not SPECIAL_MOTION & set(s) - {*names}]
         if not names or (found.verdict != HOLDS and not plain):
             return None

@@ -84,6 +84,13 @@ PHRASES: tuple[tuple[str, tuple[str, ...]], ...] = (
      ("constant_mass",)),
     (r"(?:single|one) (?:particle|point mass|mass point)|(?:a|the) point mass\b", ("one_particle",)),
     (r"(?:thin|slender) (?:rod|bar)", ("thin_rod",)),
+    (r"\blamina\b|plane (?:body|figure|plate)|(?:thin|flat) plate", ("plane_body",)),
+    (r"(?:rotat\w+|turn\w*|spin\w*) about (?:a|one|the same) fixed axis", ("fixed_axis",)),
+    (r"(?:constant|uniform|steady) angular velocity|(?:turns|rotates|spins) uniformly",
+     ("steady_turn",)),
+    ((r"(?:constant|steady) (?:wheel|rotor|spin)[- ]speeds?|"
+      r"(?:wheel|rotor)s? (?:runs?|spins?) at (?:a )?constant"),
+     ("steady_rotors",)),
     (r"(?:reaction|momentum) wheels?|gyrostat|flywheels?|spinning rotors?", ("rotors",)),
     (r"energy sink|viscous (?:slug|ring|damper)", ("viscous_slug",)),
     (r"3-1-2\b", ("spin_312",)),
@@ -99,6 +106,12 @@ APPROXIMATE: tuple[tuple[str, str], ...] = (
       r"\bapproximat(?:ely|ion|ed?)\b|negligib|neglect|higher[- ]order terms"), PARAGRAPH),
 )  # fmt: skip
 """Words after which an equation need not hold exactly, and how far they reach."""
+
+ANY_MOTION: tuple[tuple[str, str], ...] = (
+    ((r"\barbitrar(?:y|ily)\b|\bchanging\b|\bvar(?:y|ies|ying)\b|\bspeeds? up\b|\bslows? down\b|"
+      r"\b(?:may|can|will) (?:change|vary|accelerate)|\bnot constant\b"), PARAGRAPH),
+)  # fmt: skip
+"""Words after which a motion is any, so that no special one is meant, and how far they reach."""
 
 SCOPES: tuple[tuple[str, str], ...] = (
     (r"\b(?:from now on|henceforth|throughout|always|in (?:this|these) (?:note|lecture|chapter)s?)\b",
@@ -209,12 +222,12 @@ def _said(
     )
 
 
-def approximate(pieces: Sequence[Piece]) -> tuple[Said, ...]:
-    """Return the places where words say that what follows is no exact equation."""
+def spoken(pieces: Sequence[Piece], table: Iterable[tuple[str, str]]) -> tuple[Said, ...]:
+    """Return the places where words of a table stand, patterns with how far they reach."""
     limits = Limits(pieces)
     found = []
     for sentence in sentences(pieces):
-        for pattern, scope in APPROXIMATE:
+        for pattern, scope in table:
             for match in re.finditer(pattern, sentence.text, re.IGNORECASE):
                 place = sentence.places[match.start()]
                 until = limits.stop(place[0], scope)
@@ -586,6 +599,8 @@ EQUATIONS: Mapping[str, tuple[Term, ...]] = {
     "C_at_rest": (der(position("C", "OI")),),
     "principal_axes": (inertia_entry(1, 2), inertia_entry(1, 3), inertia_entry(2, 3)),
     "symmetric": (inertia_entry(1, 1) - inertia_entry(2, 2),),
+    "symmetric_1": (inertia_entry(2, 2) - inertia_entry(3, 3),),
+    "symmetric_2": (inertia_entry(3, 3) - inertia_entry(1, 1),),
     "torque_free": (_M,),
     "no_torque_2": (dot(unit("B", 2), _M),),
     "no_torque_3": (dot(unit("B", 3), _M),),
@@ -595,12 +610,15 @@ EQUATIONS: Mapping[str, tuple[Term, ...]] = {
 _BASES: Mapping[str, tuple[str, ...]] = {
     "OA_at_centre": ("rigid",),
     "torque_free": ("body_frame",),
-    "symmetric": ("principal_axes",),
+    **dict.fromkeys(("symmetric", "symmetric_1", "symmetric_2"), ("principal_axes",)),
     "principal_axes": ("body_frame",),
     "no_torque_2": ("spin_312",),
     "no_torque_3": ("spin_312",),
     "A_fixed_in_body": ("body_frame",),
 }
 """Worlds in which the equations have a meaning."""
-MODELLED = frozenset({"spin_312", "rotors", "viscous_slug", "one_particle", "thin_rod"})
-"""Models that no formula amounts to."""
+MODELLED = frozenset(
+    "spin_312 rotors viscous_slug one_particle thin_rod principal_at_O plane_body fixed_axis one_rotor "
+    "steady_rotors steady_turn O_uniform".split()
+)
+"""Models and motions that no formula amounts to."""

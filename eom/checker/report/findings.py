@@ -118,7 +118,7 @@ class Finding:
     `ORDER`, "wrong" to "no claim"; ``remarks``: on its place in the note; ``sets``: smallest sets of
     assumptions under which it holds; ``reason``: of a verdict that needs one; ``place``: of the reason;
     ``read_as``: what was read otherwise than it stands; ``carried``: the line whose slip it carries
-    forward, 0 for none.
+    forward, 0 for none; ``special``: of what is wrong in general, the special case in which it holds.
     """
 
     number: int
@@ -134,6 +134,7 @@ class Finding:
     remarks: tuple[Remark, ...] = ()
     explanation: Explanation = UNEXPLAINED
     carried: int = 0
+    special: str = ""
 
     @property
     def line(self) -> int:
@@ -370,7 +371,8 @@ def _where(finding: Finding) -> str:
 
 def _verdict(finding: Finding) -> str:
     """Return the verdict with its sets of assumptions."""
-    return " ".join([finding.verdict, *(_sets(finding.sets) for _ in finding.sets[:1])])
+    verdict = finding.verdict + " in general" * bool(finding.special)
+    return " ".join([verdict, *(_sets(finding.sets) for _ in finding.sets[:1])])
 
 
 def _sets(sets: Sequence[tuple[str, ...]]) -> str:
@@ -440,6 +442,8 @@ def _explanation(finding: Finding) -> Iterator[Line]:
         under = f", under {_sets(correction.sets)}" if correction.sets else ""
         yield (("good", f"{INDENT}repair: {printable(correction.change)}{under}"),)
         yield (("", f"{INDENT}        {_whole(correction.latex)}"),)
+    if finding.special:
+        yield (("good", f"{INDENT}or state: {printable(finding.special)}"),)
     counter = explained.counterexample
     if counter is not None:
         under = f", under {_sets([counter.assumptions])}" if counter.assumptions else ""
@@ -481,7 +485,7 @@ def _report(report: Report) -> Data:
 
 def finding(found: Finding) -> Data:
     """Return what is said of a formula; places are lines and columns from 1, of first and last sign."""
-    names = "kind number in place latex verdict sets reason at read_as remarks carried explanation"
+    names = "kind number in place latex verdict sets reason at read_as remarks carried special explanation"
     own = {"in": found.source.name, "place": found.span, "at": found.place}
     values = {name: own[name] if name in own else getattr(found, name) for name in names.split()}
     return {name: _datum(value, found.source) for name, value in values.items()}

@@ -188,9 +188,8 @@ def _brief(finding: Finding) -> str:
     if finding.carried:
         return f"carries on the slip of line {finding.carried}"
     first = next(iter(finding.explanation.corrections), None)
-    if first is not None:
-        return _worded(first.change)
-    return html.escape(finding.reason.split("\n")[0])
+    repair = html.escape(finding.reason.split("\n")[0]) if first is None else _worded(first.change)
+    return f"{repair}, or state: {_worded(finding.special)}" if finding.special else repair
 
 
 # -- formulas and cards ------------------------------------------------------------------------------
@@ -244,8 +243,9 @@ def _below(finding: Finding | None) -> str:
         for term, text in _details(finding)
         if text
     )
+    verdict = finding.verdict + " in general" * bool(finding.special)
     head = (
-        f'<span class="verdict">{sign} {html.escape(finding.verdict)}</span> '
+        f'<span class="verdict">{sign} {html.escape(verdict)}</span> '
         f"<small>{_title(finding)}</small>"
     )
     body = f"<dl>{details}</dl>"
@@ -268,6 +268,7 @@ def _details(finding: Finding) -> Iterator[tuple[str, str]]:
     yield "Left side minus right side", mathml(explanation.residual) if explanation.residual else ""
     yield "Convention", html.escape(explanation.convention)
     yield "What would make it right", _list(map(_correction, explanation.corrections), "ol")
+    yield "Or state", _worded(finding.special)
     yield "Fails for", _counterexample(explanation.counterexample)
     yield "Remarks", _list((html.escape(r.text) for r in finding.remarks), "ul")
     yield "Read as", _list(map(html.escape, finding.read_as), "ul")

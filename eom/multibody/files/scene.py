@@ -210,8 +210,8 @@ def of_one(data: Mapping[str, Any]) -> Mapping[str, Any]:
     bodies, joints = {ONE: _body_of(own)}, _filled({ONE: data.get("joint", {})}, joint, frame)
     if frame != GROUND:
         bodies["orbit"], joints["orbit"] = {}, _ORBIT
-    told = {*_READ, "joint", *({"model"} if data.get("model") == "rigid body" else ())}
-    found = {k: v for k, v in data.items() if k not in told}
+    read = {*_READ, "joint", *({"model"} if data.get("model") == "rigid body" else ())}
+    found = {k: v for k, v in data.items() if k not in read}
     found |= {k: _filled(data.get(k, {}), unsaid, frame) for k, unsaid in _UNSAID.items()}
     if torque.components and isinstance(found["loads"], Mapping):
         couple = {"body": ONE, "torque": torque.components, "axes": "body"}

@@ -1,0 +1,154 @@
+"""Special cases that a note can mean, and those that only excuse a slip.
+
+Of assumptions that are special (`eom.worlds.worlds.ASSUMPTIONS`, restrictions of a system) a rest, an
+absent load, a constant rate is a kind of motion that a line may mean, unless the words around it say that
+the motion is any. Not so that two points, frames, moments or parameters coincide: who gives them names
+apart does not mean that they are the same, unless the note says so. Whether a note names them apart is
+looked up in all that it writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from eom.checker.judge.judge import Judgement
+from eom.checker.judge.models import terms_of
+from eom.checker.judge.systems import equations, on_solutions
+from eom.checker.mean.claims import Claim
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.model import Model
+from eom.errors import InputError
+from eom.terms.terms import Term, nodes
+from eom.worlds.solutions import Restriction
+from eom.worlds.worlds import ANGLES, ASSUMPTIONS, MOMENT
+
+_FRAMED = frozenset({"unit", "angular_velocity", "rotation", "eigenvectors", *ANGLES})
+"""Quantities whose labels are frames."""
+
+
+Name = tuple[str, str]
+"""A quantity, and a label that it has: a point, "frame" and a frame, "moment" and an axis."""
+
+
+def named(claims: Iterable[Claim]) -> frozenset[Name]:
+    """Return what claims name, and by which quantities."""
+    return frozenset(
+        n for c in claims for t in terms_of(c) for node in nodes(t) for n in _names(node)
+    )
+
+
+def _names(node: Term) -> Iterator[Name]:
+    if node.head == "atom":
+        kind, *labels = map(str, node.data)
+        yield from ((kind, "frame " * (kind in _FRAMED) + label) for label in labels)
+    elif node.head == "sum":
+        yield from (("sum", str(over)) for over in node.data[1:])
+    elif node.head == "dot" and node.args[1].head == "dot":
+        axis, (inertia, other) = node.args[0], node.args[1].args
+        if axis == other and axis.data[:1] == ("unit",) and inertia.data[:1] == ("inertia",):
+            yield MOMENT, MOMENT + str(axis.data[2])
+
+
+def coincides(name: str, claim: Claim, names: frozenset[Name]) -> bool:
+    """Return whether an assumption makes one of what a note names apart: by one kind of quantity.
+
+    ``names``: see `named`.
+    """
+    if claim.model is not None and on_solutions(claim):
+        return any(_equates(r, claim.model, names) for r in claim.model.possible if r.name == name)
+    first, *others = ASSUMPTIONS[name].joins or ("",)
+    kinds = {kind for kind, label in names if label == first}
+    return any(all((kind, label) in names for label in others) for kind in kinds)
+
+
+def _equates(found: Restriction, model: Model, names: frozenset[Name]) -> bool:
+    """Return whether parameters that a note or its lexicon writes become equal, or one of them zero."""
+    own = {*model.letters, *(n for n in model.quantities if ("system", n) in names)}
+    written = {q.symbol for n, q in model.quantities.items() if n in own}
+    fixed = {q.symbol for q in model.system.parameters}
+    given = [set(pair) for r in model.given for pair in r.equal]
+
+    def family(symbol: object) -> set[object]:
+        return {symbol}.union(*(g for g in given if symbol in g))
+
+    joined = any(family(a) & written and family(b) & written for a, b in found.equal)
+    return joined or any(s in written & fixed for s in found.zero)
+
+
+def moves(name: str, claim: Claim) -> bool:
+    """Return whether an assumption makes a motion a special one: something rests, is steady or turns so."""
+    if claim.model is not None and on_solutions(claim):
+        return any(r.held or r.rest for r in claim.model.possible if r.name == name)
+    return name in STEADY
+
+
+STEADY = frozenset(
+    "O_fixed_in_space O_uniform C_at_rest fixed_axis steady_turn steady_rotors A_fixed_in_body".split()
+)
+"""Assumptions on how a point, a frame or a rotor moves."""
+
+
+def says(claim: Claim) -> frozenset[str]:
+    """Return the restrictions of its system that a claim says in as many words."""
+    if claim.model is None or not on_solutions(claim):
+        return frozenset()
+    try:
+        pairs = [frozenset(p) for p in equations(claim, claim.model)]
+    except InputError:
+        return frozenset()
+    return frozenset(
+        r.name
+        for r in claim.model.possible
+        if any(frozenset(p) in pairs for p in (*r.equal, *((s, 0) for s in r.zero)))
+    )
+
+
+def excused(
+    found: Judgement, claim: Claim, names: frozenset[Name], stated: frozenset[str], anyhow: bool
+) -> tuple[str, ...]:
+    """Return the coincidences by which alone a claim holds that a note has not ``stated``.
+
+    Those of the set that has the fewest of them; none where a set does without. ``anyhow``: whether the
+    note speaks of any motion here, so that special ones count as well.
+    """
+    equal = {*stated, *(EQUAL if EQUAL & stated else ())}
+    unsaid = [
+        tuple(
+            n
+            for n in s
+            if n not in equal and (coincides(n, claim, names) or (anyhow and moves(n, claim)))
+        )
+        for s in found.sets
+    ]
+    return min(unsaid, key=len, default=())
+
+
+EQUAL = frozenset({"symmetric", "symmetric_1", "symmetric_2"})
+"""Assumptions that words on symmetry may mean."""
+
+
+def in_letters(name: str, claim: Claim, lexicon: Lexicon) -> str:
+    """Return a coincidence in the symbols of the note, "$I_1 = I_2$" or "$P = B^*$", else in words."""
+    if claim.model is not None and on_solutions(claim):
+        first, equals, second = name.partition(" = ")
+        if not equals:
+            return name
+        return f"${claim.model.letter(first)} = {claim.model.letter(second)}$"
+    joins = ASSUMPTIONS[name].joins
+    letters = [_letter(j, lexicon) for j in joins]
+    return f"${' = '.join(letters)}$" if all(letters) and letters else ASSUMPTIONS[name].meaning
+
+
+def _letter(what: str, lexicon: Lexicon) -> str:
+    """Return how a note writes a point, a frame or a moment of inertia, "" where that is not known."""
+    if what.startswith(MOMENT):
+        axis = what.removeprefix(MOMENT)
+        moments = (e for layer in lexicon.layers for e in layer if e.meaning.quantity == "inertia")
+        rows = ((e, e.meaning.component) for e in moments)
+        found = (e.latex for e, c in rows if len(c) > 1 and {*c} <= {axis, "<k>"})
+        plain = (t.replace("{<k>}", axis).replace("<k>", axis) for t in found if "<P>" not in t)
+        return next(plain, "")
+    frame = what.startswith("frame ")
+    names = lexicon.frames if frame else lexicon.points
+    own = ["".join(given) for given, name in names.items() if name == what.removeprefix("frame ")]
+    return min(own[::-1], key=lambda t: not t[:1].isupper(), default="").replace("^ast", "^*")
