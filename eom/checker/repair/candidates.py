@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import combinations
+from itertools import combinations, count, islice
+from typing import Generic, TypeVar
 
 from eom.checker.judge.models import Drawn
 from eom.checker.mean.claims import CONSTANT, STATEMENT
@@ -48,7 +49,7 @@ from eom.checker.repair.slips import (
     doubles,
     edits,
 )
-from eom.checker.repair.tables import entry_residual, mended, table_in
+from eom.checker.repair.tables import Suspects, entry_residual, mended, table_in
 from eom.fields import PRIME
 from eom.terms.terms import COLUMN, MATRIX, Term
 
@@ -61,7 +62,8 @@ def options(
 ) -> list[Option]:
     """Return what may stand for a term and has a value, the most plausible first.
 
-    ``spared``: whether a place lies in a cell of a table that is not at fault.
+    Other symbols of the note are not tried in it. ``spared``: whether a place lies in a cell of a table
+    that is not at fault.
     """
     found = []
     value = worth(line, addend.node)
@@ -73,13 +75,21 @@ def options(
         found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
     if len(member.addends) > 1:
         found.append(_option(addend, DROPPED, NOTHING, addend.sign))
-    found += _valued(line, addend, value, edits(addend.node, palette, spared))
+    found += _valued(line, addend, value, edits(addend.node, palette, spared, (False,)))
     return sorted(found, key=lambda o: o.weight)
+
+
+def symbol_options(
+    line: Line, addend: Addend, palette: Palette, spared: Callable[[Path], bool]
+) -> list[Option]:
+    """Return what may stand for a term if symbols of the note were lost in it or exchanged."""
+    found = edits(addend.node, palette, spared, (True,))
+    return list(_valued(line, addend, worth(line, addend.node), found))
 
 
 def double_options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
     """Return what may stand for a term if there are two slips in it."""
-    found = doubles(addend.node, edits(addend.node, palette, many=False))
+    found = doubles(addend.node, edits(addend.node, palette, kinds=(False,)))
     return list(_valued(line, addend, worth(line, addend.node), found))
 
 
@@ -109,6 +119,8 @@ def _edited(addend: Addend, edit: Edit, value: Value) -> Option:
     return Option(addend, edit.weight, edit.tree, addend.sign, edit.changes, *own)
 
 
+Row = TypeVar("Row")
+
 LETTERS = frozenset({"symbol", "index"})
 MANY = 40
 """Repairs of one line that are kept at most in one world."""
@@ -133,15 +145,38 @@ class _Group:
 # -- the search ----------------------------------------------------------------------------------
 
 
+class Remembered(Generic[Row]):
+    """Rows that are made when they are asked for, once."""
+
+    def __init__(self, rows: Iterable[Row]) -> None:
+        """Take the rows."""
+        self._rest, self._known = iter(rows), list[Row]()
+
+    def __iter__(self) -> Iterator[Row]:
+        """Yield all rows, from the first one."""
+        for k in count():
+            if k == len(self._known):
+                self._known += islice(self._rest, 1)
+            if k == len(self._known):
+                return
+            yield self._known[k]
+
+
 @dataclass
 class Workshop:
-    """A line with its options; ``values``: of its terms as they stand, None where there is none."""
+    """A line with its options; ``values``: of its terms as they stand, None where there is none.
+
+    ``suspects``: the cells of tables that may be at fault; ``levels``: models without more than is given,
+    and one of each level.
+    """
 
     line: Line
     offers: Mapping[Addend, Sequence[Option]]
     values: Mapping[Addend, Value | None]
     pools: Pools
     palette: Palette = field(default_factory=Palette)
+    suspects: Mapping[Addend, Suspects] = field(default_factory=dict)
+    levels: Iterable[tuple[Drawn, Drawn]] = ()
 
     def candidates(self, model: Drawn) -> list[Candidate]:
         """Return repairs after which all members agree in a world."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -12,13 +12,21 @@ from eom.checker.judge.models import Drawn
 from eom.checker.judge.notes import Understood, reread
 from eom.checker.judge.systems import Solutions
 from eom.checker.mean.claims import CONSTANT, Claim
-from eom.checker.read.paths import at
+from eom.checker.read.paths import Path, at
 from eom.checker.read.syntax import (
     Matrix,
     Node,
     walk,
 )
-from eom.checker.repair.candidates import Candidate, Workshop, double_options, options, repaired
+from eom.checker.repair.candidates import (
+    Candidate,
+    Remembered,
+    Workshop,
+    double_options,
+    options,
+    repaired,
+    symbol_options,
+)
 from eom.checker.repair.lines import (
     Addend,
     Line,
@@ -40,6 +48,8 @@ NEAR = 12
 """Symbols around a line that are tried in lost terms, if its own do not help."""
 FAR = 1.3
 """What a repair weighs more at most than the best one, if it is offered beside that."""
+ASSUMED, SPECIAL = 0.6, 0.3
+"""What a repair weighs more that needs assumptions, and with each level at which it is found."""
 ENOUGH = 1.0
 """A repair found is enough if a special level could only add some that weigh this much more."""
 
@@ -50,8 +60,18 @@ class Ranked:
 
     candidate: Candidate
     tree: Node
-    cost: float
+    extra: float
     model: Drawn
+
+    @property
+    def cost(self) -> float:
+        """What it weighs, with what has to be assumed."""
+        return self.candidate.weight + self.extra
+
+    @property
+    def far(self) -> float:
+        """What it weighs if the usual assumptions are none."""
+        return self.candidate.weight + max(self.extra - ASSUMED, 0.0)
 
 
 @dataclass(frozen=True)
@@ -71,8 +91,8 @@ def corrections(
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
     ranked: list[Ranked] = []
     for more, least in STAGES:
-        if not ranked or ranked[0].cost > least:
-            ranked = sorted([*ranked, *_ranked(more(shop), given)], key=lambda r: r.cost)
+        if not ranked or ranked[0].far > least:
+            ranked = sorted([*ranked, *_ranked(more(shop))], key=lambda r: r.cost)
     found: list[Verified] = []
     unique: dict[Node, Ranked] = {}
     for one in ranked:
@@ -85,6 +105,19 @@ def corrections(
         if len(found) == SHOWN:
             break
     return sorted(found, key=lambda v: v.cost)
+
+
+def _spares(shop: Workshop, addend: Addend) -> Callable[[Path], bool]:
+    suspects = shop.suspects.get(addend)
+    return (lambda _: False) if suspects is None else suspects.spares
+
+
+def _with_symbols(shop: Workshop) -> Workshop:
+    """Return the workshop in which symbols of the note may have been lost or exchanged as well."""
+    line, have = shop.line, shop.palette
+    more = {a: symbol_options(line, a, have, _spares(shop, a)) for a in shop.offers}
+    offers = {a: sorted([*o, *more[a]], key=lambda o: o.weight) for a, o in shop.offers.items()}
+    return replace(shop, offers=offers)
 
 
 def _doubled(shop: Workshop) -> Workshop:
@@ -106,6 +139,7 @@ def _by_lexicon(shop: Workshop) -> Workshop:
 
 STAGES: tuple[tuple[Callable[[Workshop], Workshop], float], ...] = (
     (lambda shop: shop, 0.0),
+    (_with_symbols, 1.3),
     (_doubled, 1.4),
     (_widened, 2.0),
     (_by_lexicon, 2.0),
@@ -113,27 +147,20 @@ STAGES: tuple[tuple[Callable[[Workshop], Workshop], float], ...] = (
 """Where repairs are looked for, and what the best one weighs at least if the next is tried as well."""
 
 
-def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Drawn, Drawn]]:
-    """Yield models for a line: without more than is given, and one of each level."""
-    terms = [v.term for v in shop.values.values() if v is not None]
-    terms += [m.value.term for m in shop.line.members if m.value is not None]
-    return shop.line.models(given).levels(terms)
-
-
-def _ranked(shop: Workshop, given: tuple[str, ...]) -> list[Ranked]:
+def _ranked(shop: Workshop) -> list[Ranked]:
     """Return what holds in some world, by weight and by whether it holds without assumptions."""
     found: dict[object, Ranked] = {}
     wrong = shop.line
-    for number, (free, there) in enumerate(levels(shop, given)):
+    for number, (free, there) in enumerate(shop.levels):
         if found and min(r.cost for r in found.values()) < 1.0 + number * ENOUGH:
             break
         for candidate in shop.candidates(there):
             tree = repaired(wrong, candidate)
-            extra = 0.0 if _holds_in(shop, free, candidate) else 0.6 + 0.5 * number
+            extra = 0.0 if _holds_in(shop, free, candidate) else ASSUMED + SPECIAL * number
             key = _alike(shop, free, candidate) or tree
             better = key not in found or found[key].cost > candidate.weight + extra
             if better and not trivial(shop, tree, (free, there), candidate):
-                found[key] = Ranked(candidate, tree, candidate.weight + extra, there)
+                found[key] = Ranked(candidate, tree, extra, there)
     return sorted(found.values(), key=lambda r: r.cost)
 
 
@@ -146,16 +173,18 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     own = [n for n in have.symbols if n in have.written]
     known = partial(remains, wrong, own, tuple(given)) if equal else tuple
     shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known), have)
-    at_fault = _suspects(shop, tuple(given))
-    spared = {a: (at_fault[a].spares,) if a in at_fault else () for a in addends}
-    return replace(shop, offers={a: options(wrong, a, have, *spared[a]) for a in addends})
+    terms = [v.term for v in values.values() if v is not None]
+    terms += [m.value.term for m in wrong.members if m.value is not None]
+    shop = replace(shop, levels=Remembered(wrong.models(given).levels(terms)))
+    shop = replace(shop, suspects=_suspects(shop))
+    return replace(shop, offers={a: options(wrong, a, have, _spares(shop, a)) for a in addends})
 
 
-def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
+def _suspects(shop: Workshop) -> dict[Addend, Suspects]:
     """Return the cells of tables that may be at fault, by the terms of a line."""
     if not any(isinstance(n, Matrix) for a in shop.values for n in walk(a.node)):
         return {}
-    models = [m for both in levels(shop, given) for m in both]
+    models = [m for both in shop.levels for m in both]
     apart = [
         a for a, v in shop.values.items() if any(by_cells(shop.line, m, a, v) for m in models[:1])
     ]

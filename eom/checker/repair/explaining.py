@@ -29,7 +29,7 @@ from eom.checker.read.syntax import Addition, Matrix, Missing, Node
 from eom.checker.read.tokens import tokenize
 from eom.checker.read.writing import latex
 from eom.checker.repair.candidates import Candidate, Workshop, leftover
-from eom.checker.repair.corrections import Verified, corrections, levels, workshop
+from eom.checker.repair.corrections import Verified, corrections, workshop
 from eom.checker.repair.counterexample import counterexample
 from eom.checker.repair.lines import Line, line, penalty
 from eom.checker.repair.orders import between_scalars, unordered
@@ -60,7 +60,7 @@ def explain(
     found = corrections(understood, shop, given, stated)
     ranked = found[0].ranked if found else None
     candidate = ranked.candidate if ranked is not None else None
-    model = ranked.model if ranked is not None else next((p for _, p in levels(shop, given)), None)
+    model = ranked.model if ranked is not None else next((p for _, p in shop.levels), None)
     return Explanation(
         residual=leftover(shop, candidate, model) if model is not None else "",
         blamed=blamed(wrong, candidate) if candidate is not None else places,

@@ -634,15 +634,15 @@ def edits(
     node: Node,
     palette: Palette,
     spared: Callable[[Path], bool] = _everywhere_tried,
-    many: bool = True,
+    kinds: tuple[bool, ...] = (False, True),
 ) -> list[Edit]:
     """Return the slips undone in a tree, one each, and those of one kind at all equal places.
 
-    ``spared``: says at which places nothing need be tried; ``many``: whether also slips that offer
-    something for every symbol of the note are undone.
+    ``spared``: says at which places nothing need be tried; ``kinds``: whether slips are undone that offer
+    something for every symbol of the note, and others.
     """
     found: dict[Node, Edit] = {}
-    for edit in _single(node, palette, spared, (False, True) if many else (False,)):
+    for edit in _single(node, palette, spared, kinds):
         _keep(found, edit, node)
         if len(found) >= MAX_EDITS:
             return _sorted(found)

@@ -8,7 +8,7 @@ undone in each of them apart, however many there are; a table of nine sums has t
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eom.checker.judge.models import Drawn
@@ -233,22 +233,44 @@ def _offers(
     have: Palette,
 ) -> list[Offer]:
     """Return what a cell may have been meant to be, one of each kind of slip, the likeliest first."""
-    old, number = at(found.table.node, (("rows", cell),)), wanted[cell]
+    number = wanted[cell]
     kinds: dict[str, Offer] = {}
     for weight_, change, new in _cheap(found, cell, number):
         kinds.setdefault(change.slip.name, (weight_, change, new))
-    if not kinds and len(wanted) <= FEW:
-        for edit in edits(old, have):
-            value = worth(pools.line, edit.tree) if edit.slip.name not in kinds else None
-            if value is not None and model.scalar(value.term) == number:
-                kinds[edit.slip.name] = (edit.weight, edit.first, edit.tree)
-    if not kinds:
-        pieces = _entry(pools, model, found.table.node, cell, number - found.numbers[cell])
-        if pieces is not None:
-            new = _added(old, pieces)
-            text = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
-            kinds[LOST.name] = (weight(pieces), Change(LOST, old, new, added=text), new)
+    for way in (_undone((False,)), _lost, _undone((True,))):
+        if not kinds and (len(wanted) <= FEW or way is _lost):
+            for offer in way(pools, model, found, cell, number, have):
+                kinds.setdefault(offer[1].slip.name, offer)
     return sorted(kinds.values(), key=lambda o: o[0])
+
+
+_Try = Callable[[Pools, Drawn, Cells, Cell, int, Palette], Iterator[Offer]]
+
+
+def _undone(kinds: tuple[bool, ...]) -> _Try:
+    """Return what yields a cell with a slip undone."""
+
+    def offers(
+        pools: Pools, model: Drawn, found: Cells, cell: Cell, number: int, have: Palette
+    ) -> Iterator[Offer]:
+        for edit in edits(at(found.table.node, (("rows", cell),)), have, kinds=kinds):
+            value = worth(pools.line, edit.tree)
+            if value is not None and model.scalar(value.term) == number:
+                yield edit.weight, edit.first, edit.tree
+
+    return offers
+
+
+def _lost(
+    pools: Pools, model: Drawn, found: Cells, cell: Cell, number: int, _: Palette
+) -> Iterator[Offer]:
+    """Yield a cell with the terms added that it lacks."""
+    pieces = _entry(pools, model, found.table.node, cell, number - found.numbers[cell])
+    if pieces is not None:
+        old = at(found.table.node, (("rows", cell),))
+        new = _added(old, pieces)
+        text = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
+        yield weight(pieces), Change(LOST, old, new, added=text), new
 
 
 def _cheap(found: Cells, cell: Cell, number: int) -> Iterator[Offer]:
