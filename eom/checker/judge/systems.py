@@ -289,7 +289,8 @@ class Solutions(Models):
         with suppress(Singular, InputError):
             one = len(failing) == 1
             over = residual(self.model.system, failing[0], self.held) if one else None
-            factors = [] if over is None else sorted(_vanishing(over), key=_size)
+            plainly = [] if over is None else [self.model.system.expand(over)]
+            factors = sorted((f for e in plainly for f in _vanishing(e)), key=_size)
             still = {q.symbol for q in self.model.system.parameters}
             angles = {q.symbol for q in self.model.system.states if q.unit == "rad"}
             plain = [f for f in factors if f.free_symbols <= still or f.free_symbols <= angles]
@@ -389,12 +390,12 @@ def _inside(expression: Expr) -> Iterator[Expr]:
 
 
 def _vanishing(residual: Expr) -> Iterator[Expr]:
-    """Yield the factors of a residual that may be zero: sums of both signs, sines and cosines."""
+    """Yield the factors of a residual that may be zero while no term is: sums of both signs."""
     above = sp.fraction(sp.together(residual))[0]
     for factor, _ in sp.factor_list(above)[1]:
         terms = sp.Add.make_args(factor)
         signs = {t.could_extract_minus_sign() for t in terms}
-        if len(signs) > 1 or isinstance(factor, sp.sin | sp.cos):
+        if len(signs) > 1:
             yield factor
 
 
