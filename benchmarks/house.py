@@ -25,7 +25,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 414,
-    "lines of code": 76_000,
+    "lines of code": 76_040,
     "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
