@@ -24,8 +24,8 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 419,
-    "lines of code": 77_600,
+    "modules": 421,
+    "lines of code": 78_800,
     "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,

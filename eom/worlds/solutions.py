@@ -92,13 +92,15 @@ class Restriction:
 
     ``equal``: pairs of parameters, the second takes the value of the first; ``zero``: parameters,
     inputs and states that are zero at all times; ``held``: what is constant at all times, by the speeds,
-    loads and parameters that it takes; ``rest``: whether states are zero that few motions keep so.
+    loads and parameters that it takes; ``now``: of which derivative this is so, and at the start alone,
+    0 for all; ``rest``: whether states are zero that few motions keep so.
     """
 
     name: str
     equal: tuple[tuple[Expr, Expr], ...] = ()
     zero: tuple[Expr, ...] = ()
     held: tuple[Expr, ...] = ()
+    now: int = 0
     rest: bool = False
 
 
@@ -246,13 +248,13 @@ def _on_constraint(m: Motion, vanish: Iterable[Expr], states: set[Expr]) -> dict
 
 def _hold(m: Motion) -> None:
     """Give speeds, loads and parameters values by which what is held is constant, order by order."""
-    held = [e for r in m.restrictions for e in r.held]
+    held = [(e, r.now) for r in m.restrictions for e in r.held]
     free = list(_slots(m)) if held else []
     m.generator.shuffle(free)  # others with each seed: there may be several such motions
-    for e in held:
-        for n in range(1, m.length):
+    for e, now in held:
+        for n in [now] if now else range(1, m.length):
             if m.series(e).coefficients[n]:
-                slot = next((s for s in free if _balanced(m, e, n, *s)), None)
+                slot = next((s for s in free if _balanced(m, e, n, *s, 1 if now else n)), None)
                 if slot is None:
                     raise Inconsistent
                 free.remove(slot)
@@ -271,8 +273,8 @@ def _slots(m: Motion) -> Iterator[tuple[Expr, int]]:
     yield from ((q.symbol, 0) for q in others)
 
 
-def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int) -> bool:
-    """Choose a number on which a coefficient depends linearly so that it and those before are zero."""
+def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int, before: int) -> bool:
+    """Choose a number on which a coefficient depends linearly so that it is zero, as some before it."""
     old = m.start.get(symbol, m.given[symbol])
 
     def at(value: int) -> int:
@@ -289,7 +291,7 @@ def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int) -> bool:
         slope = (one - nought) % PRIME
         if slope and (two - one - slope) % PRIME == 0:
             left = at(-nought * RESIDUES.inverse(slope) % PRIME)
-            if not left and not any(m.series(e).coefficients[1:n]):
+            if not left and not any(m.series(e).coefficients[1:before]):
                 return True
     if isinstance(old, Series):
         m.given[symbol] = old
@@ -302,7 +304,7 @@ def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int) -> bool:
 def _keeps(m: Motion) -> None:
     """Raise `Inconsistent` where the motion does not keep what is assumed of it."""
     zero = {s for r in m.restrictions for s in r.zero}
-    held = [e for r in m.restrictions for e in r.held]
+    held = [e for r in m.restrictions for e in r.held if not r.now]
     moved = any(not m.series(e).derivative().is_zero for e in held)
     if moved or any(not m.given[s].is_zero for s in m.start if s in zero):
         raise Inconsistent

@@ -58,6 +58,14 @@ CLAIMS = {
     "O_at_origin": is_zero(position("O")),
     "principal_axes": is_zero(dot(B1, dot(J, B2))),
     "symmetric": Equation(dot(B1, dot(J, B1)), dot(B2, dot(J, B2))),
+    "symmetric_1": Equation(dot(B2, dot(J, B2)), dot(B3, dot(J, B3))),
+    "symmetric_2": Equation(dot(B3, dot(J, B3)), dot(B1, dot(J, B1))),
+    "principal_at_O": is_zero(dot(B1, dot(quantity("inertia", "O"), B2))),
+    "O_uniform": is_zero(der(velocity("O"))),
+    "fixed_axis": is_zero(cross(der(omega()), omega())),
+    "steady_turn": is_zero(der(omega())),
+    "plane_body": is_zero(dot(B3, position("i", "O"))),
+    "steady_rotors": is_zero(der(quantity("rotor_speed", "k"))),
     "torque_free": is_zero(TORQUE),
     "A_fixed_in_body": is_zero(der(position("i", "j"), "A")),
     "thin_rod": is_zero(cross(position("i", "C"), position("j", "C"))),
@@ -70,7 +78,11 @@ ALONG = {
     "third_law_strong": ("third_law_weak",),
     "body_frame": ("rigid",),
     "principal_axes": ("body_frame",),
-    "symmetric": ("principal_axes",),
+    **dict.fromkeys(("symmetric", "symmetric_1", "symmetric_2"), ("principal_axes",)),
+    "principal_at_O": ("body_frame", "O_fixed_in_body"),
+    "plane_body": ("body_frame", "O_fixed_in_body"),
+    "steady_turn": ("fixed_axis",),
+    "steady_rotors": ("rotors",),
     "torque_free": ("body_frame", "newton_2", "third_law_strong", "constant_mass"),
     "A_fixed_in_body": ("body_frame",),
     "thin_rod": ("body_frame",),
@@ -271,6 +283,7 @@ def test_a_seed_makes_the_same_world_and_another_one_does_not():
 def test_sizes_differ_between_worlds():
     assert len({len(w.masses) for w in worlds((), 8)}) > 1
     assert len({len(w.rotors) for w in worlds(["rotors"], 8)}) > 1
+    assert {len(w.rotors) for w in worlds(["one_rotor"], 8)} == {1}
     assert all(len(w.masses) == 1 for w in worlds(["one_particle"], 3))
 
 

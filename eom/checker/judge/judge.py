@@ -25,6 +25,7 @@ from eom.checker.judge.scalars import Scalars
 from eom.checker.judge.systems import Solutions, on_solutions
 from eom.checker.mean.claims import DEFINITION, SAME_POINT, STATEMENT, Claim
 from eom.errors import InputError
+from eom.limits import Overdue
 from eom.terms.terms import Term
 
 HOLDS, UNDER, WRONG, UNDECIDED = "holds", "holds under", "wrong", "undecided"
@@ -103,6 +104,19 @@ def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) 
         return Judgement(UNDER, (shown,), context, complete=False)
     except InputError as error:
         return Judgement(UNDECIDED, reason=str(error))
+
+
+def rarely(claim: Claim, given: Iterable[str] = ()) -> tuple[tuple[str, ...], ...]:
+    """Return the smallest sets with assumptions that are tried last, of a claim judged in worlds."""
+    models = Worlds(claim, claim.scalars, tuple(given))
+    search = Search(models)
+    try:
+        context, base = search.base
+        found = [s - base for s in models.rarest(search, base)]
+    except (InputError, Overdue):
+        return ()
+    smallest = (s for s in found if not any(t < s for t in found))
+    return tuple(sorted((models.shown(s | models.own(context)) for s in smallest), key=models.rank))
 
 
 def _at_base(search: Search) -> Judgement | None:

@@ -476,9 +476,27 @@ class Worlds(Models):
         return False
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
-        """Yield smallest sets below every largest one."""
+        """Yield smallest sets below every largest one; with rare ones where there are no others."""
+        names = [n for n in self._applicable() if n not in RARE]
+        rows = (names[k:] + names[:k] for k in range(len(names)))
+        found = False
+        for inside in self._below(search, base, rows):
+            found = True
+            yield inside
+        if not found:
+            yield from self.rarest(search, base)
+
+    def rarest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
+        """Yield smallest sets with assumptions that are tried last, as `smallest` does."""
         names = self._applicable()
+        rare = [n for n in names if n in RARE]
         usual = [n for n in names if n not in RARE]
+        yield from self._below(search, base, ([name, *rare, *usual] for name in rare))
+
+    def _below(
+        self, search: Search, base: frozenset[str], rows: Iterable[list[str]]
+    ) -> Iterator[frozenset[str]]:
+        """Yield smallest sets below the largest ones, filled up in the order of each row."""
         found, seen = set[frozenset[str]](), set[frozenset[str]]()
 
         def below(names: frozenset[str]) -> Iterator[frozenset[str]]:
@@ -496,14 +514,10 @@ class Worlds(Models):
             for name in sorted(inside - base):
                 yield from below(self.without(names, name))
 
-        for first in range(len(usual)):
-            row = usual[first:] + usual[:first]
+        for row in rows:
             new = next((n for n in row if n not in base), "")
             if not new or new in filled(base, [new]):
                 yield from below(filled(base, row))
-        rare = [n for n in names if n in RARE and not found]
-        for name in (n for n in rare if n in filled(base, [n])):
-            yield from below(filled(base, [name, *rare, *usual]))
 
     def _applicable(self) -> list[str]:
         """Return the assumptions that say something of what the claim is about."""

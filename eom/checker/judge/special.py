@@ -111,20 +111,15 @@ def excused(
     Those of the set that has the fewest of them; none where a set does without. ``anyhow``: whether the
     note speaks of any motion here, so that special ones count as well.
     """
-    equal = {*stated, *(EQUAL if EQUAL & stated else ())}
     unsaid = [
         tuple(
             n
             for n in s
-            if n not in equal and (coincides(n, claim, names) or (anyhow and moves(n, claim)))
+            if n not in stated and (coincides(n, claim, names) or (anyhow and moves(n, claim)))
         )
         for s in found.sets
     ]
     return min(unsaid, key=len, default=())
-
-
-EQUAL = frozenset({"symmetric", "symmetric_1", "symmetric_2"})
-"""Assumptions that words on symmetry may mean."""
 
 
 def in_letters(name: str, claim: Claim, lexicon: Lexicon) -> str:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations, islice, pairwise
@@ -268,9 +268,31 @@ class Solutions(Models):
                 continue
             if len(held & chosen) > 1:
                 continue
-            if search.counts(chosen):
+            if search.counts(chosen) and self._lacks_no_speed(chosen):
                 found.append(chosen)
                 yield chosen
+
+    def _lacks_no_speed(self, names: frozenset[str]) -> bool:
+        """Return whether a claim holds where what is held only does not accelerate, for an instant.
+
+        What is missing in it is then an acceleration: it says how a steady motion is kept up. One that
+        lacks a speed describes the motion wrongly. What is said to be constant is looked at in steady ones.
+        """
+        if self.claim.kind == CONSTANT or not any(self.possible[n].held for n in names):
+            return True
+        units = {q.symbol: q.unit for q in self.model.system.states}
+        kept = tuple(
+            replace(r, name=f"{r.name} now", now=1 + (units.get(r.held[0]) in {"rad", "m"}))
+            if r.held
+            else r
+            for r in self.kept(names)
+        )
+        try:
+            drawn = list(islice(self.model.motions(kept, self.length, TRIES), ENOUGH))
+            apart = (m.series(a) - m.series(b) for m in drawn for a, b in self.said)
+            return bool(drawn) and not any(s.coefficients[0] for s in apart)
+        except (Inconsistent, Singular):
+            return False
 
     def empties(self, names: frozenset[str]) -> bool:
         """Return whether something that the claim writes vanishes under a set alone."""
@@ -294,13 +316,20 @@ class Solutions(Models):
         return "; ".join(filter(None, (self._slip(), held)))
 
     def case(self) -> str:
-        """Return the simplest special case in which the one equation that fails holds, "" for none."""
+        """Return the simplest special case in which the one equation that fails holds, "" for none.
+
+        It is one of parameters, or of angles.
+        """
         failing = [p for p in self.said if next(self._failing(p), None) is not None]
         with suppress(Singular, InputError):
             one = len(failing) == 1
             over = residual(self.model.system, failing[0], self.held) if one else None
-            factors = [] if over is None else sorted(_vanishing(over), key=_size)
-            least = min(factors, key=lambda f: len(f.free_symbols), default=None)
+            plainly = [] if over is None else [self.model.system.expand(over)]
+            factors = sorted((f for e in plainly for f in _vanishing(e)), key=_size)
+            still = {q.symbol for q in self.model.system.parameters}
+            angles = {q.symbol for q in self.model.system.states if q.unit == "rad"}
+            plain = [f for f in factors if f.free_symbols <= still or f.free_symbols <= angles]
+            least = min(plain, key=lambda f: len(f.free_symbols), default=None)
             return "" if least is None else f"${self._equated(least)}$"
         return ""
 
@@ -407,12 +436,12 @@ def _inside(expression: Expr) -> Iterator[Expr]:
 
 
 def _vanishing(residual: Expr) -> Iterator[Expr]:
-    """Yield the factors of a residual that may be zero: sums of both signs, sines and cosines."""
+    """Yield the factors of a residual that may be zero while no term is: sums of both signs."""
     above = sp.fraction(sp.together(residual))[0]
     for factor, _ in sp.factor_list(above)[1]:
         terms = sp.Add.make_args(factor)
         signs = {t.could_extract_minus_sign() for t in terms}
-        if len(signs) > 1 or isinstance(factor, sp.sin | sp.cos):
+        if len(signs) > 1:
             yield factor
 
 

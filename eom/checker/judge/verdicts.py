@@ -20,7 +20,16 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge, row_of
+from eom.checker.judge.judge import (
+    HOLDS,
+    UNDECIDED,
+    UNDER,
+    WRONG,
+    Judgement,
+    judge,
+    rarely,
+    row_of,
+)
 from eom.checker.judge.laws import own
 from eom.checker.judge.models import CHANCE, MODELS, Worlds, addends, equations
 from eom.checker.judge.notes import Understood
@@ -317,16 +326,18 @@ def meant(found: Judgement, claim: Claim, lexicon: Lexicon, given: Iterable[str]
         return found
     base = closure([*given, *found.context])
     strange = {m for m in _BEGINS if m not in base and not _named(lexicon, _BEGINS[m])}
-    kept = tuple(
-        s
-        for s in found.sets
-        if not strange & closure(s)
-        and not any(_empties(claim, q, base, s) for q in equations(claim))
-        and not _silences(claim, base, s)
-    )
-    if kept:
-        return replace(found, sets=kept)
-    return replace(found, verdict=WRONG, sets=())
+
+    def kept(sets: Iterable[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
+        return tuple(
+            s
+            for s in sets
+            if not strange & closure(s)
+            and not any(_empties(claim, q, base, s) for q in equations(claim))
+            and not _silences(claim, base, s)
+        )
+
+    sets = kept(found.sets) or kept(rarely(claim, given))
+    return replace(found, verdict=UNDER if sets else WRONG, sets=sets)
 
 
 def _named(lexicon: Lexicon, begins: str) -> bool:

@@ -109,6 +109,7 @@ APPROXIMATE: tuple[tuple[str, str], ...] = (
 
 ANY_MOTION: tuple[tuple[str, str], ...] = (
     ((r"\barbitrar(?:y|ily)\b|\bchanging\b|\bvar(?:y|ies|ying)\b|\bspeeds? up\b|\bslows? down\b|"
+      r"\bgeneral (?:\w+ )?motion|\btime[- ]varying\b|\bnon-?uniform\w*|\bunsteady\b|"
       r"\b(?:may|can|will) (?:change|vary|accelerate)|\bnot constant\b"), PARAGRAPH),
 )  # fmt: skip
 """Words after which a motion is any, so that no special one is meant, and how far they reach."""

@@ -83,7 +83,9 @@ def claims_of(note):
 
 
 def test_each_link_of_a_chain_is_judged_as_within_it():
-    (claim,) = claims_of(PLATE + r"$$\sigma a^3 = a^3\sigma = \int_0^a \sigma x^2\,dx$$")
+    (claim,) = claims_of(
+        r"With $a$ and $\sigma$ $$\sigma a^3 = a^3\sigma = \int_0^a \sigma x^2\,dx$$"
+    )
     assert judge(claim).verdict == "wrong"
     assert [link.verdict for _, _, link in judge_chain(claim).links] == ["holds", "wrong"]
 

@@ -209,3 +209,21 @@ def test_free_scalars_swallow_no_claim(found):
     ((line,), _) = found(r"$$\nu = \nu_0 = \text{const}$$", ROTORS)
     assert line.verdict == "holds under"
     assert "steady_rotors" in line.sets[0]
+
+
+def test_a_line_that_lacks_a_speed_means_no_steady_motion(found):
+    lines = [
+        r"T = \tfrac12 A\dot\psi^2\sin^2\theta + \tfrac12 C s^2",
+        r"p_1 = \dot\psi\sin\theta\sin\chi",
+    ]
+    displays, _ = found("\n\n".join(f"$${line}$$" for line in lines), TOP)
+    assert [f.verdict for f in displays] == ["wrong"] * 2
+
+
+def test_a_factor_that_vanishes_is_the_special_case(found):
+    slip = r"$$A\dot p_1 = (A - C)p_2 s + P g h\sin\theta\sin\chi$$"
+    ((line,), _) = found(slip, TOP)
+    assert (line.verdict, line.special) == (
+        "wrong",
+        r"$\cos{\left(\chi \right)} = \sin{\left(\chi \right)}$",
+    )
