@@ -25,7 +25,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 416,
-    "lines of code": 76_700,
+    "lines of code": 76_750,
     "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
