@@ -254,7 +254,8 @@ def _of_solid(
 ) -> Understood:
     """Return a formula about the solid that the words beside it name, by the reading that suits it best.
 
-    A formula that the words make nothing of, or whose lexicon names a system, stays as it is.
+    A formula that the words make nothing of, or whose lexicon names a system, stays as it is; so does what
+    holds in no reading where the words leave it open, or are about several solids.
     """
     formula, best, most = general.formula, general, -1
     if formula.reading is None or context.lexicon.system is not None:
@@ -267,7 +268,7 @@ def _of_solid(
             if not about or _left(new) > _left(general):
                 break
             count = sum(map(agreeing, about))
-            if sure and count > most:
+            if sure and len(said) == 1 and count > most:
                 best, most = new, count
             if all(agreeing(c) == len(c.members) - 1 for c in about):
                 return new

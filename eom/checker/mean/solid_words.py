@@ -510,7 +510,8 @@ def readings(lexicon: Lexicon, said: Beside, tree: Node) -> Iterator[tuple[Lexic
     points = _points(name, said.near) or [CENTRE, *SOLIDS[name].points]
     text = f"{said.note}\n{said.words}\n{said.near}"
     labelled = _present({**_called(name), **_labels(name, lexicon, text)}, here)
-    unknown = _unexplained(here, labelled)
+    bodies = {g.sub[-1] for _, looks, _ in _letters(said.words) for g in looks if g.sub}
+    unknown = _unexplained(here, labelled, bodies)
     letters = sorted({g.look.name for g in here} & _INERTIAS)
     ways = product(_equalities(said), _lying(name, said.words), points, _about(said.near))
     for equal, lying, point, axis in islice(ways, MAX_READINGS):
@@ -549,11 +550,18 @@ _KINDS: dict[Labels, tuple[int, ...]] = {
 """Labels of moments about axes along and across that of the solid: spin, axial, polar; transverse."""
 
 
-def _unexplained(here: Iterable[Seen], known: Container[Labels]) -> dict[Labels, str]:
-    """Return labels of moments that no words explain, of one letter: of any point, or of an axis."""
+def _unexplained(
+    here: Iterable[Seen], known: Container[Labels], bodies: Container[str]
+) -> dict[Labels, str]:
+    """Return labels of moments that no words explain: a letter of any point or axis, numbers of bodies.
+
+    ``bodies``: labels of masses and sizes, which number bodies and not axes.
+    """
     moments = [g for g in here if g.look.name in _INERTIAS]
     found = [c for g in moments for c in (g.look.sub, *map(labels, g.raised)) if len(c) == 1]
-    return {c: "" for c in found if c not in known and (c[0].isupper() or c in _KINDS)}
+    return {
+        c: "" for c in found if c not in known and (c[0].isupper() or c in _KINDS or c[0] in bodies)
+    }
 
 
 def _within(part: Labels, whole: Labels) -> bool:
