@@ -116,21 +116,21 @@ def understand(
         display = piece.kind == "display"
         titles = tuple(h[1] for h in headings)
         here = scoped.at(titles, piece.source, piece.span.start)
-        formula = read_piece(piece, previous if display else ())
-        known, earlier = dict(definitions), previous
+        known, earlier = dict(definitions), previous if display else ()
+        formula = read_piece(piece, earlier)
         new_names = brings(document.pieces, number, role, new_names)
         known |= named_here.at(titles)
         scalars = Scalars(letters, relations.at(titles), new_names)
         context = _Context(here, known, before if display else (), scalars)
-        general = _timely(formula, previous if display else (), context, seconds)
-        new = _of_solid(solids.get(number), general, previous if display else (), context, seconds)
+        general = _timely(formula, earlier, context, seconds)
+        new = _of_solid(solids.get(number, ()), general, earlier, context, seconds)
         if display:
             previous, before = new.formula.statements, new.claims
         if new_names:
             named_here.add(titles, new.claims)
         definitions |= _lasting(new.claims, new.lexicon, new_names)
         relations.add(titles, general.claims)
-        around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
+        around = Around(known, context.before, earlier, (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
     return _finished(found)
 
@@ -250,7 +250,7 @@ def _decided(claim: Claim) -> bool:
 
 
 def _of_solid(
-    said: Beside | None,
+    said: tuple[Beside, ...],
     general: Understood,
     previous: tuple[Statement, ...],
     context: _Context,
@@ -258,23 +258,24 @@ def _of_solid(
 ) -> Understood:
     """Return a formula about the solid that the words beside it name, by the reading that suits it best.
 
-    A formula that the words make nothing of, or whose lexicon names a system, stays as it is.
+    A formula that the words make nothing of, or whose lexicon names a system, stays as it is; so does what
+    holds in no reading where the words leave it open, or are about several solids.
     """
     formula, best, most = general.formula, general, -1
-    if said is None or formula.reading is None or context.lexicon.system is not None:
+    if formula.reading is None or context.lexicon.system is not None:
         return general
-    if not said.concerns(formula.reading.tree):
-        return general
-    for lexicon in readings(context.lexicon, said, formula.reading.tree):
-        new = _timely(formula, previous, replace(context, lexicon=lexicon), seconds)
-        about = [c for c in new.claims if _decided(c)]
-        if not about or _left(new) > _left(general):
-            break
-        count = sum(map(agreeing, about))
-        if count > most:
-            best, most = new, count
-        if all(agreeing(c) == len(c.members) - 1 for c in about):
-            break
+    tree = formula.reading.tree
+    for one in (s for s in said if s.concerns(tree)):
+        for lexicon, sure in readings(context.lexicon, one, tree):
+            new = _timely(formula, previous, replace(context, lexicon=lexicon), seconds)
+            about = [c for c in new.claims if _decided(c)]
+            if not about or _left(new) > _left(general):
+                break
+            count = sum(map(agreeing, about))
+            if sure and len(said) == 1 and count > most:
+                best, most = new, count
+            if all(agreeing(c) == len(c.members) - 1 for c in about):
+                return new
     return best
 
 

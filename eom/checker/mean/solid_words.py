@@ -9,7 +9,7 @@ what a lexicon says of a system goes before all words.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import islice, product
@@ -108,7 +108,7 @@ POINTS: tuple[tuple[str, tuple[str, ...]], ...] = (
 )  # fmt: skip
 """Words for points, and the names that they may have among those of a solid."""
 
-_ROUND_CENTRES = frozenset({"hemisphere", "hemispherical shell"})
+_ROUND_CENTRES = frozenset({"hemisphere", "hemispherical shell", "semicircular disc"})
 """Solids whose centre, in words, is that of their base."""
 _AXES: tuple[tuple[str, tuple[int, ...]], ...] = (
     (r"perpendicular to (?:its|the) (?:plane|face|plate|dis[ck])", (2,)),
@@ -117,7 +117,7 @@ _AXES: tuple[tuple[str, tuple[int, ...]], ...] = (
     (r"(?:its|own|symmetry|long|longitudinal|polar) axis|axis of (?:symmetry|revolution)", (2,)),
 )  # fmt: skip
 """Words for the axis of a moment of inertia that has no label, and that axis of the solid."""
-_CENTRAL = ("C", "G", "S", "cm", "CM", "com", "COM", "c", "s", "centre", "center")
+_CENTRAL = ("C", "G", "S", "cm", "CM", "com", "COM", "c", "centre", "center")
 """Usual labels of the centre of mass."""
 _UNTURNED = frozenset("box ellipsoid sphere tetrahedron".split()) | {
     "hollow sphere", "spherical shell", "triangular prism"
@@ -147,6 +147,15 @@ class Beside:
         tried = [(name, _sizes(name, self.words)) for name in self.noun.solids]
         return max(tried, key=lambda t: len(t[1]))
 
+    @property
+    def edges(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The edges or semi-axes that have letters, and those that have none and equal no other."""
+        name, letters = self.sizes
+        own = [s for s in SOLIDS[name].sizes if s in "abc"]
+        with_letter = {s for s, _ in letters.values()}
+        missing = (s for s in own if s not in with_letter and s not in self.noun.equal)
+        return tuple(s for s in own if s in with_letter), tuple(missing)
+
     def concerns(self, tree: Node) -> bool:
         """Tell whether a formula is about the solid: words near it say so, or it has a size of it."""
         if self.named:
@@ -159,23 +168,25 @@ _BREAK = re.compile(r"\n[ \t]*\n|\n(?=\s*(?:\||[-*+]\s|\d+\.\s|\\item))")
 _WHERE = re.compile(r"\s*,?\s*(?:where|with|here)\b", re.IGNORECASE)
 
 
-def beside(pieces: Sequence[Piece]) -> dict[int, Beside]:
-    """Return what the words say of the solid of each formula, by the number of its piece."""
-    found: dict[int, Beside] = {}
+def beside(pieces: Sequence[Piece]) -> dict[int, tuple[Beside, ...]]:
+    """Return what the words say of the solid of each formula, by the number of its piece.
+
+    Where they name several, each of them is there.
+    """
+    found: dict[int, tuple[Beside, ...]] = {}
     parts, whole = _paragraphs(pieces), "".join(map(_text, pieces))
-    current, near = None, ""
+    current: _Current = ()
+    near = ""
     for k, (kind, text, numbers) in enumerate(parts):
         if kind == "display":
             after = parts[k + 1].text if k + 1 < len(parts) else ""
-            if current is not None:
-                more = after if _WHERE.match(after) else ""
-                found[numbers[0]] = _beside(current, f"{near}\n{more}", whole)
+            more = after if _WHERE.match(after) else ""
+            found[numbers[0]] = _beside(current, f"{near}\n{more}", whole)
             near = ""
             continue
-        near, current = (text, None) if kind == "heading" else (f"{near}\n{text}", current)
+        near, current = (text, ()) if kind == "heading" else (f"{near}\n{text}", current)
         current = _named(text, current)
-        if current is not None:
-            found |= dict.fromkeys(numbers, _beside(current, text, whole))
+        found |= dict.fromkeys(numbers, _beside(current, text, whole))
     return found
 
 
@@ -187,28 +198,46 @@ class _Part(NamedTuple):
     numbers: tuple[int, ...] = ()
 
 
-_Current = tuple[Noun, str]
+_Current = tuple[tuple[Noun, str], ...]
+"""Solids that are named, each with the words about it."""
+_SMALL = "the|its|this|has|have|of|is|are|with|and|in|on|at|to|by|from|about"
+_ARTICLE = re.compile(
+    rf"\b(?:an?|every|each)(?:\s+(?!(?:{_SMALL})\b)[\w-]+){{0,4}}\s*$", re.IGNORECASE
+)
 
 
-def _named(text: str, current: _Current | None) -> _Current | None:
-    """Return the solid that a paragraph is about: another one, or what is known of it with these words."""
-    noun = _first(text)
-    if noun is None:
-        return current
-    if current is not None and noun == current[0] and not _letters(text):
-        return noun, f"{current[1]}\n{text}"
-    return noun, text
+def _named(text: str, current: _Current) -> _Current:
+    """Return the solids that a paragraph is about: others, or what is known of one with these words."""
+    named = _mentions(text)
+    again = [(n, f"{words}\n{text}") for n, words in current if named and n == named[0][0]]
+    if again and not _letters(text):
+        return tuple(again)
+    return named or current
 
 
-def _beside(current: _Current, near: str, whole: str) -> Beside:
-    noun, words = current
-    return Beside(noun, f"{words}\n{near}", near, whole, _first(near) == noun)
+def _beside(current: _Current, near: str, whole: str) -> tuple[Beside, ...]:
+    named = {noun for noun, _ in _mentions(near)}
+    if len(current) == 1:
+        ((noun, words),) = current
+        return (Beside(noun, f"{words}\n{near}", near, whole, noun in named),)
+    return tuple(Beside(noun, words, words, whole, noun in named) for noun, words in current)
 
 
-def _first(text: str) -> Noun | None:
-    """Return the solid that a text names first."""
-    places = [(m.end(), k) for k, n in enumerate(NOUNS) if (m := n.pattern.search(text))]
-    return NOUNS[min(places)[1]] if places else None
+def _mentions(text: str) -> _Current:
+    """Return the solids that a text brings in by an article, each with the words up to the next; else one.
+
+    Without an article it is the first that is named, with all words.
+    """
+    found: dict[int, tuple[int, int]] = {}
+    for k, noun in enumerate(NOUNS):
+        for match in noun.pattern.finditer(text):
+            found.setdefault(match.end(), (match.start(), k))
+    places = [found[end] for end in sorted(found)]
+    brought = [p for p in places if _ARTICLE.search(text[max(0, p[0] - 60) : p[0]])]
+    if len({k for _, k in brought}) < 2:
+        return tuple((NOUNS[k], text) for _, k in (brought or places)[:1])
+    stops = [start for start, _ in brought[1:]] + [len(text)]
+    return tuple((NOUNS[k], text[a:b]) for (a, k), b in zip(brought, stops, strict=True))
 
 
 def _paragraphs(pieces: Sequence[Piece]) -> list[_Part]:
@@ -277,7 +306,11 @@ def _letters(text: str) -> list[tuple[str, list[Look], str]]:
         looks = (
             [multiple[1]]
             if multiple
-            else [g for g in _looks(match[1]) if (g.name, g.sub) not in {(c, ()) for c in "xyz"}]
+            else [
+                g
+                for g in _looks(match[1].partition("=")[0])
+                if (g.name, g.sub) not in {(c, ()) for c in "xyz"}
+            ]
         )
         start = matches[k - 1].end() if k else 0
         before = text[start : match.start()]
@@ -305,10 +338,22 @@ def _sizes(name: str, text: str) -> dict[str, tuple[str, Expr]]:
         for words in (before, re.split(r"[,.;]|\band\b", behind)[0]):
             sizes = _sized(name, words, {s for s, _ in found.values()})
             if sizes:
-                pairs = zip((g.text for g in looks), sizes, strict=False)
+                pairs = _paired([g.text for g in looks], sizes)
                 found |= {t: (s, f * factors.get(t, 1)) for t, (s, f) in pairs}
                 break
     return found
+
+
+def _paired(
+    letters: Sequence[str], sizes: Sequence[tuple[str, Expr]]
+) -> Iterator[tuple[str, tuple[str, Expr]]]:
+    """Yield letters with sizes: edges with letters of their own names, all others in their order."""
+    own = {size: (size, factor) for size, factor in sizes if size in letters}
+    rest = iter([s for s in sizes if s[0] not in own])
+    for letter in letters:
+        size = own.get(letter) or next(rest, None)
+        if size is not None:
+            yield letter, size
 
 
 def _sized(name: str, words: str, taken: Iterable[str]) -> list[tuple[str, Expr]]:
@@ -326,8 +371,8 @@ def _said(words: str, text: str) -> list[Look]:
     """Return the letters that stand behind a word, or of which it is said behind them."""
     found = []
     for before, looks, after in _letters(text):
-        behind = re.split(r"[,.;]", after)[0] if _IS.match(after) else ""
-        if re.search(rf"\b{words}\W*$", before, re.IGNORECASE) or re.search(words, behind):
+        behind = rf"{_IS.pattern}\s+(?:(?!cent)\w+\s+){{0,2}}{words}\b"
+        if re.search(rf"\b{words}\W*$", before, re.IGNORECASE) or re.match(behind, after):
             found += looks
     return list(dict.fromkeys(found))
 
@@ -454,30 +499,38 @@ def _about(text: str) -> tuple[int, ...]:
 # -- readings --------------------------------------------------------------------------------------
 
 
-def readings(lexicon: Lexicon, said: Beside, tree: Node) -> Iterator[Lexicon]:
+def readings(lexicon: Lexicon, said: Beside, tree: Node) -> Iterator[tuple[Lexicon, bool]]:
     """Yield a lexicon of the solid for each reading of the words; what the lexicon says stays behind it.
 
-    ``tree``: the formula, whose letters and labels are the ones that get a meaning.
+    ``tree``: the formula, whose letters and labels are the ones that get a meaning. With each whether the
+    words leave so little open that what holds in no reading is wrong.
     """
     name, sizes = said.sizes
     here = tuple(g for n in walk(tree) if (g := seen(n)) is not None)
     points = _points(name, said.near) or [CENTRE, *SOLIDS[name].points]
-    labelled = _present({**_called(name), **_labels(name, lexicon, said.note)}, here)
+    text = f"{said.note}\n{said.words}\n{said.near}"
+    labelled = _present({**_called(name), **_labels(name, lexicon, text)}, here)
+    bodies = {g.sub[-1] for _, looks, _ in _letters(said.words) for g in looks if g.sub}
+    unknown = _unexplained(here, labelled, bodies)
     letters = sorted({g.look.name for g in here} & _INERTIAS)
-    ways = product(_lying(name, said.words), points, _about(said.near))
-    for lying, point, axis in islice(ways, MAX_READINGS):
-        model = _model(name, _pose(name, said.noun, sizes, lying), point)
-        known = {label: about or point for label, about in labelled.items()}
+    ways = product(_equalities(said), _lying(name, said.words), points, _about(said.near))
+    for equal, lying, point, axis in islice(ways, MAX_READINGS):
+        model = _model(name, _pose(equal, sizes, lying), point)
+        known = {label: about or point for label, about in {**unknown, **labelled}.items()}
         entries = {
             **_of_lexicon(lexicon, point),
             **_coordinates(),
             **_spelt(letters, known, point, _turned(lying, axis)),
-            **_letters_of(said, name, sizes, lying),
+            **_letters_of(said, equal, name, sizes, lying, {g.look for g in here}),
         }
         rows = tuple(_entry(look, what, model) for look, what in entries.items())
         plain = lexicon.without_system()
         own = {e.meaning.labels[0]: e.look.text for e in reversed(rows) if e.meaning.labels}
-        yield replace(plain, layers=(rows, *plain.layers), system=replace(model, letters=own))
+        here_alone = replace(plain, layers=(rows, *plain.layers))
+        yield (
+            replace(here_alone, system=replace(model, letters=own)),
+            not (unknown or said.edges[1]),
+        )
 
 
 _INERTIAS = frozenset("IJ")
@@ -488,6 +541,27 @@ def _present(known: Mapping[Labels, str], here: Iterable[Seen]) -> dict[Labels, 
     """Return the labels of points that some symbol of a formula has, above or as part of those below."""
     corners = {c for g in here for c in (*g.look.corners, *map(labels, g.raised))}
     return {k: p for k, p in known.items() if any(_within(k, c) for c in corners)}
+
+
+_KINDS: dict[Labels, tuple[int, ...]] = {
+    **dict.fromkeys((("s",), ("a",), ("p",)), (2,)),
+    **dict.fromkeys((("t",), ("d",)), (0, 1)),
+}
+"""Labels of moments about axes along and across that of the solid: spin, axial, polar; transverse."""
+
+
+def _unexplained(
+    here: Iterable[Seen], known: Container[Labels], bodies: Container[str]
+) -> dict[Labels, str]:
+    """Return labels of moments that no words explain: a letter of any point or axis, numbers of bodies.
+
+    ``bodies``: labels of masses and sizes, which number bodies and not axes.
+    """
+    moments = [g for g in here if g.look.name in _INERTIAS]
+    found = [c for g in moments for c in (g.look.sub, *map(labels, g.raised)) if len(c) == 1]
+    return {
+        c: "" for c in found if c not in known and (c[0].isupper() or c in _KINDS or c[0] in bodies)
+    }
 
 
 def _within(part: Labels, whole: Labels) -> bool:
@@ -505,12 +579,21 @@ def _model(name: str, pose: Pose, point: str) -> Model:
     return Model(solid_system(name, pose), name=name, body=pose.of(mass_properties(name, point)))
 
 
-def _pose(name: str, noun: Noun, sizes: Mapping[str, tuple[str, Expr]], lying: Lying) -> Pose:
+def _equalities(said: Beside) -> Iterator[dict[str, str]]:
+    """Yield edges that equal others: as the noun says, or those without letters some that have one."""
+    named, missing = said.edges
+    plain = {s: "a" for s in said.noun.equal if s in SOLIDS[said.sizes[0]].sizes}
+    yield plain
+    for others in product(named, repeat=len(missing)):
+        if missing:
+            yield {**plain, **dict(zip(missing, others, strict=True))}
+
+
+def _pose(equal: Mapping[str, str], sizes: Mapping[str, tuple[str, Expr]], lying: Lying) -> Pose:
     """Return how the solid lies, with sizes that are measured by others."""
     parts = {s: (f, sp.Symbol(_part(s), positive=True)) for s, f in sizes.values() if f != 1}
     changed = [(s, f * part) for s, (f, part) in parts.items()]
-    equal = noun.equal if set(noun.equal) <= set(SOLIDS[name].sizes) else ()
-    changed += [(s, sp.Symbol("a", positive=True)) for s in equal]
+    changed += [(s, sp.Symbol(other, positive=True)) for s, other in equal.items()]
     more = [Quantity(part, "m", "measure of a size") for _, part in parts.values()]
     if lying.angle is not None:
         more.append(Quantity(sp.Symbol("angle", real=True), "rad", "angle"))
@@ -522,20 +605,33 @@ def _part(size: str) -> str:
     return f"{size}_measure"
 
 
+_AMOUNTS = (("mass", ("m", "M")), ("density", ("rho", "varrho", "sigma", "lambda")))
+
+
 def _letters_of(
-    said: Beside, name: str, sizes: Mapping[str, tuple[str, Expr]], lying: Lying
+    said: Beside,
+    equal: Container[str],
+    name: str,
+    sizes: Mapping[str, tuple[str, Expr]],
+    lying: Lying,
+    here: Container[Look],
 ) -> dict[Look, str]:
-    """Return the letters of sizes, mass, density and angle; usual ones where the words have none."""
+    """Return the letters of sizes, mass, density and angle; usual ones where the words have none.
+
+    ``here``: the symbols of the formula; of several that may be the mass none is.
+    """
     looks = {g.text: g for _, gs, _ in _letters(said.words) for g in gs}
     found = {looks[t]: s if f == 1 else _part(s) for t, (s, f) in sizes.items()}
     for size in SOLIDS[name].sizes:
-        if size not in {s for s, _ in sizes.values()} and size not in said.noun.equal:
+        if size not in {s for s, _ in sizes.values()} and size not in equal:
             usual = (Look(w.lstrip("\\").partition("_")[0], sub=tuple(w.partition("_")[2]))
                      for w in SPELLINGS.get(size, (size,)))  # fmt: skip
             found |= {g: size for g in usual if g not in found}
-    for word, usual_one, quantity in (("mass", "m", "mass"), ("density", "rho", "density")):
-        own = _said(word, said.words) or _said(word, said.note)
-        found |= dict.fromkeys(own[:1] or [Look(usual_one)], quantity)
+    for word, usual_ones in _AMOUNTS:
+        own = [g for g in _said(word, said.words) if g not in found]
+        named = [*_said(word, said.note), *map(Look, usual_ones)]
+        shown = dict.fromkeys(g for g in named if g in here and g not in found)
+        found |= dict.fromkeys(own[:1] or (shown if len(shown) == 1 else ()), word)
     if lying.angle is not None:
         found[lying.angle] = "angle"
     return found
@@ -572,7 +668,9 @@ def _spelt(
                     found.setdefault(look, _element(i, j, about))
         for sub, sup in _placed(label)[:2]:
             plain = Look(letter, sub=sub[0], sup=sup)
-            found.setdefault(plain, _element(axis, axis, about))
+            possible = _KINDS.get(label, (axis,))
+            along = axis if axis in possible else possible[0]
+            found.setdefault(plain, _element(along, along, about))
             found.setdefault(replace(plain, style="bold"), _matrix(letter, about))
     return found
 

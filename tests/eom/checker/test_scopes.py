@@ -206,6 +206,20 @@ CATALOGUE = {
         "holds",
     r"A rod of mass $m$ and length $s$ is tilted by $\theta$ from the $x$ axis towards the $y$ axis: "
     r"$$I_{xx} = \frac1{12} m s^2\cos^2\theta$$": "wrong",
+    r"A disc has the mass $m_1$ and the radius $r_1$. $$I_1 = \frac12 m_1 r_1^2$$": "holds",
+    r"A pyramid of height $H$ has a square base of side $a$. About its axis $$I_{zz} = \frac1{10} m a^2$$":
+        "holds",
+    r"A spheroid has the semi-axes $a$ and $c$ along $x$ and $z$: $$I_3 = \frac25 m a^2$$": "holds",
+    r"A wheel is a disc of mass $m_w$, radius $r_w$: $$I_s = \frac12 m_w r_w^2,\ I_t = \frac14 m_w r_w^2$$":
+        "holds",
+    r"A bar $OA$ of length $2a$ and mass $m$ is pinned at $O$. $$I_O = \frac43 m a^2$$": "holds",
+    r"A bar $OA$ of length $2a$ and mass $m$ is held at $Q$. $$I_Q = \frac23 m a^2$$": "undecided",
+    r"A semicircular disc of radius $R$ has about its centre of mass "
+    r"$$I_{zz} = m R^2\left(\frac12 - \frac{16}{9\pi^2}\right)$$": "holds",
+    r"A ball of radius $R$ and density $\rho$ has $$I = \int_0^{2\pi}\int_0^\pi\int_0^R \rho r^4\sin^3 u"
+    r"\,dr\,du\,dv = \frac{8}{15}\pi\rho R^5$$": "holds",
+    r"A rod of mass $m$ and length $l$ carries a disc of mass $M$ and radius $R$. $$I = M R^2$$":
+        "undecided",
     # a rule for any body, and a letter that the words do not explain
     r"A disc of radius $a$ is flat. A rule for plates: $$I_{zz} = I_{xx} + q$$": "undecided",
 }  # fmt: skip
