@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from eom.checker.judge.approximations import is_nearly, nearly
 from eom.checker.judge.inequalities import (
     ALWAYS,
     BARELY,
@@ -64,6 +65,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     """
     if claim.parameters is not None:
         return _between_scalars(claim)
+    if is_nearly(claim):
+        return _nearly(claim)
     given, ordered = tuple(given), ORDERS & set(claim.relations) and not on_solutions(claim)
     if ordered and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
@@ -123,6 +126,14 @@ def _beyond(search: Search) -> Judgement:
     complete = search.tests < MAX_TESTS and not search.stopped
     why = models.why(search) if verdict == WRONG else ""
     return Judgement(verdict, sets, context, refuted, complete, why)
+
+
+def _nearly(claim: Claim) -> Judgement:
+    try:
+        holds, reason = nearly(claim)
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    return Judgement(HOLDS if holds else WRONG, reason=reason)
 
 
 def _between_scalars(claim: Claim) -> Judgement:
