@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from eom.checker.judge.approximations import is_nearly, nearly
 from eom.checker.judge.inequalities import (
     ALWAYS,
     BARELY,
@@ -70,6 +71,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     A claim with findings is judged by what is left of it; without members it is undecided.
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
+    if claim.parameters is None and is_nearly(claim):
+        return _nearly(claim)
     given, ordered = tuple(given), ORDERS & set(claim.relations) and row_of(claim) is Worlds
     if ordered and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
@@ -143,6 +146,14 @@ def _beyond(search: Search) -> Judgement:
     why = "" if sets else models.why(search)
     case = models.case() if verdict == WRONG else ""
     return Judgement(verdict, sets, context, refuted, complete, why, case)
+
+
+def _nearly(claim: Claim) -> Judgement:
+    try:
+        holds, reason = nearly(claim)
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    return Judgement(HOLDS if holds else WRONG, reason=reason)
 
 
 def _ordered(claim: Claim, given: tuple[str, ...]) -> Judgement:

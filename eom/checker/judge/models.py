@@ -441,9 +441,10 @@ class Worlds(Models):
         return bool(free) and any(map(self._is_rate, sides))
 
     def _is_rate(self, side: Term) -> bool:
-        """Return whether a side is zero, or a multiple of a time derivative of a coordinate."""
-        moving = [p for p in self._factors(side) if p.data[:1] != ("scalar",)]
-        if len(moving) != 1 or moving[0].head != "der":
+        """Return whether a side is zero, a coordinate, or a multiple of a time derivative of one."""
+        factors = list(self._factors(side))
+        moving = [p for p in factors if p.data[:1] != ("scalar",)]
+        if len(moving) != 1 or (len(factors) > 1 and moving[0].head != "der"):
             return side.is_zero
         inner = moving[0]
         while inner.head == "der":
@@ -454,8 +455,9 @@ class Worlds(Models):
         """Yield what a product multiplies, numbers left out; sums as they are."""
         if term.head == "mul":
             yield from (f for a in term.args for f in self._factors(a))
-        elif term.head == "expr" and not term.data[0].is_Add:
-            yield from (self.scalars.get(s, term) for s in term.data[0].free_symbols)
+        elif term.head == "expr":
+            parts = (f for f in sp.Mul.make_args(term.data[0]) if not f.is_number)
+            yield from (self.scalars.get(f.as_base_exp()[0], expr(f)) for f in parts)
         else:
             yield term
 

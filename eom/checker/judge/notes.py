@@ -18,6 +18,7 @@ from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import Solutions, agreeing, covered
 from eom.checker.mean.claims import Claim, Relation, claims, defined
+from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.parameters import limited, named, read
 from eom.checker.mean.roles import (
@@ -187,7 +188,11 @@ class _Context:
             before = (*self.before, *found)
             new = self._claims(statement, known, before)
             if index and _gaps(new) and labelled(statement, index):
-                new = min((new, self._each(statement, known, before, index)), key=_gaps)
+                axes = tuple({index: k} for k in "123")
+            else:
+                axes = free(statement, self.lexicon) if _gaps(new) else ()
+            if axes:
+                new = min((new, self._each(statement, known, before, axes)), key=_gaps)
             known |= defined(new)
             found += new
         return tuple(found)
@@ -197,11 +202,13 @@ class _Context:
         statement: Statement,
         known: dict[Look, Value],
         before: tuple[Claim, ...],
-        index: str,
+        axes: tuple[Mapping[str, str], ...],
     ) -> tuple[Claim, ...]:
-        """Return what a statement claims for each of the axes that an index runs over."""
-        found = (claims(statement, self.lexicon, known, before, {index: k}) for k in "123")
-        return tuple(unnamed(c, index) for each in found for c in each)
+        """Return what a statement claims for each of the axes that its indices run over."""
+        found = [c for a in axes for c in claims(statement, self.lexicon, known, before, a)]
+        for index in axes[0]:
+            found = [unnamed(c, index) for c in found]
+        return tuple(found)
 
     def _claims(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]

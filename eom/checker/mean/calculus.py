@@ -9,7 +9,7 @@ else stands below the integral is refused, so that no search is ever started.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -443,6 +443,23 @@ def _independent(e: Elaborator, meaning: Term | None) -> bool:
     alone = inner == meaning or len(found) + len(symbols) == 1
     named = all(n.data[0] in _FREE for n in found)
     return plain and alone and named and all(_independent(e, e.scalars.get(s)) for s in symbols)
+
+
+def at_values(e: Elaborator, value: Value, items: Iterable[Node], span: Span) -> Value | None:
+    """Return a formula with numbers in the place of its variables: x = 0, y = a; None for no such list."""
+    chosen: dict[Expr, Expr] = {}
+    for item in items:
+        if not isinstance(item, Relation) or [s.name for s in item.signs] != ["="]:
+            return None
+        variable, other = (e.value(m) for m in item.members)
+        x = e.expression(variable.term)
+        if not x.is_Symbol or other.shape != SCALAR:
+            return None
+        chosen[x] = e.expression(other.term)
+    found = e.expression(value.term) if value.shape == SCALAR else None
+    if found is None or not all(_independent(e, e.scalars.get(s)) for s in found.free_symbols):
+        return None
+    return replace(value, term=expr(found.xreplace(chosen)), span=span)
 
 
 def _stays(e: Elaborator, term: Term, x: Expr) -> bool:

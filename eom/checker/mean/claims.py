@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eom import limits
-from eom.checker.mean import instants
+from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
@@ -112,7 +112,8 @@ class Claim:
     and ``previous`` is the last one of that. ``findings``: why members are missing, or the claim is
     ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
     ``model``: the system that scalar lines of the note are about. ``parameters``: of a chain of free
-    scalars, see `eom.checker.mean.parameters`.
+    scalars, see `eom.checker.mean.parameters`; ``numbers``: that it gives, see `eom.checker.mean.numbers`;
+    ``order``: of what is said to be left out, and in what.
     """
 
     members: tuple[Value, ...]
@@ -127,6 +128,8 @@ class Claim:
     span: Span = NOWHERE
     model: Model | None = field(default=None, compare=False)
     parameters: Parameters | None = field(default=None, compare=False)
+    order: tuple[Value, int] | None = field(default=None, compare=False)
+    numbers: Mapping[Look, Value] = field(default_factory=dict, compare=False)
 
     @property
     def verdict(self) -> str:
@@ -163,18 +166,32 @@ def claims(
                     replace(_component(c, one), role=role, joined=one.joined) for c in parts_of
                 ]
                 continue
-            for apart in _apart(one, e):
-                new = _chain(apart, e, before)
-                found += [replace(c, role=role, joined=one.joined) for c in new]
+            for new in _claimed(one, e, before):
+                found.append(replace(new, role=role, joined=one.joined))
     return tuple(found)
 
 
+def _claimed(one: Statement, e: Elaborator, before: Sequenced[Claim]) -> Iterator[Claim]:
+    """Yield what a single statement claims: by its symbols, and by the numbers in a worked example."""
+    example = numbers.worked(one, e)
+    rest = one if example is None else example.rest
+    for apart in _apart(rest, e) if rest is not None else ():
+        yield from _chain(apart, e, before)
+    if example is not None:
+        agreed = (numbers.agreed(),) * 2 if example.finding is None else ()
+        findings = (example.finding,) if example.finding is not None else ()
+        relations = ("=",) if agreed else ()
+        yield Claim(agreed, relations, findings=findings, numbers=example.numbers, span=one.span)
+
+
 def defined(found: Iterable[Claim]) -> dict[Look, Value]:
-    """Return what claims define."""
+    """Return what claims define, and the numbers that they give."""
+    found = tuple(found)
     new = [c for c in found if c.kind == DEFINITION and c.defines is not None]
-    return {
+    named = {
         c.defines: replace(c.members[0], scalars=c.scalars) for c in new if c.defines is not None
     }
+    return named | {k: v for c in found for k, v in c.numbers.items()}
 
 
 def _component(one: Component, s: Statement) -> Claim:
@@ -234,7 +251,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     whole = _datum(s, e) or _points(s, e)
     if whole is not None:
         return [whole]
-    nodes = list(s.members)
+    nodes, order = _left_out(s.members, e)
     constant = says_constant(nodes[-1])
     if constant:
         nodes.pop()
@@ -245,7 +262,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if not findings:
         values = _lying(nodes[skip:], values)
     made = Claim((), signs, span=s.span, scalars=e.scalars, findings=tuple(findings))
-    made = replace(made, model=e.lexicon.system)
+    made = replace(made, model=e.lexicon.system, order=order)
     found = []
     if look is not None:
         found = [_definition(made, e, look, nodes[0].span, values)]
@@ -256,6 +273,41 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if constant or any(says_constant(Words(w)) for w in s.words):
         found.append(_constant(made, e, values))
     return found
+
+
+def _left_out(
+    members: Iterable[Node], e: Elaborator
+) -> tuple[list[Node], tuple[Value, int] | None]:
+    """Return members without what they say to be left out, ``O(x^2)``, and the first of that."""
+    found: list[Node] = []
+    order: tuple[Value, int] | None = None
+    for node in members:
+        terms = node.terms if isinstance(node, Addition) else ()
+        left = _order_of(terms[-1], e) if len(terms) > 1 else None
+        order = order or left
+        found.append(node if left is None else _without_last(node))
+    return found, order
+
+
+def _without_last(node: Any) -> Node:
+    kept = replace(node, terms=node.terms[:-1], signs=node.signs[:-1])
+    first: Node = kept.terms[0]
+    return first if len(kept.terms) == 1 and kept.signs[0] in {"", "+"} else kept
+
+
+def _order_of(node: Node, e: Elaborator) -> tuple[Value, int] | None:
+    """Return of what and of which order a remainder is: ``O(x^2)``."""
+    factors = node.factors if isinstance(node, Product) and not node.operator else ()
+    letter, inside = factors if len(factors) == 2 else (None, None)
+    if not isinstance(letter, Symbol) or letter.name != "O" or not isinstance(inside, Group):
+        return None
+    body = inside.body
+    base, power = (body.base, body.sup) if isinstance(body, Scripts) and body.sup else (body, None)
+    if isinstance(body, Scripts) and body.sub is not None:
+        base = replace(body, sup=None)
+    text = "1" if power is None else "".join(labels(power))
+    found = _values(e, [base])[0]
+    return (found[0], int(text)) if found and text.isdigit() and found[0].shape == SCALAR else None
 
 
 def _introducing(s: Statement) -> tuple[str, ...]:
@@ -438,7 +490,7 @@ def _datum(s: Statement, e: Elaborator) -> Claim | None:
     if not given_number(s, e):
         return None
     finding = Finding(UNDECIDED, "a number that is given; nothing here determines it", s.span)
-    return Claim((), findings=(finding,), span=s.span)
+    return Claim((), findings=(finding,), numbers=numbers.given(s), span=s.span)
 
 
 def _points(s: Statement, e: Elaborator) -> Claim | None:
@@ -488,7 +540,7 @@ def _is_number(node: Node) -> bool:
     if isinstance(node, Fraction | Quotient):
         return all(map(_is_number, _both(node)))
     if isinstance(node, Product):
-        return all(map(_is_number, node.factors))
+        return all(map(_is_number, node.factors)) or numbers.number_only(node)
     if isinstance(node, Scripts) and node.sub is None:
         return _is_number(node.base) and (_degrees(node.sup) or _power(node.sup))
     return False

@@ -28,6 +28,7 @@ from eom.checker.mean.elaborator import (
     raised,
     symbol_value,
 )
+from eom.checker.mean.indices import numbered, summed
 from eom.checker.mean.lexicon import Lexicon, Meaning
 from eom.checker.mean.values import (
     AMBIGUOUS,
@@ -205,17 +206,31 @@ def _symbol(e: Elaborator, node: Node) -> Value:
     try:
         return symbol_value(e, node)
     except Refusal:
-        instant = instants.time(e, node) or instants.below(e, node)
-        if instant is None:
+        found = instants.time(e, node) or instants.below(e, node) or _indexed(e, node)
+        if found is None:
             raise
-        return instant
+        return found
+
+
+def _indexed(e: Elaborator, node: Node) -> Value | None:
+    """Return Kronecker's or Levi-Civita's symbol, or the sum over an index that stands twice below."""
+    given = seen(node)
+    value = None if given is None or given.dots else numbered(given.look, e.indices)
+    if value is not None and given is not None:
+        found = number(value, node.span)
+        return replace(found, dimension=None) if found.is_zero else found
+    values = [e.bound(**axes).value(node) for axes in summed(node, e.lexicon, e.indices)]
+    return total(e.lexicon.notation, values) if values else None
 
 
 def _evaluated(e: Elaborator, node: Evaluated) -> Value:
-    """Return what stands before a bar with two instants."""
+    """Return what stands before a bar with two instants, or with values of its variables."""
     found = None
     if node.sub is not None and node.sup is not None:
         found = instants.between(e, e.value(node.base), node.sub, node.sup, node.span)
+    elif node.sub is not None:
+        items = node.sub.items if isinstance(node.sub, Sequence) else (node.sub,)
+        found = calculus.at_values(e, e.value(node.base), items, node.span)
     if found is None:
         raise refuse(UNDECIDED, "what stands at this bar has no meaning", node.span)
     return found
@@ -243,6 +258,10 @@ def _addition(e: Elaborator, node: Addition) -> Value:
 
 
 def _product(e: Elaborator, node: Product) -> Value:
+    repeated = list(summed(node, e.lexicon, e.indices))
+    if repeated:
+        values = [e.bound(**axes).value(node) for axes in repeated]
+        return total(e.lexicon.notation, values)
     rule = _OPERATORS.get(node.operator)
     if rule is None:
         raise refuse(UNDECIDED, "an operator without a meaning", node.span, node.operator)

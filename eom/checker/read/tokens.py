@@ -396,7 +396,31 @@ def respelt(tokens: list[Token]) -> list[Token]:
     for rule, names in PASSES:
         if any((t.kind in {"command", "begin"}) and t.text in names for t in tokens):
             tokens = rule(tokens)
-    return bracketed_words(tokens) if any(t.kind == "words" for t in tokens) else tokens
+    if any(t.kind == "words" for t in tokens):
+        return _rewritten(bracketed_words(tokens), _unit_in_words)
+    return tokens
+
+
+_UNIT = re.compile(r"(kg|[cmk]?m|k?N|k?J|k?W|Hz|Pa|rad|deg|rpm|m?s|min|g|[\s/^0-9·-])+")
+
+
+def _unit_in_words(tokens: list[Token], k: int, done: list[Token]) -> Replaced:
+    r"""Write a unit in words behind a number in upright letters: ``3\,\text{m/s}``."""
+    token, before = tokens[k], done[-1] if done else None
+    behind = before is not None and (before.kind == "number" or before.is_char("}"))
+    if token.kind != "words" or not behind or not _UNIT.fullmatch(token.text.strip() or "?"):
+        return None
+    found: list[Token] = []
+    for part in re.findall(r"[A-Za-z]+|-?[0-9]+|[/^]", token.text):
+        if part.isalpha():
+            letters = [replace(token, kind="letter", text=letter) for letter in part]
+            found += [replace(token, kind="command", text="mathrm"), _char("{", token)]
+            found += [*letters, _char("}", token)]
+        elif part in "/^":
+            found.append(_char(part, token))
+        else:
+            found.append(replace(token, kind="number", text=part))
+    return found, k + 1
 
 
 def bracketed_words(tokens: list[Token]) -> list[Token]:

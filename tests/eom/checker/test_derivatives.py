@@ -93,6 +93,7 @@ FREE = r"""
 'm' = {is = "scalar m", unit = "kg"}
 'k' = {is = "scalar k", unit = "N/m"}
 'x' = {is = "coordinate x", unit = "m"}
+'l_0' = {is = "scalar l", unit = "m"}
 '\theta' = "free_angle theta"
 'L' = '= \frac12 m(\dot x^2+x^2\dot\theta^2)-\frac12kx^2'
 'V' = '= \frac12kx^2'
@@ -108,6 +109,11 @@ FREELY = {
     r"\frac{\partial\mathbf v}{\partial\dot x}=\cos\theta\,\mathbf n_1+\sin\theta\,\mathbf n_2": "holds",
     r"\frac{\partial\mathbf v}{\partial\dot\theta}=x\,\mathbf n_2": "wrong",
     r"\frac{dV}{dx}=kx": "holds",
+    r"\left.\frac{\partial L}{\partial x}\right|_{\dot\theta=0}=-kx": "holds",
+    r"\Bigl.\frac{\partial L}{\partial x}\Bigr|_{\dot\theta=0,\,x=0}=0": "holds",
+    r"\left.\frac{\partial L}{\partial x}\right|_{\dot\theta=0}=kx+kx": "wrong",
+    r"x = l_0\sin\theta": "undecided",  # a constraint of the writer's
+    r"\left.\mathbf v\right|_{x=0}=0": "undecided",
     r"m\ddot x - mx\dot\theta^2 + kx = 0": "undecided",  # nothing says how they move
     r"\frac{\partial L}{\partial\dot\theta}=\text{const}": "undecided",
     r"\dot x = 0": "undecided",

@@ -1,0 +1,475 @@
+r"""Worked examples: numbers in the place of quantities, units said or those of SI, rounded as they stand.
+
+A number that a symbol is given is kept for the lines behind it. In a chain such as
+``L = I\omega = 0.09\cdot 50 = 4.5`` every number has to be what stands before it, to half a unit of its
+last digit; what has no number is judged as if the numbers were not there.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+
+from eom.checker.mean.dimensions import NONE, UNITS, Dimension
+from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
+from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Refusal, Value
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.statements import Statement
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import (
+    Addition,
+    Call,
+    Fraction,
+    Group,
+    Marks,
+    Node,
+    Number,
+    Product,
+    Quotient,
+    Root,
+    Scripts,
+    Symbol,
+    walk,
+)
+from eom.errors import InputError
+from eom.terms.terms import expr, table
+
+Expr = Any
+
+SIGNS = frozenset({"=", ":=", "=:", "equiv", "approx", "simeq"})
+DIGITS, SHOWN = 30, 4
+MAX_DIGITS, MAX_BITS = 40, 2000
+SLACK = sp.Rational(1000001, 1000000)
+"""How much wider than half a digit a rounding may be."""
+
+SCALES: dict[str, tuple[Expr, str]] = {
+    "g": (sp.Rational(1, 1000), "kg"),
+    "cm": (sp.Rational(1, 100), "m"),
+    "mm": (sp.Rational(1, 1000), "m"),
+    "km": (sp.Integer(1000), "m"),
+    "ms": (sp.Rational(1, 1000), "s"),
+    "min": (sp.Integer(60), "s"),
+    "h": (sp.Integer(3600), "s"),
+    "kN": (sp.Integer(1000), "N"),
+    "kJ": (sp.Integer(1000), "J"),
+    "kW": (sp.Integer(1000), "W"),
+    "deg": (sp.pi / 180, "rad"),
+    "rev": (2 * sp.pi, "rad"),
+    "rpm": (sp.pi / 30, "Hz"),
+}
+"""Units that are no units of SI: how many of which."""
+
+NAME = re.compile("|".join(sorted({*UNITS, *SCALES}, key=len, reverse=True)))
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A number in units of SI, and its dimension if units are said."""
+
+    value: Expr
+    unit: Dimension | None = None
+
+
+Known = Callable[[Look], Expr | None]
+
+
+def key(look: Look, dots: int = 0) -> Look:
+    """Return by what a note's definitions know the number that a symbol was given."""
+    return replace(look, accents=(*look.accents, *("dot",) * dots, "number"))
+
+
+def kept(look: Look, dots: int, value: Expr, off: Expr) -> Mapping[Look, Value]:
+    """Return the definition of a number; ``off``: how far it may be rounded."""
+    term = table([[expr(value)], [expr(off)]])
+    return {key(look, dots): Value(term, term.kind, NONE)}
+
+
+# -- values --------------------------------------------------------------------------------------------
+
+
+def measured(node: Node, known: Known) -> Measure | None:
+    """Return the number that a formula amounts to; None where it holds anything without one."""
+    if isinstance(node, Number):
+        return Measure(sp.Rational(node.text)) if len(node.text) <= MAX_DIGITS else None
+    if isinstance(node, Product):
+        return _product(node, known)
+    if isinstance(node, Group) and node.open in {"", "(", "["}:
+        return measured(node.body, known)
+    rule = next((r for kind, r in _RULES.items() if isinstance(node, kind)), None)
+    found = rule(node, known) if rule is not None else None
+    return _recalled(node, known) if found is None else found
+
+
+def _recalled(node: Node, known: Known) -> Measure | None:
+    found = seen(node)
+    if found is None or found.raised:
+        return None
+    value = known(key(found.look, found.dots))
+    return (
+        Measure(sp.pi) if value is None and found.look == Look("pi") else value and Measure(value)
+    )
+
+
+def _each(nodes: tuple[Node, ...], known: Known) -> list[Measure] | None:
+    found = [measured(n, known) for n in nodes]
+    return None if None in found else [f for f in found if f is not None]
+
+
+def _product(node: Product, known: Known) -> Measure | None:
+    if node.operator not in {"", "dot", "cross", "asterisk"}:
+        return None
+    count = len(node.factors)
+    while count > 1 and None not in list(_letters(node.factors[count - 1], 1)):
+        count -= 1
+    inside = _each(node.factors[:count], known)
+    if inside is None:
+        return None
+    said = _unit(node.factors[count:]) if count < len(node.factors) else (sp.Integer(1), None)
+    if said is None:
+        return None
+    scale, unit = said
+    value = sp.Mul(*(m.value for m in inside)) * scale
+    units = [m.unit for m in inside if m.unit is not None] + ([unit] if unit is not None else [])
+    total = None if not units else NONE
+    for one in units:
+        total = one if total is None else total.times(one)
+    return Measure(value, total)
+
+
+def _sum(node: Addition, known: Known) -> Measure | None:
+    inside = _each(node.terms, known)
+    if inside is None or set(node.signs) - {"", "+", "-"}:
+        return None
+    signed = (-m.value if s == "-" else m.value for s, m in zip(node.signs, inside, strict=True))
+    return Measure(sp.Add(*signed), inside[0].unit)
+
+
+def _ratio(node: Fraction | Quotient, known: Known) -> Measure | None:
+    pair = (node.above, node.below) if isinstance(node, Fraction) else (node.left, node.right)
+    if isinstance(node, Quotient) and (below := _unit((pair[1],))) is not None:
+        above = measured(pair[0], known)
+        if above is not None and above.unit is not None:
+            return Measure(above.value / below[0], above.unit.times(below[1].power(-1)))
+    inside = _each(pair, known)
+    if inside is None or inside[1].value == 0:
+        return None
+    above_unit, below_unit = (m.unit for m in inside)
+    known_units = above_unit is not None or below_unit is not None
+    unit = (above_unit or NONE).times((below_unit or NONE).power(-1)) if known_units else None
+    return Measure(inside[0].value / inside[1].value, unit)
+
+
+def _power(node: Scripts, known: Known) -> Measure | None:
+    plain = node.sub is node.presub is node.presup is None and node.sup is not None
+    base = (
+        measured(node.base, known)
+        if plain
+        else measured(replace(node, sup=None), known)
+        if node.sup
+        else None
+    )
+    if base is None or node.sup is None:
+        return None
+    if isinstance(node.sup, Marks):
+        return Measure(base.value * sp.pi / 180, NONE) if node.sup.names == ("circ",) else None
+    exponent = measured(node.sup, known)
+    if exponent is None or not exponent.value.is_Rational or _is_large(base.value, exponent.value):
+        return None
+    unit = None if base.unit is None else base.unit.power(exponent.value)
+    return Measure(base.value**exponent.value, unit)
+
+
+def _is_large(base: Expr, exponent: Expr) -> bool:
+    """Return whether a power would take many digits."""
+    bits = max((max(abs(n.p), n.q).bit_length() for n in base.atoms(sp.Rational)), default=1)
+    return bool(bits * max(abs(exponent.p), exponent.q) > MAX_BITS or base.count_ops() > MAX_BITS)
+
+
+def _root(node: Root, known: Known) -> Measure | None:
+    inside = measured(node.body, known) if node.degree is None else None
+    return None if inside is None else Measure(sp.sqrt(inside.value))
+
+
+_FUNCTIONS = {"sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "exp": sp.exp, "ln": sp.log}
+
+
+def _call(node: Call, known: Known) -> Measure | None:
+    inside = measured(node.argument, known)
+    function = _FUNCTIONS.get(node.function)
+    power = sp.Integer(1) if node.sup is None else getattr(measured(node.sup, known), "value", None)
+    if inside is None or function is None or node.sub is not None or power is None:
+        return None
+    return Measure(function(inside.value) ** power)
+
+
+_RULES: dict[type, Callable[[Any, Known], Measure | None]] = {
+    Addition: _sum,
+    Fraction: _ratio,
+    Quotient: _ratio,
+    Scripts: _power,
+    Root: _root,
+    Call: _call,
+}
+
+
+# -- units ---------------------------------------------------------------------------------------------
+
+
+def _unit(nodes: tuple[Node, ...]) -> tuple[Expr, Dimension] | None:
+    """Return how many units of SI factors in upright letters are, and their dimension."""
+    scale, found, place = sp.Integer(1), NONE, 0
+    letters = [p for n in nodes for p in _letters(n, 1)]
+    if not letters or None in letters:
+        return None
+    while place < len(letters):
+        word, power, count = _word(letters[place:])  # type: ignore[arg-type]
+        if not NAME.fullmatch(word):
+            return None
+        times, base = SCALES.get(word, (sp.Integer(1), word))
+        scale, found = scale * times**power, found.times(UNITS[base].power(power))
+        place += count
+    return scale, found
+
+
+_APART = re.compile("kg|Hz|Pa|rad|[A-Za-z]")
+"""Units that stand close together: Nms, kgm."""
+
+Letter = tuple[Symbol, int]
+
+
+def _word(letters: list[Letter]) -> tuple[str, int, int]:
+    """Return the longest unit that letters without space between them begin with, and its power."""
+    symbol, power = letters[0]
+    word, best = symbol.name, (symbol.name, power, 1)
+    for count, ((before, raised), (one, power)) in enumerate(pairwise(letters), 2):
+        if raised != 1 or before.span.stop != one.span.start:
+            break
+        word += one.name
+        best = (word, power, count) if NAME.fullmatch(word) else best
+    return best
+
+
+def _letters(node: Node, power: int) -> Iterator[Letter | None]:
+    """Yield upright letters with their powers, None for anything else."""
+    if isinstance(node, Symbol) and node.style == "roman":
+        words = [node.name] if NAME.fullmatch(node.name) else _APART.findall(node.name)
+        *before, last = words if "".join(words) == node.name else [node.name]
+        yield from ((Symbol(word, "roman"), 1 if power > 0 else -1) for word in before)
+        yield replace(node, name=last), power
+    elif isinstance(node, Group) and node.open in {"", "("}:
+        yield from _letters(node.body, power)
+    elif isinstance(node, Product) and node.operator in {"", "dot"}:
+        yield from (p for f in node.factors for p in _letters(f, power))
+    elif isinstance(node, Quotient | Fraction):
+        pair = (node.above, node.below) if isinstance(node, Fraction) else (node.left, node.right)
+        yield from _letters(pair[0], power)
+        yield from _letters(pair[1], -power)
+    elif isinstance(node, Scripts) and node.sub is None and node.sup is not None:
+        exponent = measured(node.sup, lambda _: None)
+        whole = exponent is not None and exponent.value.is_Integer
+        yield from (
+            _letters(node.base, power * int(exponent.value)) if exponent and whole else [None]
+        )
+    else:
+        yield None
+
+
+def last_digit(node: Node) -> Expr | None:
+    """Return half a unit of the last digit of a number that is written out; None for what is computed."""
+    if isinstance(node, Group) and node.open in {"", "("}:
+        return last_digit(node.body)
+    if isinstance(node, Number):
+        return sp.Rational(1, 2) / 10 ** len(node.text.partition(".")[2])
+    if isinstance(node, Addition) and len(node.terms) == 1:
+        return last_digit(node.terms[0])
+    if isinstance(node, Quotient):
+        return last_digit(node.left)
+    if isinstance(node, Product) and isinstance(node.factors[0], Number):
+        rest = replace(node, factors=(Number("1", span=node.span), *node.factors[1:]))
+        scale = measured(rest, lambda _: None)
+        powers = all(
+            not isinstance(f, Number | Fraction | Group) or _unit((f,)) for f in node.factors[1:]
+        )
+        half = last_digit(node.factors[0])
+        return half * scale.value if scale is not None and half is not None and powers else None
+    return None
+
+
+# -- statements ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Worked:
+    """What is left without numbers, a finding if a number is wrong or only given, and what is known now."""
+
+    rest: Statement | None
+    finding: Finding | None
+    numbers: Mapping[Look, Value]
+
+
+def worked(s: Statement, e: Elaborator) -> Worked | None:
+    """Return what a statement with numbers says; None for one that is no worked example."""
+    if len(s.members) < 2 or {g.name for g in s.signs} - SIGNS:
+        return None
+    pure = [measured(m, lambda _: None) for m in s.members]
+    literal = [p is not None and p.value != 0 for p in pure]
+    data = _Data(e)
+    full = [measured(m, data.value) for m in s.members]
+    if not any(literal) or not _is_example(s, pure, full, literal):
+        return None
+    rest = [m for m, own in zip(s.members, literal, strict=True) if not own]
+    plain = tuple(replace(g, name="=") for g in s.signs[: len(rest) - 1])
+    left = replace(s, members=tuple(rest), signs=plain) if len(rest) > 1 else None
+    finding, compared = _compared(s, e, full, data)
+    if finding is None and not compared:
+        finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)
+    return Worked(left, finding, _learned(s, pure, literal, data))
+
+
+def given(s: Statement) -> Mapping[Look, Value]:
+    """Return the number that a symbol is given, as it stands."""
+    for symbol, other in (s.members[:2], s.members[1::-1]):
+        found, value = seen(symbol), measured(other, lambda _: None)
+        if found is not None and not found.raised and value is not None:
+            return kept(found.look, found.dots, value.value, sp.Integer(0))
+    return {}
+
+
+class _Data:
+    """The numbers that a note has given; ``shifted``: one of them, moved by its rounding."""
+
+    def __init__(self, e: Elaborator) -> None:
+        self.known = e.definitions
+        self.lexicon = e.lexicon
+        self.depth = 0
+        self.shifted: Look | None = None
+
+    def value(self, look: Look) -> Expr | None:
+        found = self.known.get(look)
+        if found is None:
+            return self._by_formula(look)
+        value, off = (t.data[0] for t in found.term.args)
+        return value + off if look == self.shifted else value
+
+    def _by_formula(self, look: Look) -> Expr | None:
+        """Return the number of what the lexicon says by a formula."""
+        plain = replace(look, accents=tuple(a for a in look.accents if a != "number"))
+        entry = self.lexicon.find(plain) if self.depth < MAX_DEPTH else None
+        if entry is None or entry.meaning.quantity != "equals":
+            return None
+        self.depth += 1
+        found = measured(read_formula(entry.meaning.formula).tree, self.value)
+        self.depth -= 1
+        return None if found is None else found.value
+
+    def off(self, node: Node) -> Expr:
+        """Return how far a formula may be off by the rounding of what it holds."""
+        centre, total = measured(node, self.value), sp.Integer(0)
+        for look in self.known if centre is not None else ():
+            if "number" in look.accents and self.known[look].term.args[1].data[0] != 0:
+                self.shifted = look
+                other = measured(node, self.value)
+                total += abs(other.value - centre.value) if other and centre else 0
+        self.shifted = None
+        return total
+
+
+def _is_example(
+    s: Statement, pure: list[Measure | None], full: list[Measure | None], literal: list[bool]
+) -> bool:
+    """Return whether numbers are meant as values: by units, decimals, or what is known already."""
+    units = any(
+        p is not None and p.unit is not None and own for p, own in zip(pure, literal, strict=True)
+    )
+    decimals = any(
+        isinstance(n, Number) and "." in n.text
+        for m, own in zip(s.members, literal, strict=True)
+        if own
+        for n in walk(m)
+    )
+    recalled = any(f is not None and p is None for f, p in zip(full, pure, strict=True))
+    return units or decimals or recalled or (literal.count(True) > 1 and not all(literal))
+
+
+def _compared(
+    s: Statement, e: Elaborator, full: list[Measure | None], data: _Data
+) -> tuple[Finding | None, bool]:
+    """Return what is wrong with the first number that is, and whether any was compared."""
+    compared = False
+    for k, (node, here) in enumerate(zip(s.members, full, strict=True)):
+        if here is None:
+            continue
+        unfit = _unfit(s, e, k, here)
+        if unfit is not None:
+            return unfit, True
+        before = [(m, f) for m, f in zip(s.members[:k], full[:k], strict=True) if f is not None]
+        if not before:
+            continue
+        compared = True
+        own = last_digit(node) or sp.Integer(0)
+        if not any(_near(here, own, f, m, data) for m, f in (before[0], before[-1])):
+            return _other(node, here, before[-1][1]), True
+    return None, compared
+
+
+def _near(here: Measure, own: Expr, there: Measure, node: Node, data: _Data) -> bool:
+    digits = last_digit(node) or 0
+    allowed = own + digits + data.off(node)
+    apart = sp.N(abs(here.value - there.value), DIGITS)
+    scale = sp.N(abs(here.value), DIGITS)
+    return bool(apart <= sp.N(allowed * SLACK + scale * sp.Rational(1, 10**20), DIGITS))
+
+
+def _other(node: Node, here: Measure, there: Measure) -> Finding:
+    shown = (str(sp.N(m.value, SHOWN)) for m in (here, there))
+    return Finding(WRONG, "the number is another one", node.span, *shown)
+
+
+def _unfit(s: Statement, e: Elaborator, k: int, here: Measure) -> Finding | None:
+    """Return the finding that a unit is that of another quantity."""
+    for member in s.members[:k] if here.unit is not None else ():
+        try:
+            wanted = e.value(member).dimension
+        except (Refusal, InputError):
+            continue
+        if (
+            wanted is not None
+            and here.unit is not None
+            and wanted != here.unit
+            and not number_only(member)
+        ):
+            return Finding(
+                WRONG, "the dimensions differ", s.members[k].span, here.unit.words, wanted.words
+            )
+    return None
+
+
+def number_only(node: Node) -> bool:
+    """Return whether a formula holds numbers alone."""
+    return measured(node, lambda _: None) is not None
+
+
+def _learned(
+    s: Statement, pure: list[Measure | None], literal: list[bool], data: _Data
+) -> Mapping[Look, Value]:
+    """Return the number that symbols alone in the chain have got, rounded as it stands."""
+    last = max(k for k, own in enumerate(literal) if own)
+    found: dict[Look, Value] = {}
+    for member in s.members:
+        symbol, value = seen(member), pure[last]
+        if symbol is None or symbol.raised or value is None:
+            continue
+        if key(symbol.look, symbol.dots) not in data.known:
+            off = last_digit(s.members[last]) if len(s.members) > 2 else sp.Integer(0)
+            found |= kept(symbol.look, symbol.dots, value.value, off or sp.Integer(0))
+    return found
+
+
+def agreed() -> Value:
+    """Return one side of what is said by numbers that agree."""
+    return number(sp.Integer(1), Statement((), ()).span)
