@@ -14,7 +14,7 @@ import sympy as sp
 
 from eom.errors import unknown_name
 from eom.exact.algebra import operations
-from eom.mechanics.invariants import is_invariant
+from eom.mechanics.rigidbody import is_invariant
 from eom.proof import coupled
 from eom.quantities import Assumption, Definition, Quantity
 from eom.structure import kept, substituted

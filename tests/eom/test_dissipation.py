@@ -17,7 +17,7 @@ from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.mechanics import dissipation
 from eom.mechanics.dissipation import damped_spin, damped_stability, excess_energy, viscous_slug
-from eom.mechanics.invariants import is_invariant
+from eom.mechanics.rigidbody import is_invariant
 from eom.mechanics.steady import linearised, spin_stability
 from tests.draws import examples
 from tests.eom.motion import run

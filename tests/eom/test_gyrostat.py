@@ -15,8 +15,7 @@ from eom import InputError
 from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.mechanics import gyrostat
-from eom.mechanics.invariants import is_invariant
-from eom.mechanics.rigidbody import full_inertia
+from eom.mechanics.rigidbody import full_inertia, is_invariant
 from eom.mechanics.spinning import SpinningSymmetricBody
 from eom.mechanics.steady import SPIN_RATE, linearised
 from eom.quantities import Quantity

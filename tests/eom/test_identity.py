@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.exact.identity import equal, vanishes
-from eom.mechanics.invariants import is_invariant
+from eom.mechanics.rigidbody import is_invariant
 from eom.quantities import Quantity
 from eom.system import System
 from tests.draws import examples

@@ -13,8 +13,7 @@ from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.kinematics.frames import vector
 from eom.mechanics import rigidbody, torques
-from eom.mechanics.invariants import is_invariant
-from eom.mechanics.rigidbody import euler_equations, full_inertia, principal_inertia
+from eom.mechanics.rigidbody import euler_equations, full_inertia, is_invariant, principal_inertia
 from eom.scenes import reduce
 from tests.eom.rows import every
 

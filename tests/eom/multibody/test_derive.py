@@ -22,7 +22,7 @@ from codegen.frontend.lower import lower_system
 from codegen.ir.passes import prune
 from eom.errors import InputError
 from eom.exact.identity import equal
-from eom.mechanics.invariants import is_invariant
+from eom.mechanics.rigidbody import is_invariant
 from eom.multibody import Body, Joint, Load, Motion, Placement, Spring, Tree, derive
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.model.joints import KINDS

@@ -7,7 +7,7 @@ import sympy as sp
 import codegen
 import eom
 from eom.errors import InputError
-from eom.mechanics.invariants import is_invariant
+from eom.mechanics.rigidbody import is_invariant
 from eom.multibody import (
     Body,
     Equation,

@@ -6,7 +6,7 @@ import sympy as sp
 
 import codegen
 from eom.errors import InputError
-from eom.mechanics.invariants import is_invariant
+from eom.mechanics.rigidbody import is_invariant
 from eom.multibody import GROUND, Body, Joint, Load, Placement, Spring, Tree, derive
 from tests.eom.rows import only
 

@@ -7,7 +7,7 @@ import sympy as sp
 import codegen
 from eom.errors import InputError
 from eom.exact.identity import equal
-from eom.mechanics.invariants import is_invariant
+from eom.mechanics.rigidbody import is_invariant
 from eom.multibody import Body, Joint, Placement, Rotor, Tree, derive
 
 J, c = sp.symbols("J c", positive=True)
