@@ -24,8 +24,8 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 413,
-    "lines of code": 75_650,
+    "modules": 415,
+    "lines of code": 76_320,
     "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,

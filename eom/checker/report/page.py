@@ -187,10 +187,7 @@ FILTER = """<fieldset><legend>Show findings</legend>
 def _brief(finding: Finding) -> str:
     if finding.carried:
         return f"carries on the slip of line {finding.carried}"
-    first = next(iter(finding.explanation.corrections), None)
-    if first is not None:
-        return _worded(first.change)
-    return html.escape(finding.reason.split("\n")[0])
+    return _worded(finding.reason.split("\n")[0])
 
 
 # -- formulas and cards ------------------------------------------------------------------------------
@@ -262,7 +259,7 @@ def _details(finding: Finding) -> Iterator[tuple[str, str]]:
     yield "Holds under", _sets(finding.sets)
     yield (
         "Reason",
-        f'<span class="reason">{html.escape(finding.reason)}</span>' * bool(finding.reason),
+        f'<span class="reason">{_worded(finding.reason)}</span>' * bool(finding.reason),
     )
     yield "Carries on", carried
     yield "Left side minus right side", mathml(explanation.residual) if explanation.residual else ""
