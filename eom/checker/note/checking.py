@@ -140,7 +140,10 @@ def _explained(found: Found, settings: Settings) -> Found:
             explanation = explain(found.understood, judged, given, found.stated)
     except (Overdue, RecursionError):
         return found
-    return replace(found, finding=replace(reported, explanation=explanation))
+    known = "" if judged.claim.findings else explanation.reason
+    more = [p for p in reported.reason.split("; ") if p.startswith("it holds if")] if known else []
+    reason = "; ".join([known, *more]) if known else reported.reason
+    return replace(found, finding=replace(reported, explanation=explanation, reason=reason))
 
 
 # -- findings ------------------------------------------------------------------------------------

@@ -28,6 +28,7 @@ from eom.checker.repair.lines import (
     Signature,
     agrees,
     signature,
+    valued,
     worth,
 )
 from eom.checker.repair.residual import (
@@ -35,26 +36,34 @@ from eom.checker.repair.residual import (
     Pools,
     fits,
     lost_terms,
+    numbered,
     remains,
+    rescaled,
+    times,
     total,
 )
 from eom.checker.repair.slips import (
     ALL_OVER,
     DROPPED,
+    FACTOR,
+    FORGOTTEN,
     TERM,
     Change,
     Edit,
     Option,
     Slip,
+    dotted,
     doubles,
     edits,
 )
 from eom.checker.repair.tables import Suspects, entry_residual, mended, table_in
-from eom.fields import PRIME
-from eom.terms.terms import COLUMN, MATRIX, Term
+from eom.fields import PRIME, RESIDUES
+from eom.terms.terms import COLUMN, MATRIX, SCALAR, Term
 
 SUBJECT = 0.15
-"""What it weighs more to turn the sign of what a line is about: the slip is rather on the other side."""
+"""What it weighs more to change what a line is about: the slip is rather on the other side."""
+MOST = 200
+"""Numerator and denominator of another number before a term at most."""
 
 
 def options(
@@ -70,13 +79,13 @@ def options(
     member = next(m for m in line.members if m.number == addend.member)
     if value is not None:
         own = (value.term, signature(value))
-        turned = _option(addend, TERM, addend.node, -addend.sign, *own)
-        alone = len(member.addends) == 1 and member is line.members[0]
-        found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
+        found.append(_option(addend, TERM, addend.node, -addend.sign, *own))
     if len(member.addends) > 1:
         found.append(_option(addend, DROPPED, NOTHING, addend.sign))
     found += _valued(line, addend, value, edits(addend.node, palette, spared, (False,)))
-    return sorted(found, key=lambda o: o.weight)
+    subject = len(member.addends) == 1 and member is line.members[0]
+    more = SUBJECT if subject else 0.0
+    return sorted((replace(o, weight=o.weight + more) for o in found), key=lambda o: o.weight)
 
 
 def symbol_options(
@@ -201,10 +210,21 @@ class Workshop:
                     target -= side * (model.number(member.value.term) or 0)
                 groups += self._groups(model, member, kind, side)
             found += _combined(groups, target % PRIME)
+            need = (target - sum(g.value or 0 for g in groups)) % PRIME
             if all(g.value is not None for g in groups):
-                need = (target - sum(g.value or 0 for g in groups)) % PRIME
                 found += self._lost(model, kind, need)
+            found += self._grown(model, groups, need)
         return _best(found)
+
+    def _grown(self, model: Drawn, groups: Sequence[_Group], need: int) -> Iterator[Candidate]:
+        """Yield terms times another factor; one that does not fit the others has to be that."""
+        left, right = self.line.members
+        rows = [(side, a) for m, side in ((left, 1), (right, -1)) for a in m.addends]
+        must = [k for k, g in enumerate(groups) if g.value is None]
+        for k in must if len(must) == 1 else [] if must else range(len(groups)):
+            side, addend = rows[k]
+            wanted = side * addend.sign * ((groups[k].value or 0) + need)
+            yield from self._rescaled(model, addend, wanted)
 
     def _lost(self, model: Drawn, kind: Signature, need: int) -> Iterator[Candidate]:
         """Yield lost terms of one of two members; ``need``: of the left less the right side."""
@@ -220,6 +240,50 @@ class Workshop:
         if need:
             for option in lost_terms(self.pools, model, member, kind, need):
                 yield Candidate((option,), option.weight)
+
+    def _rescaled(self, model: Drawn, addend: Addend, wanted: int) -> Iterator[Candidate]:
+        """Yield a term times another number or a symbol, so that it has the number that is wanted."""
+        value = self.values[addend]
+        number = None if value is None else model.number(value.term)
+        ratio = wanted * RESIDUES.inverse(number) % PRIME if number else 0
+        if ratio > 1:
+            for slip, node, more in self._times(model, addend, ratio):
+                yield from self._offered(addend, slip, node, more)
+
+    def _times(
+        self, model: Drawn, addend: Addend, ratio: int
+    ) -> Iterator[tuple[Slip, Node, float]]:
+        """Yield a term times a number or a symbol that has a value, with what it weighs more."""
+        small = RESIDUES.fraction(ratio, MOST)
+        if small and small > 0 and small.numerator <= MOST:
+            node = rescaled(addend.node, small)
+            before = numbered(node)
+            yield FACTOR, node, 0.01 * (before.numerator + before.denominator)
+            return
+        for rank, (symbol, number) in enumerate(self._numbers(model)):
+            if number == ratio:
+                yield FORGOTTEN, times(addend.node, symbol), 0.01 * rank
+
+    def _numbers(self, model: Drawn) -> Iterator[tuple[Node, int]]:
+        """Yield the scalars of the note with their values."""
+        more = (d for n in self.palette.symbols for d in [dotted(n)] if d is not None)
+        for node in (*self.palette.symbols, *more):
+            value = valued(self.line.elaborator, node)
+            number = model.scalar(value.term) if value is not None and value.shape == SCALAR else 0
+            if number:
+                yield node, number % PRIME
+
+    def _number(self, model: Drawn, addend: Addend) -> int:
+        value = self.values[addend]
+        return (0 if value is None else model.number(value.term)) or 0
+
+    def _offered(self, addend: Addend, slip: Slip, node: Node, more: float) -> Iterator[Candidate]:
+        new = worth(self.line, node)
+        if new is not None and (slip is FORGOTTEN or addend.member != self.line.members[0].number):
+            change = Change(slip, addend.node, node)
+            own = (new.term, signature(new))
+            weight = slip.weight + more
+            yield Candidate((Option(addend, weight, node, addend.sign, (change,), *own),), weight)
 
     def _entries(self, model: Drawn, reference: Member, member: Member) -> Iterator[Candidate]:
         """Yield a table with its cells mended, against what it should be."""
@@ -334,6 +398,10 @@ class Workshop:
             own = self.total(model, member)
             if own is not None and kind is not None and own[0] == kind:
                 repairs += self._lost_in(model, member, kind, (target - own[1]) % PRIME)
+                for addend in member.addends:
+                    parts = [a.sign * self._number(model, a) for a in member.addends if a != addend]
+                    wanted = addend.sign * (target - sum(parts))
+                    repairs += self._rescaled(model, addend, wanted)
             repairs += self._entries(model, reference, member)
             found = [_together(a, b) for a in found[:6] for b in _best(repairs)[:8]]
         return [c for c in found if c.options]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import combinations
+from itertools import combinations, permutations
 
 from eom.checker.judge.judge import HOLDS, UNDER, Judgement, judge_within
 from eom.checker.judge.models import Drawn
@@ -28,6 +28,7 @@ from eom.checker.repair.candidates import (
     symbol_options,
 )
 from eom.checker.repair.lines import (
+    UNUSUAL,
     Addend,
     Line,
     palette,
@@ -257,10 +258,39 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Drawn, Drawn], candidate: C
     nodes = [at(tree, m.path) for m in members if m.path is not None]
     if len(set(nodes)) < len(nodes):
         return True
+    replaced = any(o.slip.name in REPLACING for o in candidate.options) and len(members) == 2
+    if replaced and (
+        _cancels(_parts(shop, there[0], candidate)) or len(set(_terms(shop, candidate))) == 1
+    ):
+        return True
     says = any(shop.is_zero(m) for m in members)
     return any(
         all(t == 0 for t in _totals(shop, model, candidate)) for model in there[: 1 if says else 2]
     )
+
+
+def _terms(shop: Workshop, candidate: Candidate) -> Iterator[tuple[tuple[int, Term | None], ...]]:
+    """Yield the terms of each member with a repair put in, with their signs."""
+    chosen = {o.addend: (o.sign, o.term) for o in candidate.options}
+    for member in shop.line.members:
+        own = () if member.value is None else ((1, member.value.term),)
+        values = ((a, shop.values.get(a)) for a in member.addends)
+        yield (*own, *(chosen.get(a, (a.sign, v.term if v else None)) for a, v in values))
+
+
+def _cancels(parts: Sequence[Sequence[int | None]]) -> bool:
+    """Return whether a member is what another one adds nothing but zero to."""
+    return any(
+        len(alone) == 1
+        and len(other) > 1
+        and alone[0]
+        and (alone[0] or 0) % PRIME in _residues(other)
+        for alone, other in permutations(parts, 2)
+    )
+
+
+def _residues(numbers: Iterable[int | None]) -> set[int]:
+    return {n % PRIME for n in numbers if n is not None}
 
 
 def _never_changes(
@@ -284,7 +314,10 @@ def verified(
     given: tuple[str, ...],
     stated: frozenset[str],
 ) -> Verified | None:
-    """Return a repair that holds when it is read again as a whole, or None."""
+    """Return a repair that holds when it is read again as a whole, or None.
+
+    One that needs a special case that the note has not stated is none.
+    """
     claims = reread(understood, ranked.tree)
     if len(claims) != len(understood.claims):
         return None
@@ -297,11 +330,18 @@ def verified(
     if found.verdict not in {HOLDS, UNDER}:
         return None
     needed = min((penalty(s, stated) for s in found.sets), default=0.0)
+    if needed >= UNUSUAL:
+        return None
     cost = ranked.candidate.weight + needed + (0.5 if needed else 0.0)
     return Verified(ranked, claim, found, cost)
 
 
-REPLACING = frozenset({"symbol", "index", "superfluous term", "superfluous factor"})
+REPLACING = frozenset(
+    {
+        *("symbol", "index", "superfluous term", "superfluous factor"),
+        *("frame of the derivative", "mark of the derivative"),
+    }
+)
 """Slips by which a line can be made to say that something is itself."""
 
 

@@ -33,6 +33,7 @@ from eom.checker.repair.corrections import Verified, corrections, workshop
 from eom.checker.repair.counterexample import counterexample
 from eom.checker.repair.lines import Line, line, penalty
 from eom.checker.repair.orders import between_scalars, unordered
+from eom.checker.repair.reasons import sentence
 from eom.checker.repair.slips import Change, Option
 from eom.checker.report.findings import UNEXPLAINED, Correction, Counterexample, Explanation
 
@@ -52,7 +53,8 @@ def explain(
     scalars = between_scalars(understood, judged.claim)
     compared = scalars or unordered(understood, judged.claim, given)
     if compared is not None:
-        return compared
+        first = next((c.change for c in compared.corrections), "")
+        return replace(compared, reason=first or _left(compared.residual))
     wrong = line(understood, judged.claim)
     if wrong is None:
         return Explanation(blamed=places or tuple(f.span for f in judged.claim.findings))
@@ -61,13 +63,21 @@ def explain(
     ranked = found[0].ranked if found else None
     candidate = ranked.candidate if ranked is not None else None
     model = ranked.model if ranked is not None else next((p for _, p in shop.levels), None)
+    residual = leftover(shop, candidate, model) if model is not None else ""
     return Explanation(
-        residual=leftover(shop, candidate, model) if model is not None else "",
+        residual=residual,
         blamed=blamed(wrong, candidate) if candidate is not None else places,
         corrections=tuple(_correction(understood, wrong, v) for v in found),
         counterexample=_fails(shop, candidate, model, given) if model is not None else None,
         convention=other_convention(understood, wrong.number, given),
+        reason=_left(residual) if candidate is None else sentence(wrong, candidate),
     )
+
+
+def _left(residual: str) -> str:
+    """Return what is left over of a line that no repair was found for, in words."""
+    short = 0 < len(residual) <= LONG
+    return f"the left side less the right side is ${residual}$, not zero" if short else ""
 
 
 def corrected(
@@ -103,6 +113,8 @@ def _correction(understood: Understood, wrong: Line, found: Verified) -> Correct
     return Correction(text, change, slips, span, new, found.judgement.sets)
 
 
+LONG = 160
+"""Characters of what is left over that are told in a sentence at most."""
 PLAUSIBLE = 1.5
 """Most that the assumptions may weigh under which a line holds in another convention."""
 

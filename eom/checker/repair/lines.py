@@ -33,7 +33,7 @@ from eom.checker.mean.values import Refusal, Value, mixed, overdot
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.paths import Path, at, find, operands
 from eom.checker.read.statements import Statement
-from eom.checker.read.symbol_shape import Labels, labels, seen
+from eom.checker.read.symbol_shape import DOTS, Labels, labels, seen
 from eom.checker.read.syntax import (
     Accent,
     Addition,
@@ -264,7 +264,7 @@ def penalty(names: Iterable[str], stated: frozenset[str]) -> float:
 # -- what a note writes with -----------------------------------------------------------------------
 
 
-SYMBOLS = 40
+SYMBOLS = 48
 """Symbols of the note that are tried at most."""
 NEAR, VECTORS = 10, 5
 """Factors around a line, and vectors, that are tried as lost ones at most."""
@@ -278,14 +278,16 @@ def palette(understood: Understood, line: Line) -> Palette:
     known = list(dict.fromkeys(n for t in trees for n in symbols(t)))
     own = [at(line.tree, m.path) for m in line.members if m.path is not None]
     factors = list(dict.fromkeys(f for t in own for f in _factors(t)))
-    quantities = tuple(n for n in known if _is_quantity(n))[:SYMBOLS]
+    akin = (n for k in written[:1] for s in symbols(k) for n in _akin(s))
+    quantities = tuple(dict.fromkeys(n for n in (*akin, *known) if _is_quantity(n)))[:SYMBOLS]
     return Palette(
         symbols=quantities,
+        quantities={n: meant(lexicon, n) for n in quantities},
         written=frozenset(n for t in written for n in symbols(t)),
         factors=tuple(factors)[:12],
         near=tuple(n for n in quantities if n not in factors)[:NEAR],
         vectors=tuple(n for n in quantities if _shape(line, n) in {VECTOR, COLUMN})[:VECTORS],
-        omegas=tuple(n for n in known if _is_omega(lexicon, n))[:3],
+        omegas=tuple(n for n in known if is_omega(lexicon, n))[:3],
         labels=tuple(_rows(lexicon, trees)),
         frames=tuple(_frames(lexicon, trees)),
         marks=_marks(lexicon, trees),
@@ -330,6 +332,17 @@ def symbols(tree: Node) -> Iterator[Node]:
             stack += reversed(below)
 
 
+def _akin(node: Node) -> Iterator[Node]:
+    """Yield a symbol, itself without dots, and the other components of both."""
+    bare = node.base if isinstance(node, Accent) and node.mark in DOTS else node
+    if isinstance(node, Scripts) and isinstance(node.base, Accent) and node.base.mark in DOTS:
+        bare = replace(node, base=node.base.base)
+    for one in dict.fromkeys((node, bare)):
+        yield one
+        if isinstance(one, Scripts) and isinstance(one.sub, Number) and one.sub.text in AXES:
+            yield from (replace(one, sub=replace(one.sub, text=k)) for k in "123")
+
+
 def _inside(node: Node) -> tuple[Node, ...]:
     return tuple(n for _, n in operands(node))
 
@@ -345,17 +358,19 @@ def _shape(line: Line, node: Node) -> str:
     return "" if value is None else value.shape
 
 
-def _is_omega(lexicon: Lexicon, node: Node) -> bool:
-    """Return whether a symbol is an angular velocity as a vector, without dots."""
+def meant(lexicon: Lexicon, node: Node) -> str:
+    """Return the quantity that a symbol without dots stands for as a whole, "" where that is not known."""
     given = seen(node)
-    if given is None or given.dots:
-        return False
-    for look in (given.with_label(), given.look):
+    for look in (given.with_label(), given.look) if given is not None and not given.dots else ():
         found = lexicon.find(look) if look is not None else None
         if found is not None:
-            whole = not found.meaning.component
-            return found.meaning.quantity == "angular_velocity" and whole
-    return False
+            return "" if found.meaning.component else found.meaning.quantity
+    return ""
+
+
+def is_omega(lexicon: Lexicon, node: Node) -> bool:
+    """Return whether a symbol is an angular velocity as a vector, without dots."""
+    return meant(lexicon, node) == "angular_velocity"
 
 
 def _factors(tree: Node) -> Iterator[Node]:
@@ -384,16 +399,17 @@ def _marks(lexicon: Lexicon, trees: Iterable[Node]) -> tuple[str, ...]:
 
 def _rows(lexicon: Lexicon, trees: Iterable[Node]) -> Iterator[tuple[Node, ...]]:
     """Yield the labels of scripts that the note uses, those of one kind together."""
-    leaves = dict.fromkeys(n for t in trees for n in _leaves(t))
+    found = dict.fromkeys(n for t in trees for n in leaves(t))
     indices = {(name,): name for name in INDICES - {"dm"}}
     axes = {(name,): name for name in set(AXES) - {"1", "2", "3"}}
     for names in (lexicon.points, lexicon.frames, indices, axes):
-        row = tuple(n for n in leaves if labels(n) in names)
+        row = tuple(n for n in found if labels(n) in names)
         if len(row) > 1:
             yield row
 
 
-def _leaves(tree: Node) -> Iterator[Node]:
+def leaves(tree: Node) -> Iterator[Node]:
+    """Yield the scripts of a tree, and the symbols in them."""
     for node in walk(tree):
         if isinstance(node, Scripts):
             scripts = (node.sub, node.sup, node.presub, node.presup)
@@ -405,7 +421,7 @@ def _leaves(tree: Node) -> Iterator[Node]:
 def _frames(lexicon: Lexicon, trees: list[Node]) -> list[Node]:
     """Return a label for each frame, as the note writes it: of derivatives first."""
     written = [n.frame for t in trees for n in walk(t) if isinstance(n, Derivative) and n.frame]
-    written += [n for t in trees for n in _leaves(t)]
+    written += [n for t in trees for n in leaves(t)]
     return list(_named(lexicon.frames, written).values())[:4]
 
 
@@ -429,13 +445,15 @@ Offer = tuple[Node, float]
 class Palette:
     """What a note writes with: symbols and labels that may have been meant, the closest first.
 
-    ``written``: those that stand in the note itself; ``marks``: raised marks that are derivatives;
+    ``quantities``: what they stand for; ``written``: those that stand in the note itself; ``marks``:
+    raised marks that are derivatives;
     ``skew``: accents of skew matrices; ``labels``: rows of labels that may stand for each other (points,
     frames, axes, indices); ``frames``: of derivatives; ``factors``: of the line itself; ``near``: others
     that stand around it; ``vectors``: of the line and around it; ``omegas``: angular velocities.
     """
 
     symbols: tuple[Node, ...] = ()
+    quantities: Mapping[Node, str] = field(default_factory=dict)
     written: frozenset[Node] = frozenset()
     factors: tuple[Node, ...] = ()
     near: tuple[Node, ...] = ()

@@ -317,14 +317,71 @@ def scaled(piece: Piece) -> tuple[str, Node]:
     sign = "-" if (piece.coefficient < 0) != minus else "+"
     if size == 1:
         return sign, node
-    number: Node = Number(str(size.numerator))
-    if size.denominator > 1:
-        number = Fraction(number, Number(str(size.denominator)))
-    loose = isinstance(node, Product) and node.operator
-    parts: tuple[Node, ...] = (Group(node),) if loose or isinstance(node, Addition) else (node,)
-    if isinstance(node, Product) and not node.operator:
-        parts = node.factors
-    return sign, Product((number, *parts))
+    return sign, rescaled(node, size)
+
+
+def rescaled(node: Node, ratio: Ratio) -> Node:
+    """Return a term times a positive number, which is put together with the number it has."""
+    if isinstance(node, Product):
+        first, rest = node.factors[0], node.factors[1:]
+        own = _number(first)
+        if node.operator:
+            return replace(node, factors=(rescaled(first, ratio), *rest))
+        whole = ratio if own is None else ratio * own
+        kept = rest if own is not None else node.factors
+        return _times(whole, kept)
+    own = _number(node)
+    if own is not None:
+        return _written(ratio * own)
+    if isinstance(node, Fraction):
+        above, below = (_parted(n) for n in (node.above, node.below))
+        whole = ratio * above[0] / below[0]
+        over, under = Ratio(whole.numerator), Ratio(whole.denominator)
+        return replace(node, above=_times(over, above[1]), below=_times(under, below[1]))
+    return _times(ratio, (Group(node) if isinstance(node, Addition) else node,))
+
+
+def times(node: Node, symbol: Node) -> Node:
+    """Return a term times a symbol, behind the number it begins with."""
+    if isinstance(node, Product) and node.operator:
+        return replace(node, factors=(times(node.factors[0], symbol), *node.factors[1:]))
+    factors = node.factors if isinstance(node, Product) else (node,)
+    if _number(factors[0]) is not None:
+        return Product((factors[0], symbol, *factors[1:]))
+    return Product((symbol, *(Group(f) if isinstance(f, Addition) else f for f in factors)))
+
+
+def numbered(node: Node) -> Ratio:
+    """Return the number that a term begins with."""
+    if isinstance(node, Fraction) and _number(node) is None:
+        return _parted(node.above)[0] / _parted(node.below)[0]
+    return _parted(node)[0]
+
+
+def _parted(node: Node) -> tuple[Ratio, tuple[Node, ...]]:
+    """Return the number that a product begins with, and its other factors."""
+    factors = node.factors if isinstance(node, Product) and not node.operator else (node,)
+    own = _number(factors[0])
+    return (Ratio(1), factors) if own is None else (own, factors[1:])
+
+
+def _number(node: Node) -> Ratio | None:
+    """Return the value of a number or of a fraction of two."""
+    if isinstance(node, Fraction):
+        above, below = _number(node.above), _number(node.below)
+        return None if above is None or not below else above / below
+    return Ratio(node.text) if isinstance(node, Number) and node.text.isdigit() else None
+
+
+def _written(ratio: Ratio) -> Node:
+    above: Node = Number(str(ratio.numerator))
+    return above if ratio.denominator == 1 else Fraction(above, Number(str(ratio.denominator)))
+
+
+def _times(ratio: Ratio, factors: Sequence[Node]) -> Node:
+    """Return a product with a number before it, unless that is one."""
+    parts = (*((_written(ratio),) if ratio != 1 or not factors else ()), *factors)
+    return parts[0] if len(parts) == 1 else Product(parts)
 
 
 def _unsigned(node: Node) -> tuple[Node, bool]:
@@ -471,7 +528,10 @@ def lost_terms(
     """Yield terms that a member needs so that its number grows by ``need``."""
     if member.path is None or not member.addends:
         return
+    standing = {model.number(i.term) for i in pools.own(kind)}
     for pieces in fits(model.number, pools.pool(pools.roots, kind), need):
+        if len(pieces) > 1 and any(model.number(p.item.term) in standing for p in pieces):
+            continue
         parts = [scaled(p) for p in pieces]
         sign = -1 if parts[0][0] == "-" else 1
         node = total([replace(p, coefficient=p.coefficient * sign) for p in pieces])

@@ -132,11 +132,17 @@ def letters(node: Node, palette: Palette) -> Iterator[Offer]:
             continue
         new = seen(other)
         if new is not None:
+            kinds = [palette.quantities.get(n, "") for n in (node, other)]
             extra = _distance(given.look.name, new.look.name) + min(0.4, 0.01 * rank)
+            extra = min(extra, SAME_KIND) if kinds[0] and kinds[0] == kinds[1] else extra
             yield other, extra
             more = dotted(other)
             if more is not None and not new.dots:
                 yield more, extra + (0.1 if given.dots else 0.4)
+
+
+SAME_KIND = -0.4
+"""What it weighs less at least to put another quantity of the same kind in place of one."""
 
 
 def _distance(old: str, new: str) -> float:
@@ -284,6 +290,20 @@ def missing_factor(node: Node, palette: Palette) -> Iterator[Offer]:
     for new in palette.near:
         for k in sorted({0, len(factors)}):
             yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.3
+
+
+def missing_term(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put another symbol of the note into a bracket, as a term of its sum."""
+    if isinstance(node, Group) and node.open == "(" and not isinstance(node.body, Section):
+        body = node.body
+        whole = isinstance(body, Addition)
+        terms, signs = (body.terms, body.signs) if isinstance(body, Addition) else ((body,), ("",))
+        for rank, new in enumerate(n for n in palette.symbols if n not in terms):
+            more = 0.01 * rank
+            yield replace(node, body=Addition((*terms, new), (*signs, "-"))), more
+            first = whole and signs[0] == "-"
+            both = ((new, *terms), ("", *signs)) if first else ((*terms, new), (*signs, "+"))
+            yield replace(node, body=Addition(*both)), more
 
 
 def _factor_like(node: Node) -> bool:
@@ -604,6 +624,7 @@ SLIPS: tuple[Slip, ...] = (
     Slip("superfluous term", "a term is too much", 1.6, superfluous_term),
     Slip("superfluous factor", "a factor is too much", 1.4, superfluous_factor),
     Slip("lost factor", "a factor was lost", 1.4, missing_factor),
+    Slip("lost part", "a term in a bracket was lost", 1.4, missing_term),
     Slip("lost cross product", "omega times was lost", 1.4, missing_cross),
     Slip("lost vector", "a vector with its product was lost", 1.5, missing_vector),
     Slip("lost derivative", "a derivative was lost", 1.4, derived),
@@ -614,11 +635,13 @@ SLIPS: tuple[Slip, ...] = (
 """Every slip, with its weight."""
 
 TERM = Slip("sign", "a sign", 1.0, lambda _, __: ())
+FORGOTTEN = Slip("lost factor", "a factor was lost", 1.4, lambda _, __: ())
+FACTOR = Slip("number", "another number", 1.04, lambda _, __: ())
 DROPPED = Slip("superfluous term", "a term is too much", 1.6, lambda _, __: ())
 LOST = Slip("lost term", "a term was lost", 1.5, lambda _, __: ())
 """Slips of a whole term of a line."""
 
-MANY = frozenset({"lost factor", "lost vector", "symbol"})
+MANY = frozenset({"lost factor", "lost part", "lost vector", "symbol"})
 """Slips that offer something for every symbol of the note."""
 ALL_OVER = 0.35
 """What the same slip weighs at each place beyond the first."""

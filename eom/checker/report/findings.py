@@ -59,7 +59,8 @@ class Explanation:
     ``residual``: LaTeX of what is too much on the left side, in the writer's symbols, "" if no short one
     was found; ``blamed``: the places at fault; ``corrections``: the most plausible first;
     ``counterexample``: small numbers for which it fails, None if none was found;
-    ``convention``: what other convention makes the line right, "" for none.
+    ``convention``: what other convention makes the line right, "" for none; ``reason``: in one sentence,
+    with formulas between dollars, "" where none is known.
     """
 
     residual: str = ""
@@ -67,6 +68,7 @@ class Explanation:
     corrections: tuple[Correction, ...] = ()
     counterexample: Counterexample | None = None
     convention: str = ""
+    reason: str = ""
 
 
 UNEXPLAINED = Explanation()

@@ -187,9 +187,8 @@ FILTER = """<fieldset><legend>Show findings</legend>
 def _brief(finding: Finding) -> str:
     if finding.carried:
         return f"carries on the slip of line {finding.carried}"
-    first = next(iter(finding.explanation.corrections), None)
-    repair = html.escape(finding.reason.split("\n")[0]) if first is None else _worded(first.change)
-    return f"{repair}, or state: {_worded(finding.special)}" if finding.special else repair
+    reason = _worded(finding.reason.split("\n")[0])
+    return f"{reason}, or state: {_worded(finding.special)}" if finding.special else reason
 
 
 # -- formulas and cards ------------------------------------------------------------------------------
@@ -262,7 +261,7 @@ def _details(finding: Finding) -> Iterator[tuple[str, str]]:
     yield "Holds under", _sets(finding.sets)
     yield (
         "Reason",
-        f'<span class="reason">{html.escape(finding.reason)}</span>' * bool(finding.reason),
+        f'<span class="reason">{_worded(finding.reason)}</span>' * bool(finding.reason),
     )
     yield "Carries on", carried
     yield "Left side minus right side", mathml(explanation.residual) if explanation.residual else ""
