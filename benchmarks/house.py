@@ -25,7 +25,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 413,
-    "lines of code": 78_200,
+    "lines of code": 77_100,
     "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
