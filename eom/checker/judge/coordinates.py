@@ -36,20 +36,21 @@ class Chart:
 @lru_cache(maxsize=16)
 def chart(system: System) -> Chart:
     """Return coordinates and speeds. Raises `InputError` where there are not as many of both."""
-    named = [(q, system.expand(r)) for q, r in zip(system.states, system.rates, strict=True)]
-    places = {q.symbol: r for q, r in named if q.unit in PLACES}
-    speeds = [q.symbol for q, _ in named if q.unit not in PLACES]
+    named = zip(system.states, system.rates, strict=True)
+    found = {q.symbol: r for q, r in named if q.unit in PLACES}
+    speeds = [q.symbol for q in system.states if q.unit not in PLACES]
+    if len(found) != len(speeds) or system.mass_matrix is not None:
+        raise InputError("the coordinates of this system are no independent ones", got=system.name)
+    places = {s: system.expand(r) for s, r in found.items()}
     rates = {s: sp.Dummy(f"{s}_rate", real=True) for s in places}
     kinematic = sp.Matrix(list(places.values()))
-    if len(places) != len(speeds) or system.mass_matrix is not None:
-        raise InputError("the coordinates of this system are no independent ones", got=system.name)
     matrix = kinematic.jacobian(speeds)
     if matrix.free_symbols & set(speeds):
         raise InputError("speeds that are not linear in the rates of coordinates", got=system.name)
     rest = kinematic.subs(dict.fromkeys(speeds, 0))
     solved = matrix.LUsolve(sp.Matrix(list(rates.values())) - rest)
-    found = dict(zip(speeds, map(sp.simplify, solved), strict=True))
-    return Chart(rates, found, {d: places[s] for s, d in rates.items()})
+    spelt = dict(zip(speeds, map(sp.simplify, solved), strict=True))
+    return Chart(rates, spelt, {d: places[s] for s, d in rates.items()})
 
 
 def derivative(system: System, f: Expr, variable: Expr, held: Collection[Expr] = ()) -> Expr:

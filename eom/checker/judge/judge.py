@@ -142,6 +142,8 @@ def _beyond(search: Search) -> Judgement:
     refuted = (tuple(sorted(base)), search.seeds[base]) if base in search.seeds else None
     names = claim.kind == SAME_POINT or (not shown and models.names_scalars)
     verdict = DEFINITION if names else UNDER if shown else WRONG
+    if verdict == WRONG and models.is_open():
+        return Judgement(UNDECIDED, reason="its roots leave open under what it holds")
     complete = search.tests < MAX_TESTS and not search.stopped
     why = "" if sets else models.why(search)
     case = models.case() if verdict == WRONG else ""

@@ -34,7 +34,7 @@ from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import PRIME, Singular
 from eom.limits import Overdue
-from eom.terms.terms import SCALAR, Equation, Term, expr, nodes, zero
+from eom.terms.terms import SCALAR, Equation, Term, expr, mul, nodes, number, zero
 from eom.terms.terms import replace as rewritten
 from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.generators import worlds
@@ -157,6 +157,10 @@ class Models(ABC):
     def case(self) -> str:
         """Return the special case in which what does not hold does, as LaTeX or words, "" for none."""
         return ""
+
+    def is_open(self) -> bool:
+        """Return whether what fails under all that is known may hold under something else."""
+        return False
 
     def why(self, search: Search) -> str:  # noqa: ARG002
         """Say what is wrong with what does not hold, or what it needs beyond sets; "" if not known."""
@@ -432,6 +436,18 @@ class Worlds(Models):
         if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, _subsets(self.roots))):
             return "this rests on the signs of its roots"
         return ""
+
+    def is_open(self) -> bool:
+        """Return whether a claim has roots and no other factor of a side makes it true."""
+        factors = (number(-1), number(2), number(1, 2))
+        return bool(self.roots) and not any(map(self._with_factor, factors))
+
+    def _with_factor(self, factor: Term) -> bool:
+        """Return whether the claim holds with a factor on its last side, or does so under something."""
+        *before, last = self.claim.members
+        scaled = replace(self.claim, members=(*before, replace(last, term=mul(factor, last.term))))
+        search = Search(replace(self, claim=scaled))
+        return search.holds(search.base[1]) or bool(search.sets())
 
     def _of_a_motion(self) -> bool:
         """Return whether the claim says how coordinates move, which no law of the note's gives."""

@@ -487,10 +487,27 @@ def without_root(value: Value) -> Value:
 
 def _datum(s: Statement, e: Elaborator) -> Claim | None:
     """Return that a number is given, which nothing else gives."""
-    if not given_number(s, e):
+    if not given_number(s, e) and not _starts(s, e):
         return None
     finding = Finding(UNDECIDED, "a number that is given; nothing here determines it", s.span)
     return Claim((), findings=(finding,), numbers=numbers.given(s), span=s.span)
+
+
+def _starts(s: Statement, e: Elaborator) -> bool:
+    """Tell whether a statement gives the value of something at an instant: ``x(0) = 3``."""
+    if len(s.members) != 2 or s.continues or s.signs[0].name not in EQUALITIES:
+        return False
+    for whole, other in (s.members, s.members[::-1]):
+        factors = whole.factors if isinstance(whole, Product) and not whole.operator else ()
+        inside = factors[1] if len(factors) == 2 else None
+        if not isinstance(inside, Group) or instants.key(e, inside.body) in {"", "t"}:
+            continue
+        found = seen(other)
+        entry = e.lexicon.find(found.look, e.indices) if found is not None else None
+        named = found is not None and (entry is None or entry.meaning.quantity == "scalar")
+        if seen(factors[0]) is not None and (named or _is_number(other)):
+            return True
+    return False
 
 
 def _points(s: Statement, e: Elaborator) -> Claim | None:

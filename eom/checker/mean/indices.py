@@ -18,7 +18,7 @@ from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import Addition, BigOperator, Node, children
 
-LETTERS = frozenset("ijklmnpqrsabcd")
+LETTERS = frozenset("ijklmn")
 COUNTS = ("1", "2", "3")
 MAX_DUMMIES, MAX_FREE = 4, 2
 UNIT = ("delta", 2)

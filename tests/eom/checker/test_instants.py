@@ -80,6 +80,13 @@ def test_angular_impulse(line):
     assert found(BOLD, line) is ANGULAR[line]
 
 
+@pytest.mark.parametrize("line", ["q(0) = 0", r"\dot q(0) = 2", "q(t_0) = q_0", "0.5 = q(0)"])
+def test_what_a_motion_starts_from_is_given(line):
+    lexicon = "[system]\nis = 'double-pendulum'\n[system.symbols]\n'q' = 'q_elbow'"
+    assert found(lexicon, line) is None
+    assert found("[symbols]\n'q' = 'coordinate q'", line) is None
+
+
 def test_of_a_system():
     lexicon = """
     [system]
@@ -116,4 +123,3 @@ def test_the_sign_of_a_root_is_not_guessed():
     assert found(lexicon, r"|a\vec b| = a|\vec b|") is None
     assert found(lexicon, r"|a\vec b| = |a||\vec b|")
     assert found(lexicon, r"|2\vec b| = 2|\vec b|")
-    assert found(lexicon, r"\sqrt{a^2\vec b\cdot\vec b} = 2a|\vec b|") is False

@@ -48,7 +48,7 @@ VERDICTS = {
     r"x^2 + y^2 = 1": (DEFINITION, set()),
     r"x > 0": (UNDECIDED, set()),
     r"|\vec a + \vec b| = |\vec a|": (WRONG, set()),
-    r"|\vec a + \vec b| = x|\vec a|": (WRONG, set()),
+    r"|\vec a + \vec b| = x|\vec a|": (UNDECIDED, set()),
     r"|x\vec a| = x|\vec a|": (UNDECIDED, set()),
 }
 
