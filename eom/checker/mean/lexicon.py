@@ -42,6 +42,7 @@ from eom.checker.read.symbol_shape import Labels, Look
 from eom.errors import InputError, unknown_name
 from eom.terms.terms import DYADIC, INDICES, INERTIAL, MATRIX, SCALAR, VECTOR
 from eom.terms.vocabulary import QUANTITIES
+from eom.worlds.worlds import SEQUENCES, sequence_of
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
@@ -207,6 +208,9 @@ def _check(found: Meaning, parts: Mapping[str, list[str]], where: str) -> None:
             got=" ".join(found.labels) or "none",
             expected=f"{wanted}, for: {says}",
         )
+    if name == "turn_angle" and sequence_of(found.labels[1]) not in SEQUENCES:
+        known = ", ".join(SEQUENCES.values())
+        raise InputError("unknown axes of turns", where=where, got=found.labels[1], expected=known)
     if len(parts["in"]) > 1:
         raise InputError("components are in one frame", where=where, got=" ".join(parts["in"]))
     kind = QUANTITIES[name].kind if name in QUANTITIES else SCALAR

@@ -199,6 +199,13 @@ def test_errors_stand_at_the_lines_of_the_lexicon():
             lexicon_for(note)
 
 
+def test_turns_about_axes_that_are_no_sequence_are_refused_in_the_lexicon():
+    with pytest.raises(InputError, match="unknown axes of turns") as found:
+        parse_lexicon("[symbols]\n'q' = 'turn_angle 1 3 B I'", "n.toml")
+    assert found.value.where == "n.toml, line 2, symbols > q"
+    assert parse_lexicon("[symbols]\n'q' = 'turn_angle 1 space321 B I'").layers[0]
+
+
 def test_a_dyadic_beside_a_vector_acts_on_it_without_a_preset():
     lexicon = parse_lexicon(
         "[symbols]\nh = 'angular_momentum body C'\nw = 'angular_velocity B I'\nJ = 'inertia C'"
