@@ -2,7 +2,7 @@
 
 Problems, methods and tolerances were chosen before any result was seen: linear, resonant, unstable, damped,
 stiff, chaotic, near a separatrix, near a singularity, forwards and backwards; methods of every kind. The
-first ones are quick. `codegen.measure.stress.estimates` measures on them.
+first ones are quick. `codegen.measure.stress.checks` measures on them.
 """
 
 from __future__ import annotations

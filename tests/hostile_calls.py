@@ -246,7 +246,7 @@ def _multibody():
             "name": "j", "kind": "revolute", "parent": "ground", "child": "bob", "axis": "x",
             "second_axis": (1, 0, 0), "pitch": 0, "attitude": "quaternion", "on_parent": m.Placement(),
             "on_child": m.Placement(), "stiffness": 0, "rest": 0, "damping": 0, "armature": 0, "force": 0,
-            "motor": False, "motion": None,
+            "motor": False, "motion": None, "alone": False,
         }),
         "Load": (m.Load, {
             "body": "bob", "force": (0, 0, 0), "torque": (0, 0, 0), "point": (0, 0, 0), "axes": "ground",

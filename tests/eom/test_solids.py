@@ -42,6 +42,8 @@ def symmetric(i, j, *moments, off):
 thick = 2 * m * (r2**5 - r1**5) / (5 * (r2**3 - r1**3))
 across = m * (3 * (r1**2 + r2**2) + h**2) / 12
 
+lifted = 16 / (9 * sp.pi**2)  # the square of 4 r / (3 pi), from the base to the centroid
+
 # Meriam, Kraige, Bolton, Engineering Mechanics: Dynamics, tables D/3 and D/4, about the centre of
 # mass; pyramid, prism and hollow sphere: Beer, Johnston, Vector Mechanics, appendix; composition.
 EXPECTED = {
@@ -64,6 +66,13 @@ EXPECTED = {
     "rod": diagonal(*(m * h**2 / 12,) * 2, 0),
     "ring": diagonal(*(m * r**2 / 2,) * 2, m * r**2),
     "disc": diagonal(m * r**2 / 4, m * r**2 / 4, m * r**2 / 2),
+    "annulus": diagonal(*(m * (r1**2 + r2**2) / 4,) * 2, m * (r1**2 + r2**2) / 2),
+    "semicircular disc": diagonal(
+        m * r**2 * (sp.Rational(1, 4) - lifted),
+        m * r**2 / 4,
+        m * r**2 * (sp.Rational(1, 2) - lifted),
+    ),
+    "elliptical disc": diagonal(m * b**2 / 4, m * a**2 / 4, m * (a**2 + b**2) / 4),
     "rectangular plate": diagonal(m * b**2 / 12, m * a**2 / 12, m * (a**2 + b**2) / 12),
     "triangular plate": symmetric(
         0, 1, m * b**2 / 18, m * a**2 / 18, m * (a**2 + b**2) / 18, off=m * a * b / 36

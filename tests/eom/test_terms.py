@@ -32,9 +32,12 @@ from eom.terms.terms import (
     number,
     outer,
     outer_column,
+    partial,
     rebuild,
     relabel,
     replace,
+    since,
+    start,
     table,
     tilde,
     total,
@@ -60,9 +63,12 @@ KINDS = {
     "outer_column": {("column", "column"): "matrix"},
     "add": {(k, k): k for k in OF_KIND},
     "mul": {("scalar", k): k for k in OF_KIND} | {(k, "scalar"): k for k in OF_KIND},
+    "partial": {(k, "scalar"): k for k in OF_KIND},
 }  # fmt: skip
 ONE = {
     "der": {k: k for k in OF_KIND},
+    "start": {k: k for k in OF_KIND},
+    "since": {k: k for k in OF_KIND},
     "sum": {k: k for k in OF_KIND},
     "integral": {k: k for k in OF_KIND},
     "column": {"vector": "column", "dyadic": "matrix"},
@@ -72,7 +78,8 @@ ONE = {
 }
 BUILT = {
     "dot": dot, "cross": cross, "outer": outer, "matmul": matmul, "inner": inner,
-    "outer_column": outer_column, "add": add, "mul": mul, "der": der, "sum": total,
+    "outer_column": outer_column, "add": add, "mul": mul, "der": der, "sum": total, "start": start,
+    "since": since, "partial": partial,
     "integral": integral, "column": lambda t: column(t, "B"), "transpose": transpose,
     "inverse": inverse, "tilde": tilde,
 }  # fmt: skip

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from heapq import nsmallest
 from itertools import combinations, count, islice
 from typing import Generic, TypeVar
 
@@ -18,7 +19,7 @@ from eom.checker.judge.models import Drawn
 from eom.checker.mean.claims import CONSTANT, STATEMENT
 from eom.checker.mean.values import GEOMETRIC, Value, components
 from eom.checker.read.paths import NOTHING, Path, at, put, set_down
-from eom.checker.read.syntax import Addition, Node, walk
+from eom.checker.read.syntax import Addition, Missing, Node, walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.lines import (
     Addend,
@@ -53,7 +54,6 @@ from eom.checker.repair.slips import (
     Option,
     Slip,
     dotted,
-    doubles,
     edits,
 )
 from eom.checker.repair.tables import Suspects, entry_residual, mended, table_in
@@ -654,3 +654,47 @@ def _told(
 def _sums(node: Node) -> int:
     """Return how many terms the sums of a tree have."""
     return sum(len(n.terms) for n in walk(node) if isinstance(n, Addition) and len(n.terms) > 1)
+
+
+# -- two slips in one term ---------------------------------------------------------------------------
+
+MILD = 1.3
+"""What a slip weighs at most of which there may be two in one term."""
+NUMBERS = frozenset({"factor", "number", "superfluous factor"})
+"""Slips of which two in one product are one."""
+PAIRS = 300
+"""Pairs of slips in one term that are tried at most."""
+
+
+def doubles(node: Node, single: Iterable[Edit]) -> list[Edit]:
+    """Return the likeliest pairs of slips at two places of a tree, both undone."""
+    mild = [e for e in single if e.weight <= MILD and _alone(e)]
+    pairs = (
+        (_joint(a, b), k, a, b)
+        for k, (a, b) in enumerate(combinations(mild, 2))
+        if _disjoint(a.first.paths[0], b.first.paths[0])
+        and not {a.slip.name, b.slip.name} <= NUMBERS
+    )
+    found = []
+    for weight, _, a, b in nsmallest(PAIRS, pairs):
+        tree = node
+        for path, new in ((e.first.paths[0], e.first.new) for e in (a, b)):
+            tree = set_down(tree, path, new)
+        found.append(Edit(weight, tree, (*a.changes, *b.changes)))
+    return found
+
+
+def _alone(edit: Edit) -> bool:
+    paths = edit.first.paths
+    return len(paths) == 1 and paths[0] != () and not isinstance(edit.first.new, Missing)
+
+
+def _joint(a: Edit, b: Edit) -> float:
+    """Return how implausible two slips are together; the same one again weighs less."""
+    again = a.slip.uniform and a.slip.name == b.slip.name
+    return max(a.weight, b.weight) + min(a.weight, b.weight) * (ALL_OVER if again else 1.0)
+
+
+def _disjoint(a: Path, b: Path) -> bool:
+    n = min(len(a), len(b))
+    return a[:n] != b[:n]

@@ -15,10 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from heapq import nsmallest
-from itertools import combinations
 
-from eom.checker.read.paths import NOTHING, Path, at, places, put, set_down, tidy
+from eom.checker.read.paths import NOTHING, Path, at, places, put, tidy
 from eom.checker.read.symbol_shape import DOTS, seen
 from eom.checker.read.syntax import (
     Accent,
@@ -31,7 +29,6 @@ from eom.checker.read.syntax import (
     Integral,
     Marks,
     Matrix,
-    Missing,
     Node,
     Number,
     Product,
@@ -583,12 +580,9 @@ class Change:
     added: str = ""
 
 
-@dataclass(frozen=True)
-class Edit:
-    """Slips undone in a tree: how implausible they are, and the new tree."""
+class _Changed:
+    """Slips that are undone together."""
 
-    weight: float
-    tree: Node
     changes: tuple[Change, ...]
 
     @property
@@ -600,6 +594,15 @@ class Edit:
     def slip(self) -> Slip:
         """The kind of the first slip."""
         return self.first.slip
+
+
+@dataclass(frozen=True)
+class Edit(_Changed):
+    """Slips undone in a tree: how implausible they are, and the new tree."""
+
+    weight: float
+    tree: Node
+    changes: tuple[Change, ...]
 
 
 # -- the table -------------------------------------------------------------------------------------
@@ -719,50 +722,8 @@ def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) 
         yield Edit(weight, tree, (replace(change, paths=tuple(paths)),))
 
 
-MILD = 1.3
-"""What a slip weighs at most of which there may be two in one term."""
-NUMBERS = frozenset({"factor", "number", "superfluous factor"})
-"""Slips of which two in one product are one."""
-PAIRS = 300
-"""Pairs of slips in one term that are tried at most."""
-
-
-def doubles(node: Node, single: Iterable[Edit]) -> list[Edit]:
-    """Return the likeliest pairs of slips at two places of a tree, both undone."""
-    mild = [e for e in single if e.weight <= MILD and _alone(e)]
-    pairs = (
-        (_joint(a, b), k, a, b)
-        for k, (a, b) in enumerate(combinations(mild, 2))
-        if _disjoint(a.first.paths[0], b.first.paths[0])
-        and not {a.slip.name, b.slip.name} <= NUMBERS
-    )
-    found = []
-    for weight, _, a, b in nsmallest(PAIRS, pairs):
-        tree = node
-        for path, new in ((e.first.paths[0], e.first.new) for e in (a, b)):
-            tree = set_down(tree, path, new)
-        found.append(Edit(weight, tree, (*a.changes, *b.changes)))
-    return found
-
-
-def _alone(edit: Edit) -> bool:
-    paths = edit.first.paths
-    return len(paths) == 1 and paths[0] != () and not isinstance(edit.first.new, Missing)
-
-
-def _joint(a: Edit, b: Edit) -> float:
-    """Return how implausible two slips are together; the same one again weighs less."""
-    again = a.slip.uniform and a.slip.name == b.slip.name
-    return max(a.weight, b.weight) + min(a.weight, b.weight) * (ALL_OVER if again else 1.0)
-
-
-def _disjoint(a: Path, b: Path) -> bool:
-    n = min(len(a), len(b))
-    return a[:n] != b[:n]
-
-
 @dataclass(frozen=True)
-class Option:
+class Option(_Changed):
     """What may stand for a term: another node, the other sign, or nothing; with its value.
 
     ``changes``: what is undone within the term.
@@ -775,16 +736,6 @@ class Option:
     changes: tuple[Change, ...]
     term: Term | None = None
     signature: Signature | None = None
-
-    @property
-    def first(self) -> Change:
-        """The first of the slips."""
-        return self.changes[0]
-
-    @property
-    def slip(self) -> Slip:
-        """The kind of the first slip."""
-        return self.first.slip
 
     @property
     def appended(self) -> bool:
