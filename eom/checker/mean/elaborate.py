@@ -14,7 +14,7 @@ An index is a letter below symbols that have no meaning with it, and one with th
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -553,7 +553,7 @@ RULES: dict[type, Rule] = {
 
 LETTERS = frozenset("ijklmn")
 COUNTS = ("1", "2", "3")
-MAX_DUMMIES, MAX_FREE = 4, 2
+MAX_DUMMIES, MAX_FREE = 4, 4
 UNIT = ("delta", 2)
 ALTERNATING = (("epsilon", 3), ("varepsilon", 3), ("e", 3))
 
@@ -569,13 +569,15 @@ def numbered(look: Look, indices: Mapping[str, str]) -> Any:
 
 
 def _letters(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> Iterator[str]:
-    """Yield the indices of a term, as often as they stand there."""
+    """Yield the indices of a term as often as they stand there, of a sum those of its terms once."""
     found = seen(node)
     if found is not None:
         look = found.look
         letters = [w for w in look.sub if w in LETTERS]
         if letters and not known(look, {}) and known(look, dict.fromkeys(letters, "1")):
             yield from letters
+    elif isinstance(node, Addition):
+        yield from frozenset[str]().union(*(_once(t, known) for t in node.terms))
     else:
         for part in children(node):
             yield from _letters(part, known)
@@ -614,8 +616,6 @@ def free(statement: Statement, lexicon: Lexicon) -> tuple[dict[str, str], ...]:
     )
 
 
-def _once(member: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> frozenset[str]:
-    """Return the letters that stand once in the terms of a member."""
-    terms: Iterable[Node] = member.terms if isinstance(member, Addition) else (member,)
-    counts = (Counter(_letters(t, known)) for t in terms)
-    return frozenset(w for c in counts for w, n in c.items() if n == 1)
+def _once(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> frozenset[str]:
+    """Return the letters that stand once in a term, or in the terms of a sum."""
+    return frozenset(w for w, n in Counter(_letters(node, known)).items() if n == 1)
