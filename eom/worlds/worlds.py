@@ -35,6 +35,7 @@ from eom.worlds.turning import (
     Angle,
     Quaternion,
     Turned,
+    about_axis,
     angle,
     composed,
     in_turn,
@@ -215,6 +216,9 @@ SEQUENCES: dict[str, str] = {
 }
 """Assumptions that say by which turns B is reached, with their axes."""
 
+
+FREE_FRAMES = "DEFGHJKLMNPQRSTUVWXYZ"
+"""Names of frames that nothing else in a world depends on."""
 
 GENERAL, SPECIAL = "general", "special"
 """Kinds of assumptions: what a text takes for granted or states once; a special body, load or motion."""
@@ -475,9 +479,17 @@ class World:
         return result
 
     def _frame(self, name: str) -> Matrix:
-        if name not in self.frames:
-            raise unknown_name("frame", name, self.frames)
-        return self.frames[name]
+        return self.frames[name] if name in self.frames else self._free_frame(name).matrix
+
+    def _free_frame(self, name: str) -> Turned:
+        """Return a frame that turns as it likes. Raises `InputError` for names of no such frame."""
+        if name not in FREE_FRAMES:
+            raise unknown_name("frame", name, [*self.frames, *FREE_FRAMES])
+        key = ("frame", name)
+        if key not in self.memo:
+            self.memo[key] = about_axis([_free_angle(self, f"{name}{k}") for k in range(3)])
+        result: Turned = self.memo[key]
+        return result
 
     def turn(self, frame: str, base: str) -> Turned:
         """Return the rotation from one frame to another. Raises `InputError` for unknown frames."""
@@ -485,9 +497,11 @@ class World:
             return self.turns[frame, base]
         if (base, frame) in self.turns:
             return reversed_(self.turns[base, frame])
-        for name in (frame, base):
-            self._frame(name)
-        return composed(reversed_(self.turns[base, "I"]), self.turns[frame, "I"])
+        if base == "I":
+            return self._free_frame(frame)
+        if frame == "I":
+            return reversed_(self._free_frame(base))
+        return composed(reversed_(self.turn(base, "I")), self.turn(frame, "I"))
 
     def angle(self, kind: str, *labels: str) -> Angle:
         """Return an angle by its quantity and labels. Raises `InputError` where there is none."""

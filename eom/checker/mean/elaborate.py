@@ -34,6 +34,7 @@ from eom.checker.mean.elaborator import (
     quotient,
     raised,
     symbol_value,
+    without_meaning,
 )
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
 from eom.checker.mean.values import (
@@ -60,7 +61,7 @@ from eom.checker.mean.values import (
 )
 from eom.checker.read.spans import Span
 from eom.checker.read.statements import Statement
-from eom.checker.read.symbol_shape import DOTS, Look, labels, seen
+from eom.checker.read.symbol_shape import DOTS, Look, labels, named_in, seen
 from eom.checker.read.syntax import (
     Accent,
     Addition,
@@ -339,6 +340,14 @@ def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
     given = seen(node)
     if given is None:
         return None
+    named = named_in(argument)
+    if named:
+        look = replace(given.look, sub=(*given.look.sub, *named))
+        found = e.lexicon.find(look, e.indices)
+        if found is not None:
+            return of_meaning(e, found, given, node.span.join(argument.span))
+        if e.lexicon.names_behind(look) or e.lexicon.find(given.look, e.indices) is None:
+            raise without_meaning(e, look, node.span.join(argument.span))
     called = e.lexicon.find(replace(given.look, called=True), e.indices)
     if called is not None:
         return of_meaning(e, called, given, node.span)

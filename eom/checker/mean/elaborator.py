@@ -38,6 +38,7 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import Span
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
 from eom.checker.read.syntax import Addition, Group, Marks, Node, Product, Symbol
+from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.terms.terms import (
     DYADIC,
@@ -229,7 +230,7 @@ def _found(e: Elaborator, given: Seen, span: Span) -> tuple[Value, tuple[Node, .
     if value is None:
         value = _resolved(e, given.look, span)
     if value is None:
-        raise _unknown(e, labelled or given.look, span)
+        raise without_meaning(e, labelled or given.look, span)
     return value, given.raised
 
 
@@ -284,9 +285,13 @@ def _resolved(e: Elaborator, look: Look, span: Span) -> Value | None:
     return components(inside, frame)
 
 
-def _unknown(e: Elaborator, look: Look, span: Span) -> Exception:
-    hints = ", ".join(e.lexicon.known(look.name)[:5])
-    return refuse(UNDECIDED, "symbol without a meaning", span, look.text, hints)
+def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
+    """Return that a symbol has no meaning, with the entry of a lexicon that would give it one."""
+    latex, known = latex_of(look), ", ".join(e.lexicon.known(look.name)[:5])
+    wanted = f"a line of the lexicon: '{latex}' = ..."
+    if known:
+        wanted += f" (which has {known})"
+    return refuse(UNDECIDED, "symbol without a meaning", span, latex, wanted)
 
 
 # -- meanings ------------------------------------------------------------------------------------

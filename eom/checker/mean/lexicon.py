@@ -367,6 +367,11 @@ class Lexicon:
                     return Found(look, entry.meaning.filled(bound, self._written(bound)), entry)
         return None
 
+    def names_behind(self, look: Look) -> bool:
+        """Return whether symbols that look like this have names in brackets behind them."""
+        entries = (e.look for layer in self.layers for e in layer)
+        return any("(" in o.sub and _nucleus(o) == _nucleus(look) for o in entries)
+
     def frame(self, given: Labels) -> str | None:
         """Return the frame that labels name, or None."""
         return _named(self.frames, given)

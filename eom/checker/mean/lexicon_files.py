@@ -34,7 +34,7 @@ import yaml
 
 from eom.checker.mean.lexicon import SLOT, Entry, Lexicon, Notation, Scope, meaning
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.symbol_shape import Labels, Look, labels, seen
+from eom.checker.read.symbol_shape import Labels, Look, labels, named_in, seen
 from eom.checker.read.syntax import Group, Node, Product, Scripts
 from eom.errors import InputError, unknown_name
 from eom.worlds.worlds import ASSUMPTIONS, closure
@@ -549,7 +549,10 @@ def look_of(latex: str, where: str = "") -> Look:
             got=latex,
             hint="the body of a formula that stands for something else goes into equals",
         )
-    return replace(found.with_label() or found.look, called=called)
+    look = found.with_label() or found.look
+    if called and isinstance(tree, Product) and (words := named_in(tree.factors[1])):
+        return replace(look, sub=(*look.sub, *words))
+    return replace(look, called=called)
 
 
 def _is_call(tree: Node) -> bool:

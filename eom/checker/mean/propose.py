@@ -35,12 +35,10 @@ from eom.checker.mean.lexicon_files import (
 )
 from eom.checker.mean.values import Refusal
 from eom.checker.read.documents import Document, Piece
-from eom.checker.read.latex import SCRIPT_MARKS, SYMBOLS
 from eom.checker.read.spans import printable
 from eom.checker.read.statements import Formula, Statement, read
 from eom.checker.read.symbol_shape import Labels, Look, seen
 from eom.checker.read.syntax import (
-    Accent,
     Derivative,
     Differential,
     Group,
@@ -51,7 +49,7 @@ from eom.checker.read.syntax import (
     Symbol,
     children,
 )
-from eom.checker.read.writing import latex
+from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.limits import Overdue
 from eom.terms.terms import INDICES
@@ -542,39 +540,6 @@ def _fits(look: Look, table: str, meaning: str) -> bool:
 
 
 # -- LaTeX ---------------------------------------------------------------------------------------
-
-_SHAPES = {"cal": "mathcal", "bb": "mathbb", "frak": "mathfrak"}
-
-
-def latex_of(look: Look) -> str:
-    """Return a look as LaTeX that reads as the same look."""
-    style = "roman" if len(look.name) > 1 and not _is_command(look.name) else ""
-    node: Node = Symbol(look.name, look.style or style)
-    for accent in look.accents:
-        node = Accent(accent, node)
-    before = f"{{}}^{{{_words(look.presup)}}}" if look.presup else ""
-    below = f"_{{{_words(look.sub)}}}" if look.sub else ""
-    above = f"^{{{_words(look.sup)}}}" if look.sup else ""
-    return before + latex(node) + below + above
-
-
-def _is_command(name: str) -> bool:
-    return name in SYMBOLS or name in SCRIPT_MARKS
-
-
-def _words(labels: Labels) -> str:
-    return " ".join(_word(w) for w in labels)
-
-
-def _word(word: str) -> str:
-    shape, _, letter = word.partition(" ")
-    if shape in _SHAPES and letter:
-        return rf"\{_SHAPES[shape]}{{{letter}}}"
-    for mark in "^_":
-        base, found, rest = word.partition(mark)
-        if found and base:
-            return f"{_word(base)}{mark}{{{_word(rest)}}}"
-    return f"\\{word}" if _is_command(word) else word
 
 
 DRAFT = "draft"

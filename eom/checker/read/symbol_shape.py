@@ -93,12 +93,23 @@ def _accented(node: Accent) -> Seen | None:
     inside = seen(node.base)
     if inside is None and isinstance(node.base, Number):
         inside = Seen(Look(node.base.text))
+    if inside is None and _is_pair(node.base):
+        inside = Seen(Look("", sub=labels(node.base)))
     if inside is None:
         return None
     if node.mark in DOTS:
         return replace(inside, dots=inside.dots + DOTS[node.mark])
     marks = tuple(sorted((*inside.look.accents, node.mark)))
     return replace(inside, look=replace(inside.look, accents=marks))
+
+
+def _is_pair(node: Node) -> bool:
+    """Whether this is the names of two points side by side, as below the arrow from one to the other."""
+    while isinstance(node, Group) and node.open == "":
+        node = node.body
+    if not isinstance(node, Product) or node.operator or len(node.factors) != 2:
+        return False
+    return all(isinstance(f, Symbol | Scripts) and seen(f) is not None for f in node.factors)
 
 
 def _scripted(node: Scripts) -> Seen | None:
@@ -174,3 +185,12 @@ _LABELS: tuple[tuple[type, Callable[[Any], Labels]], ...] = (
     (Blank, lambda _: ("blank",)),
 )
 """One rule a kind of node."""
+
+
+def named_in(node: Node) -> Labels:
+    r"""Return what brackets behind a symbol name, brackets included; nothing for an argument.
+
+    Frames and points with a stroke between them, as in \vec\Omega(B/A), are labels, and so are slots.
+    """
+    words = labels(node)
+    return words if "/" in words or any(w.startswith("<") for w in words) else ()

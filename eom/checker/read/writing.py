@@ -13,6 +13,7 @@ from typing import Any
 from eom.checker.read import latex as tables
 from eom.checker.read import syntax as s
 from eom.checker.read.spans import Span
+from eom.checker.read.symbol_shape import Labels, Look
 from eom.typeset.boxes import (
     Accent,
     Box,
@@ -477,3 +478,43 @@ _TABLE: dict[str, Callable[[Any], Box]] = {
     "Rows": _aligned,
     "Blamed": lambda n: _form("blamed", n.body),
 }
+
+
+# -- looks ---------------------------------------------------------------------------------------------
+
+_SHAPES = {"cal": "mathcal", "bb": "mathbb", "frak": "mathfrak"}
+
+
+def latex_of(look: Look) -> str:
+    """Return a look as LaTeX that reads as the same look."""
+    style = "roman" if len(look.name) > 1 and not _is_command(look.name) else ""
+    at = look.sub.index("(") if "(" in look.sub else len(look.sub)
+    words, behind = _label_words(look.sub[:at]), _label_words(look.sub[at:])
+    node: s.Node = s.Symbol(look.name, look.style or style)
+    if not look.name:
+        node, words = s.Symbol(words, "roman"), ""
+    for accent in look.accents:
+        node = s.Accent(accent, node)
+    before = f"{{}}^{{{_label_words(look.presup)}}}" if look.presup else ""
+    below = f"_{{{words}}}" if words else ""
+    above = f"^{{{_label_words(look.sup)}}}" if look.sup else ""
+    return before + latex(node) + below + above + behind
+
+
+def _is_command(name: str) -> bool:
+    return name in tables.SYMBOLS or name in tables.SCRIPT_MARKS
+
+
+def _label_words(words: Labels) -> str:
+    return " ".join(map(_label_word, words))
+
+
+def _label_word(word: str) -> str:
+    for mark in "^_":
+        base, found, rest = word.partition(mark)
+        if found and base:
+            return f"{_label_word(base)}{mark}{{{_label_word(rest)}}}"
+    shape, _, letter = word.partition(" ")
+    if shape in _SHAPES and letter:
+        return rf"\{_SHAPES[shape]}{{{letter}}}"
+    return f"\\{word}" if _is_command(word) else word

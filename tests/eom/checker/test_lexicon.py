@@ -15,8 +15,8 @@ from eom.checker.mean.lexicon_files import (
     parse_lexicon,
     preset,
 )
-from eom.checker.mean.propose import latex_of
 from eom.checker.read.documents import read_document
+from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.terms.vocabulary import QUANTITIES
 
@@ -204,6 +204,48 @@ def test_turns_about_axes_that_are_no_sequence_are_refused_in_the_lexicon():
         parse_lexicon("[symbols]\n'q' = 'turn_angle 1 3 B I'", "n.toml")
     assert found.value.where == "n.toml, line 2, symbols > q"
     assert parse_lexicon("[symbols]\n'q' = 'turn_angle 1 space321 B I'").layers[0]
+
+
+FRAMES = r"""
+assume = ["one_particle"]
+[frames]
+'\mathcal{R}_0' = "I"
+'\mathcal{R}_1' = "A"
+'\mathcal{R}_2' = "D"
+[points]
+'O' = "OI"
+'A' = "O"
+'M' = "P"
+[symbols]
+'\overrightarrow{\Omega}(<F>/<G>)' = "angular_velocity <F> <G>"
+'\overrightarrow{<P><Q>}' = "position <Q> <P>"
+'\vec{V}(<P>/<F>)' = '= \left(\frac{d}{dt}\overrightarrow{O<P>}\right)_{<F>}'
+'\vec{w}(M/\mathcal{R}_1)' = '= \left(\frac{d}{dt}\overrightarrow{AM}\right)_{\mathcal{R}_1}'
+"""
+OF_FRAMES = {
+    r"\vec\Omega(\mathcal R_2/\mathcal R_0)=\vec\Omega(\mathcal R_2/\mathcal R_1)"
+    r"+\vec\Omega(\mathcal R_1/\mathcal R_0)": "holds",
+    r"\vec\Omega(\mathcal R_2/\mathcal R_0)=\vec\Omega(\mathcal R_0/\mathcal R_2)": "wrong",
+    r"\overrightarrow{OM}=\overrightarrow{OA}+\overrightarrow{AM}": "holds",
+    r"\overrightarrow{OM}=\overrightarrow{OA}-\overrightarrow{AM}": "wrong",
+    r"\vec V(M/\mathcal R_0)=\vec w(M/\mathcal R_1)+\vec V(A/\mathcal R_0)"
+    r"+\vec\Omega(\mathcal R_1/\mathcal R_0)\wedge\overrightarrow{AM}": "holds",
+    r"\vec V(M/\mathcal R_0)=\vec w(M/\mathcal R_1)+\vec V(A/\mathcal R_0)"
+    r"+\vec\Omega(\mathcal R_0/\mathcal R_1)\wedge\overrightarrow{AM}": "wrong",
+    r"\vec V(M/\mathcal R_0)=\vec w(M/\mathcal R_2)": "undecided",
+}
+
+
+@pytest.mark.parametrize("line", OF_FRAMES)
+def test_names_in_brackets_and_below_arrows_are_labels(line):
+    one = understand(read_document(f"$$ {line} $$"), parse_lexicon(FRAMES))[0]
+    assert verdict(one, ("one_particle",)).verdict == OF_FRAMES[line]
+
+
+def test_a_symbol_without_a_meaning_comes_with_its_entry():
+    line = r"\vec\Gamma(M/\mathcal R_7)=\overrightarrow{OA}"
+    one = understand(read_document(f"$$ {line} $$"), parse_lexicon(FRAMES))[0]
+    assert r"'\vec{\Gamma}( M / \mathcal{R}_{7} )' = ..." in verdict(one).reason
 
 
 def test_a_dyadic_beside_a_vector_acts_on_it_without_a_preset():
