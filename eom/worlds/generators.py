@@ -69,13 +69,33 @@ def _build_of(assumed: frozenset[str]) -> Build:
 def _frames(
     draw: Draw, assumed: frozenset[str], B: Turned | None = None
 ) -> tuple[Turns, dict[tuple[str, str], Turned]]:
-    """Return the frames A and B; by a sequence, B is turned from I, and from A, by other angles."""
+    """Return the frames A and B; by a sequence, B is turned from I, and from A, by other angles.
+
+    By turns about one axis A is turned from I so, too.
+    """
     build = _build_of(assumed)
+    if B is None and "fixed_axis" not in assumed and any(n in assumed for n in ABOUT_ONE_AXIS):
+        return _about_one_axis(draw, build)
     B = B or (axial_turn(draw, assumed) if "fixed_axis" in assumed else any_turn(draw, build))
     if build is about_axis:
         return {"A": any_turn(draw), "B": B}, {}
     from_A = any_turn(draw, build)
     return {"A": composed(B, reversed_(from_A)), "B": B}, {("B", "A"): from_A}
+
+
+ABOUT_ONE_AXIS = frozenset(name for name, axes in SEQUENCES.items() if len(axes) == 1)
+
+
+def _about_one_axis(draw: Draw, build: Build) -> tuple[Turns, dict[tuple[str, str], Turned]]:
+    """Return the frame A turned from I, B from A, and so B from I by the sum of both angles."""
+    field, (first, second) = draw.field, (draw.series(), draw.series())
+    p, q = draw.number(), draw.number()
+    both = field.reduce((p + q) * field.inverse(1 - p * q))
+    A, from_A, B = (
+        build([angle(value, quarter)])
+        for value, quarter in ((first, p), (second, q), (first + second, both))
+    )
+    return {"A": A, "B": B}, {("B", "A"): from_A}
 
 
 def _particles(draw: Draw, assumed: frozenset[str]) -> Stage:

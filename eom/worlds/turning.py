@@ -112,11 +112,15 @@ def in_turn(turns: Iterable[Turned]) -> Turned:
 
 
 def sequence(axes: str) -> Build:
-    """Return the rotation by turns about axes such as "321", each of the frame turned so far."""
+    """Return the rotation by turns about axes such as "321", each of the frame turned so far.
+
+    It takes as many of the angles as there are axes.
+    """
 
     def build(angles: Sequence[Angle]) -> Turned:
-        made = in_turn(turned(int(k) - 1, a) for k, a in zip(axes, angles, strict=True))
-        return replace(made, axes=axes, turns=tuple(angles))
+        turns = tuple(angles[: len(axes)])
+        made = in_turn(turned(int(k) - 1, a) for k, a in zip(axes, turns, strict=True))
+        return replace(made, axes=axes, turns=turns)
 
     return build
 

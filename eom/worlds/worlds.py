@@ -78,10 +78,11 @@ def _turn_angle(world: World, place: str, axes: str, frame: str, base: str) -> A
     """Return an angle of a sequence; turns about fixed axes are those about moving ones backwards."""
     fixed = axes.startswith("space")
     turns = world.turn(frame, base).turns
-    if not turns or world.axes != axes_of(axes) or place not in {"1", "2", "3"}:
+    count = len(axes_of(axes))
+    if not turns or world.axes != axes_of(axes) or place not in ("1", "2", "3")[:count]:
         got = f"angle {place} of {axes} from {base} to {frame}"
         raise InputError("there is no such angle in this world", got=got)
-    return turns[3 - int(place) if fixed else int(place) - 1]
+    return turns[count - int(place) if fixed else int(place) - 1]
 
 
 ANGLES: dict[str, Callable[..., Angle]] = {
@@ -212,9 +213,10 @@ PRIMITIVES: Mapping[str, Callable[..., Any]] = {
 
 
 SEQUENCES: dict[str, str] = {
-    f"sequence_{axes}": axes for axes in "121 123 131 132 212 213 231 232 312 313 321 323".split()
+    f"sequence_{axes}": axes
+    for axes in "1 2 3 12 13 21 23 31 32 121 123 131 132 212 213 231 232 312 313 321 323".split()
 }
-"""Assumptions that say by which turns B is reached, with their axes."""
+"""Assumptions that say by which turns B is reached, with their axes; fewer than three: special motions."""
 
 
 FREE_FRAMES = "DEFGHJKLMNPQRSTUVWXYZ"
@@ -371,7 +373,10 @@ ASSUMPTIONS: dict[str, Restriction] = {
             f"B follows from I, and from A, by turns about axes {', '.join(axes)}, each of the frame "
             "turned so far",
             (),
-            ("spin_312", "viscous_slug", *(other for other in SEQUENCES if other != name)),
+            (
+                *("spin_312", "viscous_slug", *(() if len(axes) > 2 else ("torque_free",))),
+                *(other for other in SEQUENCES if other != name),
+            ),
         )
         for name, axes in SEQUENCES.items()
     },

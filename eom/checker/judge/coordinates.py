@@ -65,20 +65,27 @@ def derivative(system: System, f: Expr, variable: Expr, held: Collection[Expr] =
     momenta = {s for s in outputs if _is_momentum(outputs[s].quantity.unit)}
     by_momenta = variable in momenta or (variable in known.rates and others <= momenta)
     own = {*held, *(momenta if by_momenta else ())}
+    if f.free_symbols & momenta - own:
+        raise _open(f"{f} has momenta beside other speeds")
     if variable in own and variable not in f.free_symbols:
         raise InputError("this is not written in the momentum that it is differentiated by", got=f)
     full = _written_out(system, f, own).xreplace({rate(s): d for s, d in known.rates.items()})
     if variable in known.rates and not own & f.free_symbols and _is_energy(system, f, full):
-        raise InputError(
-            "whether rates or momenta are held is open",
-            expected="an energy as a function of coordinates and momenta",
-        )
+        raise _open(str(f))
     by = known.rates.get(variable.args[0], variable) if isinstance(variable, rate) else variable
     full = full.xreplace(known.kinematics if by in known.speeds else known.speeds)
     variables = {*known.rates, *known.rates.values(), *known.speeds, *own}
     if by not in variables or full.has(rate):
         raise InputError("no partial derivative of a quantity of this system", got=variable)
     return full.diff(by).xreplace({d: rate(s) for s, d in known.rates.items()})
+
+
+def _open(got: str) -> InputError:
+    return InputError(
+        "whether rates or momenta are held is open",
+        got=got,
+        expected="a function of coordinates and rates alone, or of coordinates and momenta alone",
+    )
 
 
 def _is_momentum(unit: str) -> bool:

@@ -260,6 +260,8 @@ class Search:
 
 # -- worlds ----------------------------------------------------------------------------------------
 
+MASSES = (("mass",), ("total_mass",))
+"""How the atoms of masses begin."""
 SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", *SEQUENCES})
 """Assumptions that belong to a context, or to a family of degenerate bodies."""
 
@@ -430,9 +432,15 @@ class Worlds(Models):
         return _needed(name)
 
     def doubt(self) -> str:
-        """Say that what is false may be true with roots of other signs, or of one motion."""
+        """Say that what is false may be true of open systems, with roots of other signs, of one motion."""
+        if self._changes_mass():
+            return (
+                "what leaves a body whose mass changes, and with which velocity, is not known here"
+            )
         if self._of_a_motion():
             return "no system says how these coordinates move"
+        if self._is_law():
+            return "this may be a law for quantities that are any, and nothing here ties to others"
         if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, _subsets(self.roots))):
             return "this rests on the signs of its roots"
         return ""
@@ -449,12 +457,29 @@ class Worlds(Models):
         search = Search(replace(self, claim=scaled))
         return search.holds(search.base[1]) or bool(search.sets())
 
+    def _changes_mass(self) -> bool:
+        """Return whether the claim has the rate of a mass."""
+        found = (n for t in (*self.terms, *self.scalars.values()) for n in nodes(t))
+        return any(n.head == "der" and n.args[0].data[:1] in MASSES for n in found)
+
     def _of_a_motion(self) -> bool:
         """Return whether the claim says how coordinates move, which no law of the note's gives."""
         found = {a.data[0] for t in self.terms for a in atoms_in(t, self.scalars)}
         sides = (s for q in self.said for s in (q.left, q.right))
         free = found & FREELY and found <= FREELY | {"scalar"}
         return bool(free) and any(map(self._is_rate, sides))
+
+    def _is_law(self) -> bool:
+        """Return whether rates of quantities that are any are tied to one that stands on one side alone."""
+        rates = any(
+            n.head == "der" for t in (*self.terms, *self.scalars.values()) for n in nodes(t)
+        )
+        for q in self.said:
+            left, right = (atoms_in(side, self.scalars) for side in (q.left, q.right))
+            kinds = {a.data[0] for a in left | right}
+            if rates and left != right and kinds <= FREELY | {"scalar", "vector"}:
+                return True
+        return False
 
     def _is_rate(self, side: Term) -> bool:
         """Return whether a side is zero, a coordinate, or a multiple of a time derivative of one."""

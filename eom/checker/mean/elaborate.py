@@ -358,7 +358,15 @@ def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
         return turn(e, entry.meaning, e.value(argument.body), node.span.join(argument.span))
     if instants.key(e, argument.body):
         return instants.at(e, e.value(node), argument.body)
-    return e.value(node) if entry is not None and entry.meaning.function else None
+    if entry is None:
+        return None
+    variables = isinstance(argument.body, Sequence) and all(map(seen, argument.body.items))
+    function = entry.meaning.function or (variables and entry.meaning.quantity in _OF_VARIABLES)
+    return e.value(node) if function else None
+
+
+_OF_VARIABLES = frozenset({"equals", "defined"})
+"""What letters behind a symbol in brackets, with commas between them, are the variables of."""
 
 
 _OPERATORS: dict[str, Callable[..., Value]] = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any
 
 from eom.checker.read import latex as tables
@@ -491,14 +492,16 @@ def latex_of(look: Look) -> str:
     at = look.sub.index("(") if "(" in look.sub else len(look.sub)
     words, behind = _label_words(look.sub[:at]), _label_words(look.sub[at:])
     node: s.Node = s.Symbol(look.name, look.style or style)
-    if not look.name:
-        node, words = s.Symbol(words, "roman"), ""
     for accent in look.accents:
         node = s.Accent(accent, node)
+    nucleus = latex(node)
+    if not look.name:
+        nucleus = reduce(lambda inner, accent: rf"\{accent}{{{inner}}}", look.accents, words)
+        words = ""
     before = f"{{}}^{{{_label_words(look.presup)}}}" if look.presup else ""
     below = f"_{{{words}}}" if words else ""
     above = f"^{{{_label_words(look.sup)}}}" if look.sup else ""
-    return before + latex(node) + below + above + behind
+    return before + nucleus + below + above + behind
 
 
 def _is_command(name: str) -> bool:

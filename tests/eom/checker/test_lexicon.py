@@ -201,7 +201,7 @@ def test_errors_stand_at_the_lines_of_the_lexicon():
 
 def test_turns_about_axes_that_are_no_sequence_are_refused_in_the_lexicon():
     with pytest.raises(InputError, match="unknown axes of turns") as found:
-        parse_lexicon("[symbols]\n'q' = 'turn_angle 1 3 B I'", "n.toml")
+        parse_lexicon("[symbols]\n'q' = 'turn_angle 1 33 B I'", "n.toml")
     assert found.value.where == "n.toml, line 2, symbols > q"
     assert parse_lexicon("[symbols]\n'q' = 'turn_angle 1 space321 B I'").layers[0]
 
@@ -242,10 +242,45 @@ def test_names_in_brackets_and_below_arrows_are_labels(line):
     assert verdict(one, ("one_particle",)).verdict == OF_FRAMES[line]
 
 
+PLANE = r"""
+[symbols]
+'\hat{\mathbf{n}}_{<k>}' = "unit I <k>"
+'\hat{\mathbf{a}}_{<k>}' = "unit A <k>"
+'\hat{\mathbf{b}}_{<k>}' = "unit B <k>"
+'\theta_1' = "turn_angle 1 3 A I"
+'\theta_2' = "turn_angle 1 3 B A"
+'l' = { is = "scalar l", unit = "m" }
+'\mathbf{a}' = '= l\ddot{\hat{\mathbf{a}}}_1'
+'\boldsymbol{\omega}' = "angular_velocity B I"
+"""
+IN_A_PLANE = {
+    r"\hat{\mathbf a}_1 = \cos\theta_1\hat{\mathbf n}_1+\sin\theta_1\hat{\mathbf n}_2": "holds",
+    r"\hat{\mathbf a}_1 = \cos\theta_1\hat{\mathbf n}_1-\sin\theta_1\hat{\mathbf n}_2": "wrong",
+    r"\hat{\mathbf b}_1\cdot\hat{\mathbf n}_2=\sin(\theta_1+\theta_2)": "holds",
+    r"\hat{\mathbf b}_1\cdot\hat{\mathbf n}_2=\sin(\theta_1-\theta_2)": "wrong",
+    r"\mathbf a=-l\dot\theta_1^2\hat{\mathbf a}_1+l\ddot\theta_1\hat{\mathbf a}_2": "holds",
+    r"\mathbf a=l\dot\theta_1^2\hat{\mathbf a}_1+l\ddot\theta_1\hat{\mathbf a}_2": "wrong",
+    r"\boldsymbol\omega=(\dot\theta_1+\dot\theta_2)\hat{\mathbf n}_3": "holds",
+    r"\boldsymbol\omega=\dot\theta_2\hat{\mathbf n}_3": "wrong",
+}
+
+
+@pytest.mark.parametrize("line", IN_A_PLANE)
+def test_turns_about_one_axis_add_up(line):
+    one = understand(read_document(f"$$ {line} $$"), parse_lexicon(PLANE))[0]
+    assert verdict(one).verdict == IN_A_PLANE[line]
+
+
 def test_a_symbol_without_a_meaning_comes_with_its_entry():
     line = r"\vec\Gamma(M/\mathcal R_7)=\overrightarrow{OA}"
     one = understand(read_document(f"$$ {line} $$"), parse_lexicon(FRAMES))[0]
     assert r"'\vec{\Gamma}( M / \mathcal{R}_{7} )' = ..." in verdict(one).reason
+
+
+def test_looks_of_pairs_and_names_in_brackets_are_written_as_they_read():
+    for latex in (r"\vec{OM}", r"\vec{\Omega}(B/\mathcal{R}_0)", r"\underline{SP}"):
+        look = look_of(latex)
+        assert look_of(latex_of(look)) == look
 
 
 def test_a_dyadic_beside_a_vector_acts_on_it_without_a_preset():
