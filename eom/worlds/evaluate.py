@@ -123,6 +123,11 @@ class _Scalars(Evaluation):
         found: Series = self.ring.power(series.root(self.value(base)), int(exponent.p))
         return found
 
+    def transcendental(self, node: Any) -> Series:
+        """Return a number such as pi, of which nothing rational is known, as a random one."""
+        world = self.evaluator.world
+        return world.constant(world.field.draw(world.free("number", str(node))))
+
     def other(self, node: Any) -> Series:
         """Refuse what has no value."""
         raise InputError("this expression has no value in a world", got=node)
@@ -149,6 +154,7 @@ _Scalars.rows = (
     ARITHMETIC
     | TRIGONOMETRY
     | {
+        sp.NumberSymbol: Row(none, lambda e, n, _: e.transcendental(n)),
         sp.tan: Row(none, lambda e, n, _: e.tangent(n.args[0])),
         sp.cot: Row(none, lambda e, n, _: e.tangent(n.args[0]).reciprocal()),
     }

@@ -300,3 +300,13 @@ def test_every_quantity_of_the_documentation_has_an_entry_that_reads():
     for name, (latex, words, meaning) in tables.entries().items():
         assert words
         assert parse_lexicon(f"[symbols]\n'{latex}' = '{meaning}'").layers[0], name
+
+
+def test_pi_is_a_number_of_which_nothing_rational_is_known():
+    lines = {r"\pi (J w) = h \pi": "holds", r"\pi J w = 3 h": "wrong"}
+    lexicon = parse_lexicon(
+        "[symbols]\nh = 'angular_momentum body C'\nw = 'angular_velocity B I'\nJ = 'inertia C'"
+    )
+    for line, wanted in lines.items():
+        one = understand(read_document(f"$$ {line} $$"), lexicon)[0]
+        assert verdict(one, ("body_frame",)).verdict == wanted
