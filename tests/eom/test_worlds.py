@@ -301,7 +301,7 @@ def test_rational_worlds_have_positive_masses(name):
 def test_what_is_not_there_is_refused():
     w = world(frozenset(), 0)
     with pytest.raises(InputError, match="frame"):
-        w.rotation("Q", "I")
+        w.rotation("C", "I")
     with pytest.raises(InputError, match="point"):
         w.place("Q")
     with pytest.raises(InputError, match="slug"):
