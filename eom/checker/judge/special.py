@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from eom.checker.judge.judge import Judgement
 from eom.checker.judge.models import terms_of
 from eom.checker.judge.systems import equations, on_solutions
-from eom.checker.mean.claims import Claim
+from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.model import Model
 from eom.errors import InputError
@@ -55,24 +55,17 @@ def coincides(name: str, claim: Claim, names: frozenset[Name]) -> bool:
     ``names``: see `named`.
     """
     if claim.model is not None and on_solutions(claim):
-        return any(_equates(r, claim.model, names) for r in claim.model.possible if r.name == name)
+        return any(_equates(r, claim.model) for r in claim.model.possible if r.name == name)
     first, *others = ASSUMPTIONS[name].joins or ("",)
     kinds = {kind for kind, label in names if label == first}
     return any(all((kind, label) in names for label in others) for kind in kinds)
 
 
-def _equates(found: Restriction, model: Model, names: frozenset[Name]) -> bool:
-    """Return whether parameters that a note or its lexicon writes become equal, or one of them zero."""
-    own = {*model.letters, *(n for n in model.quantities if ("system", n) in names)}
-    written = {q.symbol for n, q in model.quantities.items() if n in own}
-    fixed = {q.symbol for q in model.system.parameters}
+def _equates(found: Restriction, model: Model) -> bool:
+    """Return whether parameters of a system become equal that are not so anyway, or one of them zero."""
     given = [set(pair) for r in model.given for pair in r.equal]
-
-    def family(symbol: object) -> set[object]:
-        return {symbol}.union(*(g for g in given if symbol in g))
-
-    joined = any(family(a) & written and family(b) & written for a, b in found.equal)
-    return joined or any(s in written & fixed for s in found.zero)
+    fixed = {q.symbol for q in model.system.parameters}
+    return any({*pair} not in given for pair in found.equal) or bool(fixed & {*found.zero})
 
 
 def moves(name: str, claim: Claim) -> bool:
@@ -109,8 +102,10 @@ def excused(
     """Return the coincidences by which alone a claim holds that a note has not ``stated``.
 
     Those of the set that has the fewest of them; none where a set does without. ``anyhow``: whether the
-    note speaks of any motion here, so that special ones count as well.
+    note speaks of any motion here, so that special ones count as well; so they do where a line says what
+    is constant in the motions of a system.
     """
+    anyhow = anyhow or (claim.kind == CONSTANT and on_solutions(claim))
     unsaid = [
         tuple(
             n

@@ -98,9 +98,11 @@ def _accented(node: Accent) -> Seen | None:
     if inside is None:
         return None
     if node.mark in DOTS:
-        return replace(inside, dots=inside.dots + DOTS[node.mark])
-    marks = tuple(sorted((*inside.look.accents, node.mark)))
-    return replace(inside, look=replace(inside.look, accents=marks))
+        return Seen(inside.look, inside.dots + DOTS[node.mark], inside.raised)
+    look = inside.look
+    marks = tuple(sorted((*look.accents, node.mark)))
+    made = Look(look.name, look.style, marks, *look.corners, look.called)
+    return Seen(made, inside.dots, inside.raised)
 
 
 def _is_pair(node: Node) -> bool:

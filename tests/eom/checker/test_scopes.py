@@ -97,7 +97,7 @@ potential = "-mu*m/r"
 bodies.planet = { mass = "m", at = ["r*cos(phi)", "r*sin(phi)", 0] }
 """,
         [r"\ddot r - r\dot\varphi^2 = -\frac{\mu}{r^2}", r"r^2\dot\varphi = \text{const}"],
-        [r"\ddot r + r\dot\varphi^2 = -\frac{\mu}{r^2}", r"r\dot\varphi = \text{const}"],
+        [r"\ddot r + r\dot\varphi^2 = -\frac{\mu}{r^2}", r"\dot r = 2 r\dot\varphi"],
     ),
     "masses on a pulley": (
         r"""
