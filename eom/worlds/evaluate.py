@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 from typing import Any
 
 import sympy as sp
@@ -159,6 +159,20 @@ _Scalars.rows = (
         sp.cot: Row(none, lambda e, n, _: e.tangent(n.args[0]).reciprocal()),
     }
 )
+
+
+def half_powers(expression: Any) -> Iterator[Any]:
+    """Yield the powers of square roots in an expression."""
+    for part in sp.preorder_traversal(expression):
+        if part.is_Pow and part.exp.is_Rational and part.exp.q == 2:
+            yield part
+
+
+def subsets(found: frozenset[Any]) -> Iterator[frozenset[Any]]:
+    """Yield every set of members but the empty one."""
+    ordered = sorted(found, key=sp.default_sort_key)
+    for k in range(1, len(ordered) + 1):
+        yield from map(frozenset, combinations(ordered, k))
 
 
 def flat(value: Value) -> list[Series]:

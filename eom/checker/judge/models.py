@@ -24,7 +24,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from itertools import combinations, islice
+from itertools import islice
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -36,7 +36,7 @@ from eom.fields import PRIME, Singular
 from eom.limits import Overdue
 from eom.terms.terms import SCALAR, Equation, Term, expr, mul, nodes, number, zero
 from eom.terms.terms import replace as rewritten
-from eom.worlds.evaluate import Evaluator, flat
+from eom.worlds.evaluate import Evaluator, flat, half_powers, subsets
 from eom.worlds.generators import worlds
 from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, SEQUENCES, closure, sequence_of
 
@@ -441,7 +441,7 @@ class Worlds(Models):
             return "no system says how these coordinates move"
         if self._is_law():
             return "this may be a law for quantities that are any, and nothing here ties to others"
-        if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, _subsets(self.roots))):
+        if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, subsets(self.roots))):
             return "this rests on the signs of its roots"
         return ""
 
@@ -607,20 +607,6 @@ class Worlds(Models):
 def relevant(names: Iterable[str], labels: Collection[str]) -> Iterator[str]:
     """Yield those assumptions that say something where some labels stand."""
     return (n for n in names if n not in MENTIONS or not MENTIONS[n].isdisjoint(labels))
-
-
-def half_powers(expression: Any) -> Iterator[Any]:
-    """Yield the powers of square roots in an expression."""
-    for part in sp.preorder_traversal(expression):
-        if part.is_Pow and part.exp.is_Rational and part.exp.q == 2:
-            yield part
-
-
-def _subsets(found: frozenset[Any]) -> Iterator[frozenset[Any]]:
-    """Yield every set of members but the empty one."""
-    ordered = sorted(found, key=sp.default_sort_key)
-    for k in range(1, len(ordered) + 1):
-        yield from map(frozenset, combinations(ordered, k))
 
 
 def labels_in(terms: Iterable[Term]) -> frozenset[str]:
