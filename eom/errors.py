@@ -25,7 +25,7 @@ import typing
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Sized
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, Self, TypeVar
 
 
 class InputError(ValueError):
@@ -59,6 +59,12 @@ class InputError(ValueError):
         self.hint = hint = printable(hint)
         parts = [("where", where), ("got", self.got), ("expected", self.expected), ("hint", hint)]
         super().__init__("\n".join([what, *(f"  {k + ':':<9} {v}" for k, v in parts if v)]))
+
+    def at(self, where: str) -> Self:
+        """Return the same error with another place."""
+        return type(self)(
+            self.what, where=where, got=self.got, expected=self.expected, hint=self.hint
+        )
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by parts, so that an error crosses process boundaries whole."""

@@ -211,9 +211,7 @@ def in_file(file: Path) -> Iterator[None]:
         yield
     except InputError as error:
         where = f"{file}: {error.where}" if error.where else str(file)
-        raise type(error)(
-            error.what, where=where, got=error.got, expected=error.expected, hint=error.hint
-        ) from None
+        raise error.at(where) from None
 
 
 def limited(data: Mapping[str, Any]) -> dict[str, Any]:

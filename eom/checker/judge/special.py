@@ -2,9 +2,9 @@
 
 Of assumptions that are special (`eom.worlds.worlds.ASSUMPTIONS`, restrictions of a system) a rest, an
 absent load, a constant rate is a kind of motion that a line may mean, unless the words around it say that
-the motion is any. Not so that two points, frames, moments or parameters coincide: who gives them names
-apart does not mean that they are the same, unless the note says so. Whether a note names them apart is
-looked up in all that it writes.
+the motion is any. Not so that two points, frames or moments coincide: who gives them names apart does not
+mean that they are the same, unless the note says so. Whether a note names them apart is looked up in all
+that it writes. Parameters of a system are apart by that.
 """
 
 from __future__ import annotations

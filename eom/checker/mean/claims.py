@@ -489,7 +489,7 @@ def _datum(s: Statement, e: Elaborator) -> Claim | None:
     """Return that a number is given, which nothing else gives."""
     if not given_number(s, e) and not _starts(s, e):
         return None
-    finding = Finding(UNDECIDED, "a number that is given; nothing here determines it", s.span)
+    finding = Finding(UNDECIDED, numbers.GIVEN_NUMBER, s.span)
     return Claim((), findings=(finding,), numbers=numbers.given(s), span=s.span)
 
 

@@ -299,7 +299,7 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
         following = nodes[k + 1] if k + 1 < len(nodes) else None
         argument, above = _argument(following)
         if argument is not None:
-            applied = _applied(e, nodes[k], argument)
+            applied = _applied(e, nodes[k], argument, above)
             if applied is not None:
                 values.append(
                     applied if above is None else raised(e, applied, above, argument.span)
@@ -335,8 +335,11 @@ def _argument(node: Node | None) -> tuple[Group | None, Node | None]:
     return (inside, above) if isinstance(inside, Group) and inside.open == "(" else (None, None)
 
 
-def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
-    """Return a function of an argument: a skew matrix, or what depends on a place or on time."""
+def _applied(e: Elaborator, node: Node, argument: Group, above: Node | None) -> Value | None:
+    """Return a function of an argument: a skew matrix, or what depends on a place or on time.
+
+    ``above``: what stands above the brackets; a row or column that is transposed there is a factor.
+    """
     given = seen(node)
     if given is None:
         return None
@@ -360,7 +363,8 @@ def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
         return instants.at(e, e.value(node), argument.body)
     if entry is None:
         return None
-    variables = isinstance(argument.body, Sequence) and all(map(seen, argument.body.items))
+    body = argument.body
+    variables = above is None and isinstance(body, Sequence) and all(map(seen, body.items))
     function = entry.meaning.function or (variables and entry.meaning.quantity in _OF_VARIABLES)
     return e.value(node) if function else None
 

@@ -245,7 +245,7 @@ class _Reader:
         except InputError as error:
             own = error.where.startswith(where)
             place = error.where if own else ", ".join(p for p in (where, error.where) if p)
-            self.errors.append(_moved(error, place))
+            self.errors.append(error.at(place))
             return None, ()
 
     def unknown(self, data: Mapping[str, Any], known: Iterable[str], *above: str) -> None:
@@ -380,14 +380,7 @@ def _lined(error: InputError, lines: Mapping[tuple[str, ...], int], name: str) -
         if name
         else f"line {line}, {error.where}"
     )
-    return _moved(error, where)
-
-
-def _moved(error: InputError, where: str) -> InputError:
-    """Return an error with another place."""
-    return InputError(
-        error.what, where=where, got=error.got, expected=error.expected, hint=error.hint
-    )
+    return error.at(where)
 
 
 def _joined(errors: tuple[InputError, ...]) -> InputError:

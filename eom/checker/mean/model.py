@@ -426,15 +426,7 @@ def _tree(table: Mapping[str, Any], where: str) -> System:
     try:
         return TreeScene(**data).full_system
     except InputError as error:
-        raise _placed(error, where) from error
-
-
-def _placed(error: InputError, where: str) -> InputError:
-    """Return an error with the place in the lexicon in front of its own."""
-    inside = ", ".join(p for p in (where, error.where) if p)
-    return InputError(
-        error.what, where=inside, got=error.got, expected=error.expected, hint=error.hint
-    )
+        raise error.at(", ".join(p for p in (where, error.where) if p)) from error
 
 
 # -- coordinates and places ----------------------------------------------------------------------------

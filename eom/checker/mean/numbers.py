@@ -47,6 +47,9 @@ MAX_DIGITS, MAX_BITS = 40, 2000
 SLACK = sp.Rational(1000001, 1000000)
 """How much wider than half a digit a rounding may be."""
 
+GIVEN_NUMBER = "a number that is given; nothing here determines it"
+"""What is said of a number that nothing else gives."""
+
 SCALES: dict[str, tuple[Expr, str]] = {
     "g": (sp.Rational(1, 1000), "kg"),
     "cm": (sp.Rational(1, 100), "m"),
@@ -327,7 +330,7 @@ def worked(s: Statement, e: Elaborator) -> Worked | None:
     left = replace(s, members=tuple(rest), signs=plain) if len(rest) > 1 else None
     finding, compared = _compared(s, e, full, data)
     if finding is None and not compared:
-        finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)
+        finding = Finding(UNDECIDED, GIVEN_NUMBER, s.span)
     return Worked(left, finding, _learned(s, pure, literal, data))
 
 

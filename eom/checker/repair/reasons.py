@@ -84,8 +84,8 @@ def sentence(line: Line, candidate: Candidate) -> str:
     """Return why a line is wrong that a repair makes right; formulas stand between dollars."""
     places = [Place(line, o, c) for o in candidate.options for c in o.changes]
     exchanged = _exchanged(places)
-    told = [exchanged] if exchanged else [_said(p) for p in places]
-    return "; ".join(dict.fromkeys(told))
+    words = [exchanged] if exchanged else [_said(p) for p in places]
+    return "; ".join(dict.fromkeys(words))
 
 
 def _said(place: Place) -> str:
