@@ -61,7 +61,7 @@ class InputError(ValueError):
         super().__init__("\n".join([what, *(f"  {k + ':':<9} {v}" for k, v in parts if v)]))
 
     def at(self, where: str) -> Self:
-        """Return the same error with another place."""
+        """Return the same error with ``where`` as its place."""
         return type(self)(
             self.what, where=where, got=self.got, expected=self.expected, hint=self.hint
         )
