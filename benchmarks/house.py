@@ -20,6 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("eom", "codegen")
 NINTH_DECILE = 0.9
+BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 
 Graph = Mapping[str, set[str]]
 
@@ -45,9 +46,14 @@ class Module:
     text: str
 
     @cached_property
+    def tree(self) -> ast.Module:
+        """The module, parsed."""
+        return ast.parse(self.text)
+
+    @cached_property
     def nodes(self) -> list[ast.AST]:
-        """All nodes of the module, parsed."""
-        return list(ast.walk(ast.parse(self.text)))
+        """All nodes of the module."""
+        return list(ast.walk(self.tree))
 
     @property
     def folder(self) -> str:
@@ -68,7 +74,8 @@ class Module:
     def imports(self, known: Iterable[str]) -> set[str]:
         """Return the modules of ``known`` that it imports, wherever the statement stands."""
         names = set(known)
-        nodes = [n for n in self.nodes if isinstance(n, ast.Import | ast.ImportFrom)]
+        found = statements(self.tree)
+        nodes = [n for n in found if isinstance(n, ast.Import | ast.ImportFrom)]
         return {t for n in nodes for t in self._targets(n, names)} - {self.name}
 
     def private_names(self) -> list[str]:
@@ -105,6 +112,19 @@ def _text(node: ast.AST) -> range:
     if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
         return range(node.lineno, (node.end_lineno or node.lineno) + 1)
     return range(0)
+
+
+def statements_in(node: ast.AST) -> list[ast.AST]:
+    """Return what stands in the blocks of a statement, which are all places of statements."""
+    return [n for block in BLOCKS for n in getattr(node, block, ())]
+
+
+def statements(node: ast.AST) -> list[ast.AST]:
+    """Return a statement and all within it; expressions, which are most of a tree, are not entered."""
+    found = [node]
+    for each in found:
+        found += statements_in(each)
+    return found
 
 
 def modules(root: Path = ROOT) -> list[Module]:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import house
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("eom", "codegen")
 FILES = {
@@ -50,6 +52,7 @@ def is_type_checking(node):
     return "TYPE_CHECKING" in {getattr(test, "id", ""), getattr(test, "attr", "")}
 
 
+@functools.cache
 def imports(name, *, inside_functions):
     """(imported module, line) of the imports of a module; those for type checkers left out."""
     found, stack = [], [trees()[name]]
@@ -59,10 +62,8 @@ def imports(name, *, inside_functions):
             found += [(target, node.lineno) for target in absolute(name, node)]
         elif isinstance(node, ast.If) and is_type_checking(node):
             stack += node.orelse
-        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
-            stack += ast.iter_child_nodes(node) if inside_functions else []
-        else:
-            stack += ast.iter_child_nodes(node)
+        elif inside_functions or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            stack += house.statements_in(node)
     return found
 
 
@@ -222,7 +223,7 @@ def test_functions_are_short():
     functions = [
         (name, n)
         for name, tree in trees().items()
-        for n in ast.walk(tree)
+        for n in house.statements(tree)
         if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)
     ]
     assert len(functions) > len(NAMES)
