@@ -40,6 +40,7 @@ def test_a_page_is_written(run, tmp_path):
     assert '"speed":0.5,' in text
 
 
+@pytest.mark.slow
 def test_slides_are_written(run, tmp_path):
     image = pytest.importorskip("PIL.Image")
     pytest.importorskip("matplotlib")

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 from eom import problems
 from eom.__main__ import main
-from eom.commands import benching
+from eom.commands import benching, first
 from eom.views.draw import saving
 
 METHODS = "DOP853,solve_ivp:LSODA"
@@ -47,10 +47,17 @@ def test_table_picture_and_data(run, tmp_path):
     assert {p["program"] for p in data["points"]} == set(METHODS.split(","))
     for p in data["points"]:
         assert set(p) == {"program", "rtol", "error", "known", "seconds", "median", "runs", "steps"}
-    first = data["first_result"]
-    assert set(first) == {"uncached", "cached"}
-    assert {"import", "derive", "generate and compile", "integrate"} <= set(first["cached"])
-    assert "heyoka: compile" not in first["cached"], "it was not asked for"
+    timed = data["first_result"]
+    assert set(timed) == {"uncached", "cached"}
+    assert {"import", "derive", "generate and compile", "integrate"} <= set(timed["cached"])
+    assert "heyoka: compile" not in timed["cached"], "it was not asked for"
+
+
+def test_a_first_result_is_timed_by_its_stages():
+    laps = first.stages("forced-rigid-body", "none")
+    names = ("import", "derive", "generate and compile", "the method's code", "integrate")
+    assert tuple(laps) == names
+    assert all(0 <= seconds < 100 for seconds in laps.values())
 
 
 def test_scenes_and_scene_files_are_problems(run, tmp_path, no_first_results):

@@ -136,6 +136,7 @@ def test_json_is_that_of_the_schema(check, note):
     jsonschema.Draft202012Validator(schema).validate(json.loads(unusable.output))
 
 
+@pytest.mark.slow
 def test_a_folder_with_a_table(check, note, tmp_path):
     (tmp_path / "good.md").write_text(f"$${RIGHT}$$")
     (tmp_path / "bad.md").write_bytes(b"\0")

@@ -78,6 +78,7 @@ def test_derived_latex_has_balanced_braces_and_environments(run):
         assert text.count("\\begin{align*}") == text.count("\\end{align*}") > 0
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("style", ["text", "latex", "markdown", "html"])
 def test_derive_prints_a_derivation_in_every_format(run, style):
     words = ["derive", "point-mass", "--as", style, "--notation", "underline"]

@@ -32,7 +32,6 @@ def test_a_page_that_check_can_judge_and_its_key():
     assert bare.startswith("# Which line is false?")
 
 
-@pytest.mark.slow
 def test_files(tmp_path):
     done = run(*ROD, "--count", "2", "--out", str(tmp_path / "sheets"))
     assert done.exit_code == 0

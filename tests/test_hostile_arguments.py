@@ -78,6 +78,7 @@ def unusable(function, arguments):
     return refused
 
 
+@pytest.mark.sparse(40)
 @pytest.mark.parametrize("name", NAMES, ids=".".join)
 def test_whatever_an_argument_is_there_is_a_result_or_one_clear_error(
     table, name, tmp_path, monkeypatch

@@ -165,6 +165,7 @@ def test_the_answer_is_judged_by_the_reader_s_own_cell():
     )
 
 
+@pytest.mark.slow
 def test_a_small_notebook_runs_and_its_answer_is_judged(tmp_path):
     line = r"\dot\omega_1 = \frac{(I_2 %s I_3) \omega_2 \omega_3}{I_1}"
     exercise = f"<details>\n\n$${line % '-'}$$\n\n</details>"

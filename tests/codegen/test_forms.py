@@ -48,7 +48,6 @@ def test_numbers_have_the_values_of_their_forms(wanted):
     assert all(abs(g - value(f)) < 1e-40 for g, f in zip(got, wanted, strict=True))
 
 
-@pytest.mark.slow
 @given(FORMS, FORMS, FORMS)
 def test_products_of_sums_of_products(f, g, h):
     forms = forms_over_slots()
@@ -71,7 +70,6 @@ def test_content_is_what_all_terms_share(form):
 LARGE = st.fractions(-(10**9), 10**9).map(lambda f: f or Fraction(1))
 
 
-@pytest.mark.slow
 @given(st.lists(st.tuples(MONOMIALS, LARGE), min_size=2, max_size=12))
 def test_coefficients_of_products_stay_small_and_nothing_is_rounded(factors):
     """Products of sums with coefficients of many digits, one after the other."""
@@ -85,7 +83,6 @@ def test_coefficients_of_products_stay_small_and_nothing_is_rounded(factors):
     assert abs(got - exact(expected)) <= abs(exact(expected)) * M.mpf(10) ** -45
 
 
-@pytest.mark.slow
 @given(FORMS, st.fractions(1, 9, max_denominator=3), MONOMIALS)
 @example({(0, 1): Fraction(-1), (1,): Fraction(1)}, Fraction(1), ())
 def test_content_of_a_multiple_differs_in_the_scale_and_the_factors_alone(form, factor, extra):
@@ -98,7 +95,6 @@ def test_content_of_a_multiple_differs_in_the_scale_and_the_factors_alone(form, 
         assert other == (-factor * scale, shared, rest)
 
 
-@pytest.mark.slow
 @given(FORMS)
 def test_what_is_added_and_taken_away_vanishes(form):
     assert added(dict(form), {m: -c for m, c in form.items()}) == {}

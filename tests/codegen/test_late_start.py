@@ -92,7 +92,7 @@ def test_backwards_and_at_times_that_are_neighbours(method):
     assert run.y[1, 1:3] == pytest.approx([2.0**-22, 2.0**-21], rel=1e-3)
 
 
-@pytest.mark.sparse(2)
+@pytest.mark.sparse(only=("saw", "tangent", "pieces"))
 @pytest.mark.parametrize("force", FORCED)
 def test_forces_of_time_keep_their_digits(force):
     compiled, grid = (

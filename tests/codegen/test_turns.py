@@ -57,7 +57,7 @@ def rebuilt(sequence, run):
     return np.abs(np.array(found).astype(float)).max()
 
 
-@pytest.mark.sparse(6)
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_angles_are_those_of_a_run_in_angles(sequence):
     start = (0.1, 1.2, 0.3) if sequence[0] == sequence[-1] else (0.1, 0.2, 0.3)

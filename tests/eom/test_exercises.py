@@ -84,6 +84,7 @@ def test_what_the_key_says_makes_the_page_right(topic, seed):
         assert value in marker(made)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("notation", only((n for n in NOTATIONS if n != "arrow"), "kane"))
 def test_every_notation(notation):
     made = exercise("point-mass", 1, notation=notation, lines=2)

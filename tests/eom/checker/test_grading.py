@@ -58,6 +58,7 @@ def statuses(graded):
 ALL = ["nothing wrong", "wrong", "nothing wrong", "nothing wrong", "unusable", "unusable"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", only([1, 2, 3], 2))
 def test_notes_come_in_order_whatever_the_number_of_workers(folder, workers):
     done = []

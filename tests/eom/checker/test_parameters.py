@@ -107,6 +107,7 @@ def test_free_scalars_are_models_as_others_are():
     assert list(search.seeds) == [frozenset()]
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize(
     ("formula", "wanted"),
     [

@@ -56,6 +56,7 @@ $$ I_x = \tfrac12 m R^2 $$
 """
 
 
+@pytest.mark.slow
 def test_a_pendulum_a_top_and_a_solid_in_one_note():
     verdicts = found(NOTE.replace(r" + \tau_1", ""), TWO)
     assert verdicts[:2] == ["holds", "wrong"]
@@ -230,6 +231,7 @@ def test_solids_that_the_words_name(note):
     assert found(note, notation="physics-bold") == [CATALOGUE[note]]
 
 
+@pytest.mark.slow
 def test_a_table_of_solids_and_other_notations():
     note = r"""
 | body | moment |

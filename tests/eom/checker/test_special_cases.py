@@ -169,6 +169,7 @@ def test_parameters_of_a_system_that_coincide(found):
     assert displays[0].verdict == "holds under"
 
 
+@pytest.mark.slow
 def test_a_steady_motion_in_a_system_of_angular_velocities(found):
     line = r"P g h = \dot\psi\left(C s - A\dot\psi\cos\theta\right)"
     displays, _ = found(f"$${line}$$", TOP)
@@ -211,6 +212,7 @@ def test_free_scalars_swallow_no_claim(found):
     assert "steady_rotors" in line.sets[0]
 
 
+@pytest.mark.slow
 def test_a_line_that_lacks_a_speed_means_no_steady_motion(found):
     lines = [
         r"T = \tfrac12 A\dot\psi^2\sin^2\theta + \tfrac12 C s^2",
@@ -220,6 +222,7 @@ def test_a_line_that_lacks_a_speed_means_no_steady_motion(found):
     assert [f.verdict for f in displays] == ["wrong"] * 2
 
 
+@pytest.mark.slow
 def test_a_factor_that_vanishes_is_the_special_case(found):
     slip = r"$$A\dot p_1 = (A - C)p_2 s + P g h\sin\theta\sin\chi$$"
     ((line,), _) = found(slip, TOP)

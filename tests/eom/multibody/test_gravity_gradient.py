@@ -54,6 +54,7 @@ def chain(**more):
     return Tree("chain", bodies, joints, rotors=(wheel,), springs=(spring,), **more)
 
 
+@pytest.mark.slow
 def test_a_body_on_an_orbit_librates_as_the_body_scene_does():
     """Angular velocities are inertial in both; the scene measures its attitude in the orbit frame."""
     scene = eom.load_scene("gravity-gradient-satellite")
@@ -75,6 +76,7 @@ def test_a_body_on_an_orbit_librates_as_the_body_scene_does():
     assert abs(wanted["omega_1"] - start["omega_1"]) > 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.sparse(only=("with weight",))
 @pytest.mark.parametrize("gravity", [(0, 0, 0), (0.5, 0, -9.81)], ids=["alone", "with weight"])
 def test_energy_is_constant_in_a_field_that_does_not_change(gravity):

@@ -74,6 +74,7 @@ def sample(title="Title", label="path"):
     return Picture(((space,), (plane,)), title, label)
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("ending", [".png", ".svg", ".pdf", ".html"])
 def test_the_same_picture_has_the_same_bytes(tmp_path, ending):
     whole = sample()
