@@ -37,8 +37,10 @@ class Commands(click.Group):
         except InputError as error:
             click.echo(f"error: {error}", err=True)
             ctx.exit(UNUSABLE)
-        except KeyboardInterrupt:
-            click.echo("interrupted", err=True)
+        except (KeyboardInterrupt, RuntimeError) as error:
+            if KeyboardInterrupt not in {type(error), type(error.__cause__)}:
+                raise
+            click.echo("interrupted", err=True)  # a class that was being made says RuntimeError of it
             ctx.exit(INTERRUPTED)
         except BrokenPipeError:
             raise  # the reader has seen enough; click ends quietly

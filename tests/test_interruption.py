@@ -11,14 +11,17 @@ import threading
 import time
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 import sympy as sp
+from click.testing import CliRunner
 
 import codegen
 from codegen.integrate import fleet
 from codegen.loops import runge_kutta
 from codegen.native import children, native
+from eom.__main__ import main
 from eom.system import System
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -187,6 +190,21 @@ def test_a_child_that_takes_too_long_ends_with_its_children(tmp_path):
     with pytest.raises(subprocess.TimeoutExpired):
         children.finished(command, seconds=0.5)
     waited(lambda: gone(int(note.read_text())))
+
+
+def test_an_interruption_while_a_class_is_made_is_one(monkeypatch):
+    """Python before 3.12 wraps what an attribute raises that is given its name."""
+
+    class Interrupting:
+        def __set_name__(self, owner, name):
+            raise KeyboardInterrupt
+
+    def make(self, ctx):
+        type("Made", (), {"attribute": Interrupting()})
+
+    monkeypatch.setattr(click.Group, "invoke", make)
+    done = CliRunner().invoke(main, ["list"])
+    assert (done.exit_code, done.output) == (130, "interrupted\n")
 
 
 @pytest.mark.slow
