@@ -24,7 +24,7 @@ from eom.errors import InputError
 from eom.exact import series
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Echelon, Singular
-from eom.terms.terms import INDICES, SCALAR, Equation, Term, nodes
+from eom.terms.terms import INDICES, Equation, Term, nodes
 from eom.terms.vocabulary import omega, position, quantity
 from eom.worlds.evaluate import Env, Evaluator, flat
 from eom.worlds.generators import world
@@ -34,15 +34,9 @@ MAX_UNKNOWNS = 80
 SPARE = 8
 """Equations beyond the number of unknowns."""
 MAX_WORLDS = 120
+MAX_FACTORS = 2
 _ORDERS = 2
 """Derivatives of a premise that are tried."""
-
-_BY_HAND = tuple(
-    frozenset(RESIDUES.of(sign, d) for sign in (1, -1) for d in (1, *more)) | {0}
-    for more in ((), (2,))
-)
-"""Constants of steps by hand: with no factor, and for vectors, the sign alone, since a line with the
-sign of a term changed and one without it differ by two; with a factor also the half of energies."""
 
 Measured = tuple[Dimension | None, tuple[Series, ...]]
 """Some components with their dimension, None where it is unknown."""
@@ -54,17 +48,15 @@ def follows(
     premises: Sequence[Claim],
     assumed: frozenset[str],
     unknowns: int = MAX_UNKNOWNS,
-    simple: bool = False,
 ) -> bool:
     """Return whether a claim is a sum of multiples of premises in the worlds of a closed set.
 
-    ``unknowns``: multiples that are tried at most, the simplest first; ``simple``: whether they have to
-    be steps that are made by hand, one factor at most and simple fractions. What a claim says by itself
-    follows from anything. False where nothing was found, or a claim has no value in these worlds.
+    ``unknowns``: multiples that are tried at most, the simplest first. What a claim says by itself follows
+    from anything. False where nothing was found, or a claim has no value in these worlds.
     """
     try:
         said = _Said(claim, tuple(premises))
-        return bool(said.right) and _solvable(said, assumed, unknowns, simple=simple)
+        return bool(said.right) and _solvable(said, assumed, unknowns)
     except InputError:
         return False
 
@@ -160,49 +152,37 @@ def _measure(claim: Claim) -> Dimension | None:
     return next(known, None)
 
 
-def _solvable(said: _Said, assumed: frozenset[str], unknowns: int, *, simple: bool) -> bool:
+def _solvable(said: _Said, assumed: frozenset[str], unknowns: int) -> bool:
     """Return whether the equations of enough worlds have a solution."""
     form, count = None, 0
     for seed in range(MAX_WORLDS):
         try:
-            differences, multiples = _sample(said, assumed, seed, unknowns, 1 if simple else 2)
+            differences, multiples = _sample(said, assumed, seed, unknowns)
         except Singular:
             continue
         form = form or Echelon(RESIDUES, len(multiples))
         if form.width != len(multiples):
             return False
-        for row in _equations((*(s for _, s in multiples), *differences)):
+        for row in _equations((*multiples, *differences)):
             count += 1
             if not form.add(row):
                 return False
             if count >= form.width + SPARE:
-                return not simple or _by_hand(said, form, multiples, len(row))
+                return True
     return False
 
 
-def _by_hand(
-    said: _Said, form: Echelon, multiples: Sequence[tuple[int, Series]], columns: int
-) -> bool:
-    """Return whether the constants of a solution are those of steps by hand."""
-    scalar = all(q.left.kind == SCALAR for q in said.right)
-    solutions = (form.column(side) for side in range(form.width, columns))
-    return all(c in _BY_HAND[scalar and multiples[n][0]] for s in solutions for n, c in s.items())
-
-
 def _sample(
-    said: _Said, assumed: frozenset[str], seed: int, unknowns: int, degree: int
-) -> tuple[tuple[Series, ...], list[tuple[int, Series]]]:
-    """Return the differences of the claim, and all multiples of the premises, in one world.
-
-    With each multiple the number of its factors.
-    """
+    said: _Said, assumed: frozenset[str], seed: int, unknowns: int
+) -> tuple[tuple[Series, ...], list[Series]]:
+    """Return the differences of the claim, and all multiples of the premises, in one world."""
     e = Evaluator(world(assumed, seed), said.scalars)
     wanted = _measure(said.claim)
     env: Env = next(e.numberings(_free(e, said.claim)), {})
     differences = tuple(s for q in said.right for s in _difference(e, q, env))
     factors = said.distinct([(d, s) for d, t in said.factors for s in _components(e, t, {})])
     given = [g for p in said.premises for g in _derivatives(_given(e, p, env))]
-    return differences, list(islice(_multiples(wanted, given, factors, degree), unknowns))
+    return differences, list(islice(_multiples(wanted, given, factors), unknowns))
 
 
 def _free(e: Evaluator, claim: Claim) -> frozenset[str]:
@@ -275,16 +255,15 @@ def _multiples(
     wanted: Dimension | None,
     given: Sequence[tuple[int, Measured]],
     factors: Sequence[Factor],
-    degree: int,
-) -> Iterator[tuple[int, Series]]:
-    """Yield the multiples of the right dimension: by numbers, by one factor, up to ``degree``."""
+) -> Iterator[Series]:
+    """Yield the multiples of the right dimension: by numbers, by one factor, by two."""
     given = sorted(given, key=lambda g: g[0])
-    for count in range(degree + 1):
+    for count in range(MAX_FACTORS + 1):
         for chosen in combinations_with_replacement(factors, count):
             for _, (measure, parts) in given:
                 if _fits(wanted, [measure, *(d for d, _ in chosen)], count):
                     for part in parts:
-                        yield count, _product([s for _, s in chosen], part)
+                        yield _product([s for _, s in chosen], part)
 
 
 def _fits(wanted: Dimension | None, factors: Sequence[Dimension | None], count: int) -> bool:

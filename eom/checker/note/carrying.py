@@ -14,17 +14,28 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
 from eom.checker.judge.consequences import follows
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge_within, row_of
-from eom.checker.judge.laws import STILL, own, refuted, settled
+from eom.checker.judge.laws import (
+    APART,
+    FITS,
+    NEARLY,
+    STILL,
+    own,
+    put_in,
+    refuted,
+    settled,
+    slipped,
+    variants,
+)
 from eom.checker.judge.models import Worlds, filled, terms_of
 from eom.checker.judge.systems import equations, on_solutions
 from eom.checker.judge.verdicts import GRAVE, Judged, Verdict
-from eom.checker.mean.claims import CONSTANT, Claim
+from eom.checker.mean.claims import CONSTANT, STATEMENT, Claim
 from eom.checker.mean.model import Model
 from eom.checker.prose_claims.assumptions import Context
 from eom.errors import InputError
@@ -36,6 +47,8 @@ from eom.worlds.worlds import ASSUMPTIONS, closure
 
 MAX_EARLIER = 4
 """Wrong lines that a later one is compared with, the last ones first."""
+MAX_CLAIMS = 3
+"""Claims of a formula that are compared with earlier lines."""
 USUAL = ("newton_2", "third_law_strong", "body_frame", "principal_axes")
 """What is assumed beyond what is stated, where consequences of a line are looked for."""
 
@@ -46,35 +59,60 @@ def worlds_of(stated: Iterable[str], context: Iterable[str]) -> frozenset[str]:
     return filled(closure(context), [*(n for n in ASSUMPTIONS if n in chosen), *USUAL])
 
 
-_Slip = tuple[int, Claim, tuple[str, ...]]
-"""Number of a formula, what it claims wrongly, the context of that; on a system: with the slip in it."""
+@dataclass(frozen=True)
+class Carried:
+    """The number of the formula whose slip a formula carries on, and whether it has one of its own."""
+
+    number: int
+    adds: bool = False
+
+
+@dataclass(frozen=True)
+class _Slip:
+    """What a formula claims wrongly, and which one slipped first.
+
+    On a system: with the slip in its model; ``others``: whether with those before it as well.
+    """
+
+    number: int
+    claim: Claim
+    others: bool = False
 
 
 def carried(
     verdicts: Sequence[Verdict], context: Context, given: Iterable[str] = ()
-) -> Mapping[int, int]:
-    """Return numbers of formulas whose wrong claims all follow from one that is wrong before.
+) -> Mapping[int, Carried]:
+    """Return for numbers of formulas that carry a slip on what they carry; the others are absent.
 
-    To each number that of the formula with the slip. A formula that adds a slip of its own is absent.
+    A wrong claim carries an earlier one exactly if it holds with what that one says in place of what is
+    true. If it holds but for one term then, it carries the slip and has one of its own.
     """
     given = tuple(given)
     before: dict[bool, list[_Slip]] = {False: [], True: []}
-    found: dict[int, int] = {}
+    found: dict[int, Carried] = {}
     for number, verdict in enumerate(verdicts):
         on_system = any(row_of(j.claim) is not Worlds for j in verdict.claims)
         slips, stated = before[on_system], context.names(number)
         wrong = [j for j in verdict.claims if _refuted(j)]
         grave = any(_otherwise_wrong(j, on_system) for j in verdict.claims)
-        last = slips[: -MAX_EARLIER - 1 : -1]
-        sources = [_source(j, last, stated, given) for j in wrong]
-        if wrong and not grave and None not in sources:
-            found[number] = min(s for s in sources if s is not None)
-        elif not on_system:
-            slips += [(number, j.claim, j.judgement.context) for j in wrong]
-        elif not grave:
-            claims = [j.claim for j in wrong]
-            claims += [replace(c, model=s.model) for _, s, _ in slips[-1:] for c in claims]
-            slips += [(number, replace(c, model=m), ()) for c in claims for m in _slipped(c)]
+        last = sorted(slips[: -MAX_EARLIER - 1 : -1], key=lambda s: s.others)
+        sources = [_source(j, last, stated, given) for j in wrong[:MAX_CLAIMS]]
+        known = [s for s in sources if s is not None]
+        if known:
+            own = grave or len(known) < len(sources) or any(s.adds for s in known)
+            found[number] = Carried(min(s.number for s in known), own)
+        root = found[number].number if number in found and not found[number].adds else number
+        if not on_system:
+            slips += [_Slip(root, j.claim) for j in wrong]
+        elif not grave and number not in found:
+            alone = [_Slip(number, j.claim) for j in wrong]
+            both = [
+                _Slip(number, replace(j.claim, model=s.claim.model), others=True)
+                for s in slips[-1:]
+                for j in wrong
+            ]
+            made = ((s, m) for s in (*alone, *both) for m in _slipped(s.claim))
+            slips += [replace(s, claim=replace(s.claim, model=m)) for s, m in made]
     return found
 
 
@@ -93,22 +131,48 @@ def _otherwise_wrong(judged: Judged, on_system: bool) -> bool:
 
 
 def _source(
-    judged: Judged, slips: Iterable[_Slip], stated: frozenset[str], given: tuple[str, ...]
-) -> int | None:
-    """Return the number of the wrong formula that a wrong claim follows from, or None."""
-    claim, on_system = judged.claim, on_solutions(judged.claim)
-    for number, other, context in slips:
-        with suppress(InputError, Singular, ValueError):
-            if on_system:
-                follow = judge_within(replace(claim, model=other.model), (), given).verdict == HOLDS
-            else:
-                base = (*given, *judged.judgement.context, *context)
-                follow = _related(claim, other) and follows(
-                    claim, (other,), worlds_of(stated, base), simple=True
-                )
-            if follow:
-                return number
-    return None
+    judged: Judged, slips: Sequence[_Slip], stated: frozenset[str], given: tuple[str, ...]
+) -> Carried | None:
+    """Return what a wrong claim carries on, or None."""
+    fits = _in_system if on_solutions(judged.claim) else _in_worlds
+    assumed = worlds_of(stated, (*given, *judged.judgement.context))
+
+    def source(link: Claim) -> Carried | None:
+        found: dict[int, int] = {}
+        for slip in slips:
+            with suppress(InputError, Singular, ValueError):
+                others = [s.claim for s in slips if s is not slip]
+                found.setdefault(fits(link, slip.claim, others, assumed), slip.number)
+            if FITS in found:
+                return Carried(found[FITS])
+        own = NEARLY in found and not slipped(link, given)
+        return Carried(found[NEARLY], adds=True) if own else None
+
+    links = [source(link) for link in _links(judged)]
+    known = [f for f in links if f is not None]
+    own = len(known) < len(links) or any(f.adds for f in known)
+    return Carried(min(f.number for f in known), own) if known else None
+
+
+def _in_worlds(claim: Claim, slip: Claim, others: Sequence[Claim], assumed: frozenset[str]) -> int:
+    related = [o for o in others if _related(claim, o)]
+    return put_in(claim, slip, related, assumed) if _related(claim, slip) else APART
+
+
+def _in_system(claim: Claim, slip: Claim, _: Sequence[Claim], __: frozenset[str]) -> int:
+    """Return whether a claim holds in the system that a slip describes."""
+    made = replace(claim, model=slip.model)
+    if judge_within(made, ()).verdict == HOLDS:
+        return FITS
+    return NEARLY if any(judge_within(v, ()).verdict == HOLDS for v in variants(made)) else APART
+
+
+def _links(judged: Judged) -> list[Claim]:
+    """Return what is wrong in a claim: the links of a chain that fail, else all of it."""
+    claim, chain = judged.claim, judged.chain
+    failed = [(a, b) for a, b, found in chain.links if found.verdict == WRONG] if chain else []
+    pairs = [(claim.members[a], claim.members[b]) for a, b in failed]
+    return [replace(claim, members=p, relations=("=",), kind=STATEMENT) for p in pairs] or [claim]
 
 
 def _related(a: Claim, b: Claim) -> bool:

@@ -17,7 +17,7 @@ from eom.checker.judge.verdicts import LAWS, Judged, Verdict
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.roles import ASSUMPTION
 from eom.checker.prose_claims.assumptions import PARAGRAPH, Context, Stated, implied
-from eom.checker.report.findings import Remark
+from eom.checker.report.findings import CARRIED, CARRIED_AND_OWN, Remark
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.worlds.worlds import ASSUMPTIONS, closure
@@ -33,7 +33,8 @@ KINDS: dict[str, str] = {
     "contradicts": "contradicts line {line}",
     "contradicts assumption": "cannot stand together with the assumption of line {line}",
     "repeats": "repeats line {line}",
-    "carried": "carries the slip of line {line} forward",
+    CARRIED: "carries the slip of line {line} forward",
+    CARRIED_AND_OWN: "carries the slip of line {line} forward, and has one of its own",
     "approximate": "does not hold exactly; line {line} speaks of an approximation",
 }
 """Kinds of remarks, and their words."""

@@ -46,7 +46,7 @@ from eom.checker.prose_claims.assumptions import (
 )
 from eom.checker.prose_claims.propositions import Plain, Reading, Test, truth
 from eom.checker.read.documents import Document
-from eom.checker.report.findings import Remark
+from eom.checker.report.findings import CARRIED, CARRIED_AND_OWN, Remark
 from eom.errors import InputError
 from eom.terms.terms import VECTOR, Term, add, cross, dot, nodes
 from eom.terms.terms import replace as rewritten
@@ -113,8 +113,9 @@ def review(
     slips = carried(final, context, given)
     found = []
     for k, (_, own) in enumerate(placed):
-        line = lines[slips[k]] if k in slips else 0
-        more = (remark("carried", line),) if line else ()
+        slip = slips.get(k)
+        line = lines[slip.number] if slip is not None else 0
+        more = (remark(CARRIED_AND_OWN if slip.adds else CARRIED, line),) if slip else ()
         beside = (*own, *more, *about[k])
         found.append(Reviewed(understood[k], final[k], beside, line, context.names(k)))
     return tuple(found)

@@ -94,6 +94,8 @@ ORDER = tuple(VERDICTS)
 """All verdicts, the gravest first; the last one is that of a display that claims nothing."""
 
 
+CARRIED, CARRIED_AND_OWN = "carried", "carried and own"
+"""Kinds of remarks on a slip that is carried forward."""
 PROSE = "prose"
 """The kind of a finding on a claim in words."""
 
@@ -137,6 +139,13 @@ class Finding:
     explanation: Explanation = UNEXPLAINED
     carried: int = 0
     special: str = ""
+
+    @property
+    def carries(self) -> str:
+        """Whose slip it carries forward, in words, and whether it has one of its own; "" for none."""
+        own = any(r.kind == CARRIED_AND_OWN for r in self.remarks)
+        more = ", and has one of its own" if own else ""
+        return f"the slip of line {self.carried}{more}" if self.carried else ""
 
     @property
     def line(self) -> int:
@@ -353,12 +362,12 @@ def _finding(finding: Finding) -> Iterator[Line]:
         if finding.verdict == UNDER and not finding.sets and finding.reason:
             yield (("", f"{INDENT}if {printable(finding.reason)}"),)
     if finding.carried:
-        yield (("", f"{INDENT}carries forward the slip of line {finding.carried}"),)
+        yield (("", f"{INDENT}carries forward {finding.carries}"),)
     for words in dict.fromkeys(finding.read_as):
         yield _faint(f"{INDENT}{printable(words)}")
     yield from _explanation(finding)
     for remark in finding.remarks:
-        if not (remark.kind == "carried" and finding.carried):
+        if not (remark.kind in {CARRIED, CARRIED_AND_OWN} and finding.carried):
             whole = remark.text.startswith(remark.kind)
             words = remark.text if whole else f"{remark.kind}: {remark.text}"
             yield (("", f"{INDENT}{printable(words)}"),)

@@ -186,7 +186,7 @@ FILTER = """<fieldset><legend>Show findings</legend>
 
 def _brief(finding: Finding) -> str:
     if finding.carried:
-        return f"carries on the slip of line {finding.carried}"
+        return f"carries on {finding.carries}"
     reason = _worded(finding.reason.split("\n")[0])
     return f"{reason}, or state: {_worded(finding.special)}" if finding.special else reason
 
@@ -257,13 +257,12 @@ def _below(finding: Finding | None) -> str:
 def _details(finding: Finding) -> Iterator[tuple[str, str]]:
     """Yield what is said of a finding: a term and its text as HTML."""
     explanation = finding.explanation
-    carried = f"the slip of line {finding.carried}" if finding.carried else ""
     yield "Holds under", _sets(finding.sets)
     yield (
         "Reason",
         f'<span class="reason">{_worded(finding.reason)}</span>' * bool(finding.reason),
     )
-    yield "Carries on", carried
+    yield "Carries on", finding.carries
     yield "Left side minus right side", mathml(explanation.residual) if explanation.residual else ""
     yield "Convention", html.escape(explanation.convention)
     yield "What would make it right", _list(map(_correction, explanation.corrections), "ol")

@@ -370,6 +370,63 @@ def test_slips_of_scalar_lines_by_factors_and_rates():
     assert found == {4: 0, 6: 4, 8: 0, 10: 0, 12: 4, 14: 4}
 
 
+CHAINS = {
+    "three in a row": (
+        r"""Newton's laws hold; the axes are principal axes.
+$$\vec H_C = 2[I]\vec\omega$$
+$$T_{rot} = \frac12\vec\omega\cdot\vec H_C = \vec\omega\cdot[I]\vec\omega$$
+$$2T_{rot} = 2\vec\omega\cdot[I]\vec\omega$$""",
+        [0, 2, 2],
+        [],
+    ),
+    "two slips, both put in": (
+        r"""Newton's laws hold.
+$$\vec H_C = 2[I]\vec\omega$$
+$$\vec\tau_C = -\dot{\vec H}_C$$
+$$\vec\tau_C = -2\left([I]\dot{\vec\omega} + \vec\omega\times[I]\vec\omega\right)$$""",
+        [0, 0, 3],
+        [],
+    ),
+    "carried, with a sign of its own": (
+        r"""Newton's laws hold. B is fixed in the rigid body.
+$$\vec H_C = 2[I]\vec\omega$$
+$$\vec\tau_C = 2[I]\dot{\vec\omega} + \vec\omega\times2[I]\vec\omega$$
+$$\vec\tau_C = 2[I]\dot{\vec\omega} - \vec\omega\times2[I]\vec\omega$$""",
+        [0, 2, 2],
+        [2],
+    ),
+    "in squares and below integrals": (
+        r"""The body is rigid.
+$$\dot{\vec R} = \dot{\vec R}_C - \vec\omega\times\vec r$$
+$$\dot{\vec R}\cdot\dot{\vec R} = \dot{\vec R}_C\cdot\dot{\vec R}_C
+ - 2\dot{\vec R}_C\cdot(\vec\omega\times\vec r) + (\vec\omega\times\vec r)\cdot(\vec\omega\times\vec r)$$
+$$\vec H_C = \int_B \vec r\times\dot{\vec R}\,dm = -\int_B \vec r\times(\vec\omega\times\vec r)\,dm$$""",
+        [0, 2, 2],
+        [],
+    ),
+    "unrelated": (
+        r"""The body is rigid, the axes are principal axes; Newton's laws hold.
+$$\dot{\vec R} = \dot{\vec R}_C - \vec\omega\times\vec r$$
+$$\vec H_C = -[I]\vec\omega$$
+$$I_{11}\dot\omega_1 = (I_{22} + I_{33})\omega_2\omega_3 + L_1$$
+$$I_{22}\dot\omega_2 = (I_{33} + I_{11})\omega_3\omega_1 + L_2$$
+$$T_{rot} = \vec\omega\cdot[I]\vec\omega$$""",
+        [0, 0, 0, 0, 0],
+        [],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_carried_is_what_holds_with_the_slip_put_in(name):
+    note, lines, own = CHAINS[name]
+    found = reviewed(note, ARROW)
+    assert {r.verdict.verdict for r in found} == {"wrong"}
+    assert [r.carried for r in found] == lines
+    both = [k for k, r in enumerate(found) if any(m.kind == "carried and own" for m in r.remarks)]
+    assert both == own
+
+
 def test_a_review_is_the_same_twice():
     note = CARRIED.split("$$T_{rot}", maxsplit=1)[0]
     assert reviewed(note, ARROW) == reviewed(note, ARROW)

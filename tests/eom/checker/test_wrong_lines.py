@@ -20,6 +20,8 @@ from eom.checker.repair.corrections import Suspects, suspects, workshop
 from eom.checker.repair.counterexample import points
 from eom.checker.repair.explaining import corrected, explain
 from eom.checker.repair.lines import line
+from eom.checker.report.findings import CARRIED as CARRIED_KIND
+from eom.checker.report.findings import CARRIED_AND_OWN
 from eom.worlds.solutions import rate
 from eom.worlds.special import revealing
 from tests.eom.checker.test_parameters import PLATE
@@ -233,9 +235,18 @@ def test_one_slip_about_a_system_is_one_finding():
     assert {r.verdict.verdict for r in found} == {"wrong"}
     lines = [r.understood.formula.piece.line for r in found]
     first, again = lines[0], lines[4]
-    assert [r.carried for r in found] == [0, first, first, first, 0, 0, again]
-    kinds = [[m.kind for m in r.remarks] for r in found]
-    assert ["carried" in k for k in kinds] == [bool(r.carried) for r in found]
+    assert [r.carried for r in found] == [0, first, first, first, 0, first, again]
+    kinds = [{m.kind for m in r.remarks} & {CARRIED_KIND, CARRIED_AND_OWN} for r in found]
+    own = {CARRIED_AND_OWN}
+    assert kinds == [
+        set(),
+        {CARRIED_KIND},
+        {CARRIED_KIND},
+        {CARRIED_KIND},
+        set(),
+        own,
+        {CARRIED_KIND},
+    ]
 
 
 LETTERED = """
