@@ -38,7 +38,7 @@ from eom.terms.terms import SCALAR, Equation, Term, expr, mul, nodes, number, ze
 from eom.terms.terms import replace as rewritten
 from eom.worlds.evaluate import Evaluator, flat, half_powers, subsets
 from eom.worlds.generators import worlds
-from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, SEQUENCES, closure, sequence_of
+from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, OPEN, SEQUENCES, closure, sequence_of
 
 ENOUGH = 3
 """Models in which a claim has to hold."""
@@ -262,7 +262,9 @@ class Search:
 
 MASSES = (("mass",), ("total_mass",))
 """How the atoms of masses begin."""
-SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", *SEQUENCES})
+SPECIAL = frozenset(
+    {"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", "first_turn", *SEQUENCES}
+)
 """Assumptions that belong to a context, or to a family of degenerate bodies."""
 
 MENTIONS: dict[str, frozenset[str]] = {
@@ -282,6 +284,8 @@ MENTIONS: dict[str, frozenset[str]] = {
     "one_rotor": frozenset({"rotor_axis"}),
     "steady_turn": frozenset({"angular_velocity"}),
     "steady_rotors": frozenset({"rotor_speed"}),
+    "exhaust_at_rest": frozenset({OPEN}),
+    "exhaust_with_body": frozenset({OPEN}),
 }
 """Assumptions that say nothing unless labels or quantities stand in the claim."""
 
@@ -392,11 +396,13 @@ class Worlds(Models):
 
     @property
     def names_scalars(self) -> bool:  # type: ignore[override]
-        """Whether the claim is about free scalars alone."""
+        """Whether the claim is about free scalars alone, and is no identity in the same ones."""
         sides = (n for q in self.said for t in (q.left, q.right) for n in nodes(t))
         meanings = self.scalars.values()
         plain = all(n.head in {"expr", "add", "mul", "zero"} for n in sides)
-        return plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
+        free = plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
+        pairs = ((atoms_in(s, self.scalars) for s in (q.left, q.right)) for q in self.said)
+        return free and any(a != b for a, b in pairs)
 
     def own(self, context: tuple[str, ...]) -> frozenset[str]:
         """Return a model of the body, where the claim is not about frames and angles alone."""
@@ -460,7 +466,8 @@ class Worlds(Models):
     def _changes_mass(self) -> bool:
         """Return whether the claim has the rate of a mass."""
         found = (n for t in (*self.terms, *self.scalars.values()) for n in nodes(t))
-        return any(n.head == "der" and n.args[0].data[:1] in MASSES for n in found)
+        inside = (n.args[0].data for n in found if n.head == "der")
+        return any(data[:1] in MASSES and data[1:] != (OPEN,) for data in inside)
 
     def _of_a_motion(self) -> bool:
         """Return whether the claim says how coordinates move, which no law of the note's gives."""

@@ -32,7 +32,6 @@ from eom.checker.mean.roles import (
     roles,
     running,
     says,
-    unnamed,
 )
 from eom.checker.mean.solid_words import Beside, beside, readings
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
@@ -190,7 +189,7 @@ class _Context:
             if index and _gaps(new) and labelled(statement, index):
                 axes = tuple({index: k} for k in "123")
             else:
-                axes = free(statement, self.lexicon) if _gaps(new) else ()
+                axes = free(statement, self.lexicon, known) if _gaps(new) else ()
             if axes:
                 new = min((new, self._each(statement, known, before, axes)), key=_gaps)
             known |= defined(new)
@@ -205,10 +204,7 @@ class _Context:
         axes: tuple[Mapping[str, str], ...],
     ) -> tuple[Claim, ...]:
         """Return what a statement claims for each of the axes that its indices run over."""
-        found = [c for a in axes for c in claims(statement, self.lexicon, known, before, a)]
-        for index in axes[0]:
-            found = [unnamed(c, index) for c in found]
-        return tuple(found)
+        return tuple(c for a in axes for c in claims(statement, self.lexicon, known, before, a))
 
     def _claims(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]

@@ -437,9 +437,10 @@ def _new(nodes: list[Node], signs: tuple[str, ...], e: Elaborator) -> Look | Non
     for look in (found.with_label(), found.look):
         entry = e.lexicon.find(look, e.indices) if look is not None else None
         if entry is not None:
-            free = entry.meaning.quantity == "defined" and entry.look not in e.definitions
-            return entry.look if free and (look == found.with_label() or not found.raised) else None
-    look = e.lexicon.notation.plain(found.with_label() or found.look)
+            own = entry.look.numbered(e.indices)
+            free = entry.meaning.quantity == "defined" and own not in e.definitions
+            return own if free and (look == found.with_label() or not found.raised) else None
+    look = e.lexicon.notation.plain(found.with_label() or found.look).numbered(e.indices)
     return look if signs[0] == ":=" and not _values(e, [inner])[0] else None
 
 

@@ -159,7 +159,7 @@ def _function(e: Elaborator, node: Node) -> str:
 
 
 def _known(e: Elaborator, look: Look) -> bool:
-    return e.lexicon.find(look, e.indices) is not None or look in e.definitions
+    return e.lexicon.find(look, e.indices) is not None or look.numbered(e.indices) in e.definitions
 
 
 def _is_angle(lexicon: Lexicon, node: Node) -> bool:
@@ -228,7 +228,7 @@ def _indexed(e: Elaborator, node: Node) -> Value | None:
     if value is not None and given is not None:
         found = number(value, node.span)
         return replace(found, dimension=None) if found.is_zero else found
-    values = [e.bound(**axes).value(node) for axes in summed(node, e.lexicon, e.indices)]
+    values = [e.bound(**axes).value(node) for axes in summed(node, e)]
     return total(e.lexicon.notation, values) if values else None
 
 
@@ -267,7 +267,7 @@ def _addition(e: Elaborator, node: Addition) -> Value:
 
 
 def _product(e: Elaborator, node: Product) -> Value:
-    repeated = list(summed(node, e.lexicon, e.indices))
+    repeated = list(summed(node, e))
     if repeated:
         values = [e.bound(**axes).value(node) for axes in repeated]
         return total(e.lexicon.notation, values)
@@ -604,19 +604,19 @@ def _letters(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> It
             yield from _letters(part, known)
 
 
-def _knows(lexicon: Lexicon, bound: Mapping[str, str]) -> Callable[[Look, Mapping[str, str]], bool]:
+def _knows(e: Elaborator) -> Callable[[Look, Mapping[str, str]], bool]:
     def known(look: Look, more: Mapping[str, str]) -> bool:
-        indices = {**bound, **more}
-        return numbered(look, indices) is not None or lexicon.find(look, indices) is not None
+        indices = {**e.indices, **more}
+        return numbered(look, indices) is not None or _known(replace(e, indices=indices), look)
 
     return known
 
 
-def summed(node: Node, lexicon: Lexicon, bound: Mapping[str, str]) -> Iterator[dict[str, str]]:
+def summed(node: Node, e: Elaborator) -> Iterator[dict[str, str]]:
     """Yield the values of letters that stand twice in a term, one summand each; nothing for no sum."""
     if isinstance(node, Addition | BigOperator):
         return
-    counts = Counter(w for w in _letters(node, _knows(lexicon, bound)) if w not in bound)
+    counts = Counter(w for w in _letters(node, _knows(e)) if w not in e.indices)
     twice = sorted(w for w, n in counts.items() if n == 2)
     if 0 < len(twice) <= MAX_DUMMIES:
         yield from (
@@ -624,9 +624,11 @@ def summed(node: Node, lexicon: Lexicon, bound: Mapping[str, str]) -> Iterator[d
         )
 
 
-def free(statement: Statement, lexicon: Lexicon) -> tuple[dict[str, str], ...]:
+def free(
+    statement: Statement, lexicon: Lexicon, definitions: Mapping[Look, Value]
+) -> tuple[dict[str, str], ...]:
     """Return all values of the letters that stand once in each term of a statement; none for no such."""
-    known = _knows(lexicon, {})
+    known = _knows(elaborator(lexicon, definitions))
     once = [_once(m, known) for m in statement.members]
     shared = frozenset[str]().union(*once)
     if not 0 < len(shared) <= MAX_FREE:

@@ -58,6 +58,8 @@ OWN: dict[str, int] = {
     "active_turn": 1,
     "quaternion": 2,
     "quaternion_last": 2,
+    "velocity": 3,
+    "acceleration": 3,
 }
 """Meanings of the checker alone, with their number of labels.
 
@@ -66,8 +68,11 @@ formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: 
 ``system``: a quantity of the system that the note is about, by its name;
 ``turn``: a function, the rotation of components that turning the frame about an axis brings,
 ``active_turn``: its inverse; ``quaternion``, ``quaternion_last``: the column of the Euler parameters of
-a frame in another one, the scalar first or last.
+a frame in another one, the scalar first or last; ``velocity``, ``acceleration``: of a point relative to
+another one, as seen in a frame.
 """
+RATES: dict[str, int] = {"velocity": 1, "acceleration": 2}
+"""Meanings that are derivatives of a position, with their order."""
 
 MAX_FORMULA = 1000
 SLOT = re.compile(r"<([A-Za-z])>")
@@ -110,6 +115,12 @@ class Meaning:
             component=tuple(map(fill, self.component)),
             formula=fill(self.formula, {**bound, **(written or {})}),
         )
+
+    @property
+    def kind(self) -> str:
+        """What the quantity is, before components are taken; a scalar where that is not known."""
+        known = QUANTITIES.get(self.quantity)
+        return known.kind if known is not None else VECTOR if self.quantity in RATES else SCALAR
 
     @property
     def slots(self) -> frozenset[str]:
@@ -213,8 +224,7 @@ def _check(found: Meaning, parts: Mapping[str, list[str]], where: str) -> None:
         raise InputError("unknown axes of turns", where=where, got=found.labels[1], expected=known)
     if len(parts["in"]) > 1:
         raise InputError("components are in one frame", where=where, got=" ".join(parts["in"]))
-    kind = QUANTITIES[name].kind if name in QUANTITIES else SCALAR
-    _check_components(found, kind, where)
+    _check_components(found, found.kind, where)
     if found.unit:
         dimension(found.unit, where)
 
@@ -375,6 +385,15 @@ class Lexicon:
     def frame(self, given: Labels) -> str | None:
         """Return the frame that labels name, or None."""
         return _named(self.frames, given)
+
+    def point(self, given: Labels) -> str | None:
+        """Return the point that labels name, or None."""
+        return _named(self.points, given)
+
+    def has_vector(self, look: Look) -> bool:
+        """Return whether a vector is written in the style and with the accents of a look."""
+        vectors = (e.look for layer in self.layers for e in layer if e.meaning.kind == VECTOR)
+        return any((v.style, v.accents) == (look.style, look.accents) for v in vectors)
 
     def known(self, name: str) -> tuple[str, ...]:
         """Return the patterns with a letter, for messages."""

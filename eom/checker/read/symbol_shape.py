@@ -7,7 +7,7 @@ is raised and no label, act on the symbol: they are kept apart (`Seen`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -55,6 +55,14 @@ class Look:
     def corners(self) -> tuple[Labels, Labels, Labels, Labels]:
         """The labels: below, above, below on the left, above on the left."""
         return self.sub, self.sup, self.presub, self.presup
+
+    def numbered(self, indices: Mapping[str, str]) -> Look:
+        """Return the look with what bound indices stand for in the place of them."""
+        if not indices:
+            return self
+        corners = (tuple(indices.get(w, w) for w in c) for c in self.corners)
+        sub, sup, presub, presup = corners
+        return replace(self, sub=sub, sup=sup, presub=presub, presup=presup)
 
     @property
     def text(self) -> str:
