@@ -317,7 +317,6 @@ MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
 CONTEXTS: tuple[tuple[str, ...], ...] = (
     (),
     ("rigid",),
-    ("one_particle",),
     ("spin_312",),
     ("rotors",),
     ("viscous_slug",),

@@ -24,7 +24,7 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
-from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborate import elaborator, in_brackets
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import (
@@ -256,6 +256,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if constant:
         nodes.pop()
     instants.note(e, nodes)
+    nodes = in_brackets(nodes, e)
     look = _new(nodes, signs, e)
     skip = int(look is not None or s.continues)
     values, findings = _values(e, nodes[skip:])

@@ -14,7 +14,7 @@ An index is a letter below symbols that have no meaning with it, and one with th
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -91,6 +91,7 @@ from eom.checker.read.syntax import (
     Symbol,
     Words,
     children,
+    walk,
 )
 from eom.kinematics.coordinates import elementary
 from eom.terms.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, entries, expr, inner
@@ -399,9 +400,9 @@ def _fraction(e: Elaborator, node: Fraction) -> Value:
 def _group(e: Elaborator, node: Group) -> Value:
     if isinstance(node.body, Sequence):
         return calculus.tuple_value(e, node, node.body)
-    rotation = between_frames(e, node)
-    if rotation is not None:
-        return rotation
+    found = between_frames(e, node) or _tabled(e, node)
+    if found is not None:
+        return found
     if node.open == "[" and isinstance(node.body, Number) and node.body.text == "1":
         return _identity(e, node.span)
     value = _crossing(e, node.body) if isinstance(node.body, Section) else e.value(node.body)
@@ -410,6 +411,23 @@ def _group(e: Elaborator, node: Group) -> Value:
     if node.open == "<":
         raise refuse(UNDECIDED, "angle brackets without a meaning", node.span)
     return value
+
+
+def _tabled(e: Elaborator, node: Group) -> Value | None:
+    """Return the matrix, or column, that a symbol with free indices in brackets stands for: (I_ij)."""
+    found = seen(node.body) if node.open in {"(", "["} else None
+    known = _knows(e)
+    if found is None or found.raised or _known(e, found.look):
+        return None
+    letters = [w for w in found.look.sub if w in LETTERS and w not in e.indices]
+    if not 0 < len(letters) == len(set(letters)) <= 2:
+        return None
+    if not known(found.look, dict.fromkeys(letters, "1")):
+        return None
+    rows = [{letters[0]: k} for k in COUNTS]
+    columns = [{letters[1]: k} for k in COUNTS] if len(letters) > 1 else [{}]
+    cells = [[e.bound(**r, **c).value(node.body) for c in columns] for r in rows]
+    return calculus.table_of(e, cells, node.span)
 
 
 def _matrix(e: Elaborator, node: Matrix) -> Value:
@@ -622,6 +640,18 @@ def summed(node: Node, e: Elaborator) -> Iterator[dict[str, str]]:
         yield from (
             dict(zip(twice, axes, strict=True)) for axes in product(COUNTS, repeat=len(twice))
         )
+
+
+def in_brackets(members: Iterable[Node], e: Elaborator) -> list[Node]:
+    """Return members with symbols that have free indices in brackets, where they are equated to tables."""
+    members = list(members)
+    tables = any(isinstance(n, Matrix) for m in members for n in walk(m))
+
+    def bracketed(node: Node) -> Node:
+        group = Group(node, "(", ")", span=node.span)
+        return group if tables and seen(node) is not None and _tabled(e, group) else node
+
+    return [bracketed(m) for m in members]
 
 
 def free(

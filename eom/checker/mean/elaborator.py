@@ -54,6 +54,7 @@ from eom.terms.terms import (
     inverse,
     matmul,
 )
+from eom.terms.terms import replace as rewritten
 from eom.terms.vocabulary import position, quantity, unit
 
 MAX_DEPTH = 12
@@ -254,9 +255,14 @@ def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
 def _recalled(e: Elaborator, look: Look, span: Span) -> Value:
     """Return what the note has defined, with what its symbols stand for."""
     found = e.definitions[look]
+    names: dict[Any, Any] = {}
+
+    def renamed(node: Term) -> Term:
+        return expr(node.data[0].xreplace(names)) if node.head == "expr" else node
+
     for symbol, term in found.scalars.items():
-        e.scalars.setdefault(symbol, term)
-    return replace(found, span=span, scalars={})
+        names[symbol] = e.name(str(symbol), rewritten(term, renamed))
+    return replace(found, term=rewritten(found.term, renamed), span=span, scalars={})
 
 
 _ALIKE = {"circle": "ring"}
@@ -412,7 +418,8 @@ def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
     if value.shape == MATRIX and meaning.quantity in {"rotation", "eigenvectors"}:
         value = replace(value, frames=(meaning.labels[0], meaning.labels[1]))
     if value.shape == SCALAR and meaning.quantity not in _ATOMS:
-        value = replace(value, term=expr(e.name(found.look.text, value.term)))
+        name = found.look.numbered(e.indices).text
+        value = replace(value, term=expr(e.name(name, value.term)))
     return value
 
 

@@ -423,7 +423,7 @@ class Lexicon:
             return None if given else bound
         slot = SLOT.fullmatch(pattern[0])
         if slot is None:
-            same = given[:1] == pattern[:1]
+            same = bool(given) and pattern[0] in {given[0], indices.get(given[0])}
             return self._corner(pattern[1:], given[1:], bound, indices) if same else None
         for n in range(1, min(len(given), 8) + 1):
             name = self.resolved(slot[1], given[:n], indices)
