@@ -342,8 +342,8 @@ def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
 def meant(e: Elaborator, found: Found, span: Span) -> Value:
     """Return the value of what the lexicon says."""
     meaning = found.meaning
-    if meaning.quantity == "defined":
-        look = found.look.numbered(e.indices)
+    look = found.look.numbered(e.indices)
+    if meaning.quantity == "defined" or (meaning.quantity == "vector" and look in e.definitions):
         if look not in e.definitions:
             raise refuse(UNDECIDED, "this is not defined yet", span, found.look.text)
         return _recalled(e, look, span)
