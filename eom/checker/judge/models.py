@@ -442,9 +442,9 @@ class Worlds(Models):
             return (
                 "what leaves a body whose mass changes, and with which velocity, is not known here"
             )
-        if self._of_a_motion():
+        if "expr" not in self._rated_sides and self._of_a_motion():
             return "no system says how these coordinates move"
-        if self._is_law():
+        if "expr" not in self._rated_sides and self._is_law():
             return "this may be a law for quantities that are any, and nothing here ties to others"
         if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, subsets(self.roots))):
             return "this rests on the signs of its roots"
@@ -471,9 +471,8 @@ class Worlds(Models):
     def _of_a_motion(self) -> bool:
         """Return whether the claim says how coordinates move, which no law of the note's gives."""
         found = {a.data[0] for t in self.terms for a in atoms_in(t, self.scalars)}
-        sides = (s for q in self.said for s in (q.left, q.right))
         free = found & FREELY and found <= FREELY | {"scalar"}
-        return bool(free) and any(map(self._is_rate, sides))
+        return bool(free) and "atom" in self._rated_sides
 
     def _is_law(self) -> bool:
         """Return whether rates of quantities that are any are tied to one that stands on one side alone."""
@@ -487,16 +486,25 @@ class Worlds(Models):
                 return True
         return False
 
-    def _is_rate(self, side: Term) -> bool:
-        """Return whether a side is zero, a coordinate, or a multiple of a time derivative of one."""
+    @cached_property
+    def _rated_sides(self) -> frozenset[str]:
+        return frozenset(self._rated(s) for q in self.said for s in (q.left, q.right))
+
+    def _rated(self, side: Term) -> str:
+        """Return "atom" for zero, a coordinate, a multiple of a time derivative of one, else "".
+
+        The same of what laws make of coordinates is "expr".
+        """
         factors = list(self._factors(side))
         moving = [p for p in factors if p.data[:1] != ("scalar",)]
         if len(moving) != 1 or (len(factors) > 1 and moving[0].head != "der"):
-            return side.is_zero
+            return "atom" if side.is_zero else ""
         inner = moving[0]
         while inner.head == "der":
             inner = inner.args[0]
-        return [p.head for p in self._factors(inner)] == ["atom"]
+        named = inner.head == "expr" and inner.data[0] in self.scalars
+        heads = [p.head for p in self._factors(inner)]
+        return "expr" if named and heads == ["expr"] else "atom" if heads == ["atom"] else ""
 
     def _factors(self, term: Term) -> Iterator[Term]:
         """Yield what a product multiplies, numbers left out; sums as they are."""

@@ -20,7 +20,7 @@ from eom.checker.judge.systems import Solutions, agreeing, covered
 from eom.checker.mean.claims import Claim, Relation, claims, defined
 from eom.checker.mean.elaborate import free
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.parameters import limited, named, read
+from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (
     CLAIM,
     LAW,
@@ -357,7 +357,10 @@ class _Scoped:
                 self.passed.add(scope.after)
         key = (headings, frozenset(self.passed))
         if key not in self.known:
-            self.known[key] = self.lexicon.at(headings, key[1])
+            here = self.lexicon.at(headings, key[1])
+            self.known[key] = (
+                replace(here, tied=tied(here)) if any(r[1] for r in here.own_laws) else here
+            )
         return self.known[key]
 
     def _begin(self, phrase: str, source: Source) -> int:

@@ -61,7 +61,7 @@ from eom.checker.mean.values import (
 )
 from eom.checker.read.spans import Span
 from eom.checker.read.statements import Statement
-from eom.checker.read.symbol_shape import DOTS, Look, labels, named_in, seen
+from eom.checker.read.symbol_shape import DOTS, Look, grown, labels, named_in, seen
 from eom.checker.read.syntax import (
     Accent,
     Addition,
@@ -308,7 +308,7 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
                 k += 2
                 continue
         if following is not None and _is_change(e, nodes[k]):
-            values.append(instants.change(e, following, nodes[k].span.join(following.span)))
+            values.append(_change(e, following, nodes[k].span.join(following.span)))
             k += 2
             continue
         short = abbreviated(e, nodes[k], following)
@@ -325,6 +325,15 @@ def _is_change(e: Elaborator, node: Node) -> bool:
     r"""Return whether a factor is the \Delta before what changes."""
     plain = isinstance(node, Symbol) and node.name == "Delta" and not node.style
     return plain and not _known(e, Look("Delta"))
+
+
+def _change(e: Elaborator, node: Node, span: Span) -> Value:
+    """Return a change that the lexicon names, else how much something grows between two instants."""
+    given = seen(node)
+    found = e.lexicon.find(grown(given), e.indices) if given is not None else None
+    if found is None or given is None:
+        return instants.change(e, node, span)
+    return of_meaning(e, found, given, span)
 
 
 def _argument(node: Node | None) -> tuple[Group | None, Node | None]:

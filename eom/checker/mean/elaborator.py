@@ -253,8 +253,12 @@ def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
 
 
 def _recalled(e: Elaborator, look: Look, span: Span) -> Value:
-    """Return what the note has defined, with what its symbols stand for."""
-    found = e.definitions[look]
+    """Return what the note has defined."""
+    return replace(_renamed(e, e.definitions[look]), span=span)
+
+
+def _renamed(e: Elaborator, found: Value) -> Value:
+    """Return a value that was found elsewhere with names that its symbols have here."""
     names: dict[Any, Any] = {}
 
     def renamed(node: Term) -> Term:
@@ -262,7 +266,7 @@ def _recalled(e: Elaborator, look: Look, span: Span) -> Value:
 
     for symbol, term in found.scalars.items():
         names[symbol] = e.name(str(symbol), rewritten(term, renamed))
-    return replace(found, term=rewritten(found.term, renamed), span=span, scalars={})
+    return replace(found, term=rewritten(found.term, renamed), scalars={})
 
 
 _ALIKE = {"circle": "ring"}
@@ -343,6 +347,11 @@ def meant(e: Elaborator, found: Found, span: Span) -> Value:
     """Return the value of what the lexicon says."""
     meaning = found.meaning
     look = found.look.numbered(e.indices)
+    tied = e.lexicon.tied.get((meaning.quantity, *meaning.labels, meaning.frame))
+    if tied is not None:
+        value = replace(_renamed(e, tied), dimension=_dimension(meaning), span=span)
+        named = value.shape != SCALAR
+        return value if named else replace(value, term=expr(e.name(found.look.text, value.term)))
     if meaning.quantity == "defined" or (meaning.quantity == "vector" and look in e.definitions):
         if look not in e.definitions:
             raise refuse(UNDECIDED, "this is not defined yet", span, found.look.text)

@@ -16,6 +16,7 @@ A TOML file beside the note, or front matter between lines of ``+++`` (there in 
     [[scope]]                     # from here on, and within this part alone
     heading = "Rigid bodies"      # a heading of the note, or: after = "a phrase of the note"
     assume = ["rigid"]            # what this part takes for granted; at the top: the whole note
+    laws = ['v_2 = -e v_1']       # what ties scalars of the lexicon together, or a vector to others
     [scope.symbols]               # a scope may also have frames, points, and a system of its own
     [scope.system]                # in the place of any other: a solid, a scene, a tree (below)
     is = "cone"
@@ -304,7 +305,7 @@ class Scope:
     """A part of the note, under a heading or after a phrase, with entries of its own.
 
     ``system``: what its scalar lines are about, in the place of the note's; ``spelt``: entries for its
-    quantities, in layers; ``assume``: names of assumptions that hold there.
+    quantities, in layers; ``assume``: names of assumptions that hold there; ``laws``: equations that do.
     """
 
     heading: str
@@ -315,6 +316,7 @@ class Scope:
     system: Model | None = field(default=None, compare=False)
     spelt: tuple[tuple[Entry, ...], ...] = ()
     assume: tuple[str, ...] = ()
+    laws: tuple[str, ...] = ()
 
     def holds(self, headings: Iterable[str], passed: Container[str]) -> bool:
         """Return whether a place is in this part; ``passed``: phrases that stand before it."""
@@ -327,7 +329,9 @@ class Lexicon:
     """Notation, frames and points by labels, entries in layers: what comes first goes first.
 
     ``system``: what scalar lines are about, if the note says so; ``assume``: names of assumptions that
-    hold.
+    hold; ``laws``: equations that do; ``own_laws``: those of all parts that hold in a place, each with
+    the lexicon that it is written in; ``tied``: what they make of free quantities, see
+    `eom.checker.mean.parameters.tied`.
     """
 
     notation: Notation = field(default_factory=Notation)
@@ -337,10 +341,13 @@ class Lexicon:
     scopes: tuple[Scope, ...] = ()
     system: Model | None = field(default=None, compare=False)
     assume: tuple[str, ...] = ()
+    laws: tuple[str, ...] = ()
+    own_laws: tuple[tuple[Lexicon, tuple[str, ...]], ...] = ()
+    tied: Mapping[tuple[str, ...], Any] = field(default_factory=dict, compare=False)
 
     def at(self, headings: Sequence[str] = (), passed: Container[str] = ()) -> Lexicon:
         """Return what holds under some headings, after some of the phrases that begin scopes."""
-        here = replace(self, scopes=())
+        here = replace(self, scopes=(), own_laws=((self, self.laws),))
         for scope in self.scopes:
             if scope.holds(headings, passed):
                 here = here.within(scope)
@@ -349,7 +356,7 @@ class Lexicon:
     def within(self, scope: Scope) -> Lexicon:
         """Return the lexicon with what a part of the note adds; its system takes the place of another."""
         other = self if scope.system is None else self.without_system()
-        return replace(
+        found = replace(
             other,
             frames={**self.frames, **scope.frames},
             points={**self.points, **scope.points},
@@ -357,6 +364,7 @@ class Lexicon:
             system=scope.system or self.system,
             assume=(*self.assume, *scope.assume),
         )
+        return replace(found, own_laws=(*self.own_laws, (found, scope.laws)))
 
     def without_system(self) -> Lexicon:
         """Return the lexicon in which no symbol is a quantity of the note's system."""

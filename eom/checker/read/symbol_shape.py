@@ -86,6 +86,11 @@ class Seen:
         return replace(self.look, sup=labels(self.raised[0])) if self.raised else None
 
 
+def grown(given: Seen) -> Look:
+    r"""Return the look of a change that has a name of its own: of E in \Delta E."""
+    return replace(given.look, accents=tuple(sorted((*given.look.accents, "Delta"))))
+
+
 def seen(node: Node) -> Seen | None:
     """Return what a node looks like if it is one symbol with accents and scripts, else None."""
     if isinstance(node, Symbol):

@@ -74,8 +74,10 @@ TENSORS = {
     r"S_{ij}=I_{kk}\delta_{ij}-I_{ij}": "wrong",
     r"W_{ij}:=-\epsilon_{ijk}\omega_k": "definition",
     r"\omega_k=-\tfrac12\epsilon_{ijk}W_{ij}": "holds",
-    r"(W_{ij})=\begin{pmatrix}0&-\omega_3&\omega_2\\ \omega_3&0&-\omega_1\\-\omega_2&\omega_1&0\end{pmatrix}": "holds",
-    r"W_{ij}=\begin{bmatrix}0&\omega_3&-\omega_2\\-\omega_3&0&\omega_1\\\omega_2&-\omega_1&0\end{bmatrix}": "wrong",
+    r"(W_{ij})=\begin{pmatrix}0&-\omega_3&\omega_2\\ \omega_3&0&-\omega_1\\"
+    r"-\omega_2&\omega_1&0\end{pmatrix}": "holds",
+    r"W_{ij}=\begin{bmatrix}0&\omega_3&-\omega_2\\-\omega_3&0&\omega_1\\"
+    r"\omega_2&-\omega_1&0\end{bmatrix}": "wrong",
     r"(\omega_i)=(\omega_1,\omega_2,\omega_3)^T": "holds",
     r"\operatorname{tr}(I_{ij})=2S_{kk}": "holds",
 }
