@@ -108,6 +108,16 @@ OWN_ENTRIES = {
         "column of the Euler parameters of frame (1) in (2), scalar first",
         "quaternion B I",
     ),
+    "velocity": (
+        r"\vec{v}_P",
+        "velocity of (1) relative to (2), as seen in (3)",
+        "velocity P OI I",
+    ),
+    "acceleration": (
+        r"\vec{a}_P",
+        "acceleration of (1) relative to (2), as seen in (3)",
+        "acceleration P OI I",
+    ),
     "quaternion_last": (r"\bar{q}", "the same, scalar last", "quaternion_last B I"),
 }
 """Entries, LaTeX, words and meaning, of what the checker alone knows; no meaning: the name."""

@@ -2,8 +2,8 @@
 
 Labels say whose quantity it is and about which point: ``angular_momentum("body", "O")``. Whose:
 ``system`` (particles, sums), ``body`` (a continuum, integrals), or one particle. Points: ``O`` is the
-reference point, ``C`` the centre of mass, ``OI`` the origin of the inertial frame. Primitive quantities
-have no definition; a world gives them values (`eom.worlds.evaluate`).
+reference point, ``C`` the centre of mass, ``OI`` the origin of the inertial frame; ``open`` is a body whose
+mass changes. Primitive quantities have no definition; a world gives them values (`eom.worlds.evaluate`).
 """
 
 from __future__ import annotations
@@ -72,6 +72,7 @@ _LABEL_WORDS = {
     "body": "the body",
     "system": "the system",
     "P": "the point mass",
+    "open": "the open body",
     "C": "the centre of mass",
     "OI": "the inertial origin",
     "dm": "a mass element",
@@ -188,6 +189,9 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "gravity_energy": Quantity(
         SCALAR, "potential energy of gravity, to second order in the body's size"
+    ),
+    "exhaust_velocity": Quantity(
+        VECTOR, "velocity, relative to {0}, of the mass that it takes in or loses"
     ),
     "gravity": Quantity(VECTOR, "acceleration of uniform gravity"),
     "scalar": Quantity(SCALAR, "any number {0}"),

@@ -59,6 +59,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     "vector": ("letter",),
     "fixed_vector": ("letter", ""),
     "dyadic": ("letter",),
+    "exhaust_velocity": ("who",),
     "gravity": (),
     "gravity_parameter": (),
     "orbit_radius": (),

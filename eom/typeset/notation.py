@@ -70,6 +70,7 @@ LETTERS: dict[str, str] = {
     "identity": "1 U 1 U 1",
     "identity_matrix": "1 1 1 1 1",
     "angle": "theta theta theta theta theta",
+    "exhaust_velocity": "u u u u u",
     "gravity": "g g g g g",
     "gravity_parameter": "mu mu mu mu mu",
     "orbit_radius": "R R R R R",

@@ -21,7 +21,7 @@ from eom.exact.rings import ARITHMETIC, TRIGONOMETRY, Evaluation, Row, none, sum
 from eom.exact.series import LENGTH, Series
 from eom.terms.terms import INDICES, Equation, Term, nodes
 from eom.terms.vocabulary import definition
-from eom.worlds.worlds import ANGLES, World
+from eom.worlds.worlds import TURNING, World
 
 Value = Any
 """A series, a vector (three of them, in I), a dyadic (in I), a column or a matrix."""
@@ -136,7 +136,7 @@ class _Scalars(Evaluation):
         """Yield cosine and sine of angles, each an integer or half as often in a sum."""
         for symbol, count in summands(sp.expand(angle)):
             meaning = self.evaluator.scalars.get(symbol)
-            known = meaning is not None and meaning.head == "atom" and meaning.data[0] in ANGLES
+            known = meaning is not None and meaning.head == "atom" and meaning.data[0] in TURNING
             if meaning is None or not known or count.q not in {1, 2}:
                 raise InputError("sine or cosine of what is no sum of angles", got=angle)
             found = self.evaluator.world.angle(*meaning.data)

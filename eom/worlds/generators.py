@@ -76,7 +76,10 @@ def _frames(
     build = _build_of(assumed)
     if B is None and "fixed_axis" not in assumed and any(n in assumed for n in ABOUT_ONE_AXIS):
         return _about_one_axis(draw, build)
-    B = B or (axial_turn(draw, assumed) if "fixed_axis" in assumed else any_turn(draw, build))
+    still = {"fixed_axis", "first_turn"} & assumed
+    if B is None and build is not about_axis and still:
+        B = _first_turn(draw, assumed, build)
+    B = B or (axial_turn(draw, assumed) if still else any_turn(draw, build))
     if build is about_axis:
         return {"A": any_turn(draw), "B": B}, {}
     from_A = any_turn(draw, build)
@@ -426,6 +429,13 @@ def _with(s: Series, place: int, value: Any) -> Series:
 def any_turn(draw: Draw, build: Build = about_axis) -> Turned:
     """Return a rotation from three random angles."""
     return build([angle(draw.series(), draw.number()) for _ in range(3)])
+
+
+def _first_turn(draw: Draw, assumed: frozenset[str], build: Build) -> Turned:
+    """Return a sequence of turns of which the first alone goes on."""
+    by = _even(draw.series()) if "steady_turn" in assumed else draw.series()
+    others = [draw.fixed(draw.point())[0] for _ in range(2)]
+    return build([angle(value, draw.number()) for value in (by, *others)])
 
 
 def axial_turn(draw: Draw, assumed: frozenset[str]) -> Turned:

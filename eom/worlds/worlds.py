@@ -22,9 +22,11 @@ from __future__ import annotations
 
 import dataclasses
 import random
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from eom.errors import InputError, unknown_name
@@ -91,7 +93,20 @@ ANGLES: dict[str, Callable[..., Angle]] = {
     "principal_angle": _principal_angle,
     "turn_angle": _turn_angle,
 }
-"""Quantities that have a sine and a cosine."""
+"""Quantities that are angles."""
+
+
+def _any_angle(world: World, kind: str, name: str) -> Angle:
+    quarter = world.field.draw(world.free("quarter", kind, name))
+    return angle(world.primitive(kind, (name,)), quarter)
+
+
+TURNING: dict[str, Callable[..., Angle]] = {
+    **ANGLES,
+    "scalar": lambda world, name: _any_angle(world, "scalar", name),
+    "coordinate": lambda world, name: _any_angle(world, "coordinate", name),
+}
+"""Quantities that have a sine and a cosine, those that may be angles among them."""
 
 
 def _in_inertial(world: World, frame: str, parts: Sequence[Series]) -> Vector:
@@ -219,8 +234,15 @@ SEQUENCES: dict[str, str] = {
 """Assumptions that say by which turns B is reached, with their axes; fewer than three: special motions."""
 
 
-FREE_FRAMES = "DEFGHJKLMNPQRSTUVWXYZ"
+FREE_FRAME = re.compile("[D-HJ-Z][0-9]*")
 """Names of frames that nothing else in a world depends on."""
+FREE_POINT = re.compile("free[A-Za-z0-9]*|open")
+"""Names of points that nothing else depends on; one is the body whose mass changes."""
+FIXED_POINT = re.compile("in([A-Z][0-9]*?)([0-9])")
+"""Names of points that are fixed in a frame, as inA1; those of B move with the body."""
+
+OPEN = "open"
+"""The label of a body, apart from all others, whose mass changes."""
 
 GENERAL, SPECIAL = "general", "special"
 """Kinds of assumptions: what a text takes for granted or states once; a special body, load or motion."""
@@ -338,6 +360,11 @@ ASSUMPTIONS: dict[str, Restriction] = {
         ("torque_free", "spin_312", "viscous_slug", *SEQUENCES),
         kind=SPECIAL,
     ),
+    "first_turn": Restriction(
+        "of the turns by which B is reached the first alone goes on, through a changing angle",
+        ("fixed_axis",),
+        kind=SPECIAL,
+    ),
     "steady_turn": Restriction(
         "the angular velocity of B is constant", ("fixed_axis",), kind=SPECIAL
     ),
@@ -367,6 +394,14 @@ ASSUMPTIONS: dict[str, Restriction] = {
     "one_rotor": Restriction("there is one rotor", ("rotors",), joins=("rotors",)),
     "steady_rotors": Restriction(
         "the speed of each rotor relative to the body is constant", ("rotors",), kind=SPECIAL
+    ),
+    "exhaust_at_rest": Restriction(
+        "what the open body takes in or loses is at rest in the inertial frame", kind=SPECIAL
+    ),
+    "exhaust_with_body": Restriction(
+        "what the open body takes in or loses has the velocity of the body",
+        excludes=("exhaust_at_rest",),
+        kind=SPECIAL,
     ),
     **{
         name: Restriction(
@@ -408,9 +443,19 @@ def closure(assumptions: Iterable[str]) -> frozenset[str]:
             )
     for name in sorted(chosen):
         for other in ASSUMPTIONS[name].excludes:
-            if other in chosen:
+            turning = {name, "first_turn"} <= chosen & {"fixed_axis", "first_turn"}
+            if other in chosen and not (turning and other in SEQUENCES):
                 raise InputError("assumptions cannot stand together", got=f"{name} and {other}")
     return frozenset(chosen)
+
+
+@cache
+def _excluded(name: str, assumed: frozenset[str]) -> bool:
+    """Return whether an assumption cannot stand together with others."""
+    try:
+        return not closure([*assumed, name])
+    except InputError:
+        return True
 
 
 @dataclass(frozen=True)
@@ -488,8 +533,9 @@ class World:
 
     def _free_frame(self, name: str) -> Turned:
         """Return a frame that turns as it likes. Raises `InputError` for names of no such frame."""
-        if name not in FREE_FRAMES:
-            raise unknown_name("frame", name, [*self.frames, *FREE_FRAMES])
+        other = name == "C" and _excluded("spin_312", self.assumed)
+        if not other and not FREE_FRAME.fullmatch(name):
+            raise unknown_name("frame", name, [*self.frames, *"DEFGHJKLMNPQRSTUVWXYZ"])
         key = ("frame", name)
         if key not in self.memo:
             self.memo[key] = about_axis([_free_angle(self, f"{name}{k}") for k in range(3)])
@@ -512,7 +558,7 @@ class World:
         """Return an angle by its quantity and labels. Raises `InputError` where there is none."""
         key = (kind, *labels, "angle")
         if key not in self.memo:
-            self.memo[key] = ANGLES[kind](self, *labels)
+            self.memo[key] = TURNING[kind](self, *labels)
         result: Angle = self.memo[key]
         return result
 
@@ -529,9 +575,32 @@ class World:
             return self.places[label]
         if label == "P":
             return self.places[0]
-        if label not in self.points:
-            raise unknown_name("point", str(label), self.points)
-        return self.points[label]
+        return self.points[label] if label in self.points else self._free_point(str(label))
+
+    def _free_point(self, name: str) -> Vector:
+        """Return a point that moves as it likes, or one that is fixed in a frame.
+
+        Raises `InputError` for names of no such point.
+        """
+        placed = FIXED_POINT.fullmatch(name)
+        if placed is None and not FREE_POINT.fullmatch(name):
+            raise unknown_name("point", name, self.points)
+        key = ("point", name)
+        if key not in self.memo:
+            self.memo[key] = (
+                _free_vector(self, key) if placed is None else self._fixed_point(*placed.groups())
+            )
+        result: Vector = self.memo[key]
+        return result
+
+    def _fixed_point(self, frame: str, number: str) -> Vector:
+        """Return a point of a frame whose origin moves as it likes, of I rests, of a body moves with it."""
+        generator = self.free("point", frame, number)
+        x, y, z = (self.constant(self.field.draw(generator)) for _ in range(3))
+        origin = self.points["OI"] if frame == "I" else _free_vector(self, ("origin", frame))
+        if frame == "B" and ("body_frame" in self.assumed or "A" not in self.frames):
+            origin = self.points["C"]
+        return series.add(origin, series.apply(self.rotation("I", frame), (x, y, z)))
 
     def free(self, *name: Any) -> random.Random:
         """Return a generator for a quantity that nothing restricts."""
@@ -553,7 +622,7 @@ def _identity(world: World) -> Matrix:
     return tuple(tuple(world.constant(int(i == j)) for j in range(3)) for i in range(3))
 
 
-def _free_vector(world: World, name: str) -> Vector:
+def _free_vector(world: World, name: Any) -> Vector:
     return _random_vector(world.field, world.free("vector", name))
 
 
@@ -593,14 +662,39 @@ def _eigenvectors(world: World, frame: str, principal: str) -> Matrix:
     return (x, y, z)
 
 
+def _open_mass(world: World) -> Series:
+    return _random_series(world.field, world.free("mass", OPEN))
+
+
+def _exhaust(world: World) -> Vector:
+    """Return the velocity, relative to the open body, of what it takes in or loses."""
+    if "exhaust_at_rest" in world.assumed:
+        x, y, z = (-s.derivative() for s in world.place(OPEN))
+        return (x, y, z)
+    if "exhaust_with_body" in world.assumed:
+        return (world.constant(0),) * 3
+    return _free_vector(world, "exhaust")
+
+
+def _open_force(world: World) -> Vector:
+    """Return what acts on an open body beside the momentum of what it takes in or loses (Meshchersky)."""
+    if "newton_2" not in world.assumed:
+        return _free_vector(world, ("force", OPEN))
+    mass, gas = _open_mass(world), _exhaust(world)
+    second = (s.derivative().derivative() for s in world.place(OPEN))
+    x, y, z = (mass * a - mass.derivative() * u for a, u in zip(second, gas, strict=True))
+    return (x, y, z)
+
+
 def _particle(label: Any) -> int:
     return 0 if label == "P" else int(label)
 
 
 _PRIMITIVES: dict[str, Callable[..., Any]] = {
-    "mass": lambda w, i: w.masses[_particle(i)],
+    "mass": lambda w, i: _open_mass(w) if i == OPEN else w.masses[_particle(i)],
     "position": lambda w, of, origin: series.subtract(w.place(of), w.place(origin)),
-    "force": lambda w, i: w.forces[_particle(i)],
+    "force": lambda w, i: _open_force(w) if i == OPEN else w.forces[_particle(i)],
+    "exhaust_velocity": lambda w, _: _exhaust(w),
     "internal_force": lambda w, i, j: w.internal[i][j],
     "angular_velocity": _angular_velocity,
     "unit": _unit_vector,

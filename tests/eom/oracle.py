@@ -250,7 +250,8 @@ def to_principal_axes(masses, points):
 EQUAL = {"spin_312": (0, 2), "symmetric": (0, 1), "symmetric_1": (1, 2), "symmetric_2": (2, 0)}
 """Axes about which the moments are equal."""
 UNKNOWN = frozenset(
-    "principal_at_O plane_body fixed_axis steady_turn one_rotor steady_rotors O_uniform".split()
+    "principal_at_O plane_body fixed_axis first_turn steady_turn one_rotor steady_rotors O_uniform "
+    "exhaust_at_rest exhaust_with_body".split()
 )
 """Assumptions that these numerics draw no motion for."""
 

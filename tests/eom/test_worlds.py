@@ -31,6 +31,7 @@ B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
 R = position("dm", "C")
 J = quantity("inertia", "C")
 TORQUE = quantity("torque", "body", "C")
+EXHAUST = quantity("exhaust_velocity", "open")
 F_IJ, F_JI = quantity("internal_force", "i", "j"), quantity("internal_force", "j", "i")
 
 
@@ -65,6 +66,8 @@ CLAIMS = {
     "fixed_axis": is_zero(cross(der(omega()), omega())),
     "steady_turn": is_zero(der(omega())),
     "plane_body": is_zero(dot(B3, position("i", "O"))),
+    "exhaust_at_rest": is_zero(add(EXHAUST, velocity("open"))),
+    "exhaust_with_body": is_zero(EXHAUST),
     "steady_rotors": is_zero(der(quantity("rotor_speed", "k"))),
     "torque_free": is_zero(TORQUE),
     "A_fixed_in_body": is_zero(der(position("i", "j"), "A")),

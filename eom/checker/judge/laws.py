@@ -80,6 +80,19 @@ def own(claim: Claim) -> frozenset[str]:
     return frozenset.union(*free) - frozenset.intersection(*free) if moving else frozenset()
 
 
+def free_alone(claim: Claim) -> str:
+    """Return the free scalar that is all of one side of an equation, and is not on its other side."""
+    if claim.kind != STATEMENT or len(claim.members) != 2 or claim.parameters is not None:
+        return ""
+    left, right = (m.term for m in claim.members)
+    for one, other in ((left, right), (right, left)):
+        meaning = claim.scalars.get(one.data[0]) if one.head == "expr" else None
+        known = meaning is not None and meaning.data[:1] == (SCALAR,)
+        if known and meaning not in atoms_in(other, claim.scalars):
+            return str(one.data[0])
+    return ""
+
+
 def firsts(found: Iterable[Sequence[Claim]]) -> Iterator[bool]:
     """Yield for the claims of each formula whether it is the first to tie a free scalar to the motion.
 

@@ -38,7 +38,7 @@ from eom.terms.terms import SCALAR, Equation, Term, expr, mul, nodes, number, ze
 from eom.terms.terms import replace as rewritten
 from eom.worlds.evaluate import Evaluator, flat, half_powers, subsets
 from eom.worlds.generators import worlds
-from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, SEQUENCES, closure, sequence_of
+from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, OPEN, SEQUENCES, closure, sequence_of
 
 ENOUGH = 3
 """Models in which a claim has to hold."""
@@ -262,7 +262,9 @@ class Search:
 
 MASSES = (("mass",), ("total_mass",))
 """How the atoms of masses begin."""
-SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", *SEQUENCES})
+SPECIAL = frozenset(
+    {"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", "first_turn", *SEQUENCES}
+)
 """Assumptions that belong to a context, or to a family of degenerate bodies."""
 
 MENTIONS: dict[str, frozenset[str]] = {
@@ -282,6 +284,8 @@ MENTIONS: dict[str, frozenset[str]] = {
     "one_rotor": frozenset({"rotor_axis"}),
     "steady_turn": frozenset({"angular_velocity"}),
     "steady_rotors": frozenset({"rotor_speed"}),
+    "exhaust_at_rest": frozenset({OPEN}),
+    "exhaust_with_body": frozenset({OPEN}),
 }
 """Assumptions that say nothing unless labels or quantities stand in the claim."""
 
@@ -313,7 +317,6 @@ MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
 CONTEXTS: tuple[tuple[str, ...], ...] = (
     (),
     ("rigid",),
-    ("one_particle",),
     ("spin_312",),
     ("rotors",),
     ("viscous_slug",),
@@ -392,11 +395,13 @@ class Worlds(Models):
 
     @property
     def names_scalars(self) -> bool:  # type: ignore[override]
-        """Whether the claim is about free scalars alone."""
+        """Whether the claim is about free scalars alone, and is no identity in the same ones."""
         sides = (n for q in self.said for t in (q.left, q.right) for n in nodes(t))
         meanings = self.scalars.values()
         plain = all(n.head in {"expr", "add", "mul", "zero"} for n in sides)
-        return plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
+        free = plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
+        pairs = ((atoms_in(s, self.scalars) for s in (q.left, q.right)) for q in self.said)
+        return free and any(a != b for a, b in pairs)
 
     def own(self, context: tuple[str, ...]) -> frozenset[str]:
         """Return a model of the body, where the claim is not about frames and angles alone."""
@@ -437,9 +442,9 @@ class Worlds(Models):
             return (
                 "what leaves a body whose mass changes, and with which velocity, is not known here"
             )
-        if self._of_a_motion():
+        if "expr" not in self._rated_sides and self._of_a_motion():
             return "no system says how these coordinates move"
-        if self._is_law():
+        if "expr" not in self._rated_sides and self._is_law():
             return "this may be a law for quantities that are any, and nothing here ties to others"
         if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, subsets(self.roots))):
             return "this rests on the signs of its roots"
@@ -460,14 +465,14 @@ class Worlds(Models):
     def _changes_mass(self) -> bool:
         """Return whether the claim has the rate of a mass."""
         found = (n for t in (*self.terms, *self.scalars.values()) for n in nodes(t))
-        return any(n.head == "der" and n.args[0].data[:1] in MASSES for n in found)
+        inside = (n.args[0].data for n in found if n.head == "der")
+        return any(data[:1] in MASSES and data[1:] != (OPEN,) for data in inside)
 
     def _of_a_motion(self) -> bool:
         """Return whether the claim says how coordinates move, which no law of the note's gives."""
         found = {a.data[0] for t in self.terms for a in atoms_in(t, self.scalars)}
-        sides = (s for q in self.said for s in (q.left, q.right))
         free = found & FREELY and found <= FREELY | {"scalar"}
-        return bool(free) and any(map(self._is_rate, sides))
+        return bool(free) and "atom" in self._rated_sides
 
     def _is_law(self) -> bool:
         """Return whether rates of quantities that are any are tied to one that stands on one side alone."""
@@ -481,16 +486,25 @@ class Worlds(Models):
                 return True
         return False
 
-    def _is_rate(self, side: Term) -> bool:
-        """Return whether a side is zero, a coordinate, or a multiple of a time derivative of one."""
+    @cached_property
+    def _rated_sides(self) -> frozenset[str]:
+        return frozenset(self._rated(s) for q in self.said for s in (q.left, q.right))
+
+    def _rated(self, side: Term) -> str:
+        """Return "atom" for zero, a coordinate, a multiple of a time derivative of one, else "".
+
+        The same of what laws make of coordinates is "expr".
+        """
         factors = list(self._factors(side))
         moving = [p for p in factors if p.data[:1] != ("scalar",)]
         if len(moving) != 1 or (len(factors) > 1 and moving[0].head != "der"):
-            return side.is_zero
+            return "atom" if side.is_zero else ""
         inner = moving[0]
         while inner.head == "der":
             inner = inner.args[0]
-        return [p.head for p in self._factors(inner)] == ["atom"]
+        named = inner.head == "expr" and inner.data[0] in self.scalars
+        heads = [p.head for p in self._factors(inner)]
+        return "expr" if named and heads == ["expr"] else "atom" if heads == ["atom"] else ""
 
     def _factors(self, term: Term) -> Iterator[Term]:
         """Yield what a product multiplies, numbers left out; sums as they are."""

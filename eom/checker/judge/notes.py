@@ -20,7 +20,7 @@ from eom.checker.judge.systems import Solutions, agreeing, covered
 from eom.checker.mean.claims import Claim, Relation, claims, defined
 from eom.checker.mean.elaborate import free
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.parameters import limited, named, read
+from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (
     CLAIM,
     LAW,
@@ -32,7 +32,6 @@ from eom.checker.mean.roles import (
     roles,
     running,
     says,
-    unnamed,
 )
 from eom.checker.mean.solid_words import Beside, beside, readings
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
@@ -181,21 +180,29 @@ class _Context:
     scalars: Scalars
 
     def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
-        """Return the claims of statements, each of which may use what the ones before define."""
+        """Return the claims of statements; each may use what the others define, those before it first."""
         statements = tuple(statements)
-        known, found, index = dict(self.definitions), list[Claim](), running(statements)
-        for statement in (s for s in statements if not listed(s)):
-            before = (*self.before, *found)
-            new = self._claims(statement, known, before)
-            if index and _gaps(new) and labelled(statement, index):
-                axes = tuple({index: k} for k in "123")
-            else:
-                axes = free(statement, self.lexicon) if _gaps(new) else ()
-            if axes:
-                new = min((new, self._each(statement, known, before, axes)), key=_gaps)
-            known |= defined(new)
-            found += new
-        return tuple(found)
+        known, index = dict(self.definitions), running(statements)
+        rows = [(s, tuple[Claim, ...]()) for s in statements if not listed(s)]
+        for once in (True, False):
+            for n, (statement, old) in enumerate(rows):
+                if once or (_gaps(old) and len(known) > len(self.definitions)):
+                    before = (*self.before, *(c for _, found in rows[:n] for c in found))
+                    new = self._indexed(statement, known, before, index)
+                    rows[n] = (statement, new if once else min((old, new), key=_gaps))
+                    known |= defined(rows[n][1])
+        return tuple(c for _, found in rows for c in found)
+
+    def _indexed(
+        self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...], index: str
+    ) -> tuple[Claim, ...]:
+        """Return what a statement claims, where it has free indices for each of their values."""
+        new = self._claims(statement, known, before)
+        if index and _gaps(new) and labelled(statement, index):
+            axes: tuple[Mapping[str, str], ...] = tuple({index: k} for k in "123")
+        else:
+            axes = free(statement, self.lexicon, known) if _gaps(new) else ()
+        return min((new, self._each(statement, known, before, axes)), key=_gaps) if axes else new
 
     def _each(
         self,
@@ -205,10 +212,7 @@ class _Context:
         axes: tuple[Mapping[str, str], ...],
     ) -> tuple[Claim, ...]:
         """Return what a statement claims for each of the axes that its indices run over."""
-        found = [c for a in axes for c in claims(statement, self.lexicon, known, before, a)]
-        for index in axes[0]:
-            found = [unnamed(c, index) for c in found]
-        return tuple(found)
+        return tuple(c for a in axes for c in claims(statement, self.lexicon, known, before, a))
 
     def _claims(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
@@ -353,7 +357,10 @@ class _Scoped:
                 self.passed.add(scope.after)
         key = (headings, frozenset(self.passed))
         if key not in self.known:
-            self.known[key] = self.lexicon.at(headings, key[1])
+            here = self.lexicon.at(headings, key[1])
+            self.known[key] = (
+                replace(here, tied=tied(here)) if any(r[1] for r in here.own_laws) else here
+            )
         return self.known[key]
 
     def _begin(self, phrase: str, source: Source) -> int:

@@ -30,7 +30,7 @@ from eom.checker.judge.judge import (
     rarely,
     row_of,
 )
-from eom.checker.judge.laws import own
+from eom.checker.judge.laws import free_alone, own
 from eom.checker.judge.models import CHANCE, MODELS, Worlds, addends, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
@@ -163,6 +163,9 @@ def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Jud
         return Judged(claim, found, claim.verdict, _why(claim))
     if found.verdict == WRONG and understood.role != ASSUMPTION and _gives(claim):
         return Judged(claim, found, UNDECIDED, "a number that is given; nothing here determines it")
+    alone = free_alone(claim) if found.verdict == WRONG and not own(claim) else ""
+    if alone:
+        return Judged(claim, found, UNDECIDED, f"nothing here says what {alone} is")
     role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
     return Judged(claim, found, _played(role, claim, found), found.reason)
 

@@ -572,21 +572,25 @@ def matrix(e: Elaborator, node: Matrix) -> Value:
     """Return a column, a row, a square of scalars, rows above each other, or columns side by side."""
     if len(node.rows) == len(node.rows[0]) == 1:
         return e.value(node.rows[0][0])
-    cells = [[e.value(c) for c in row] for row in node.rows]
+    return table_of(e, [[e.value(c) for c in row] for row in node.rows], node.span)
+
+
+def table_of(e: Elaborator, cells: list[list[Value]], span: Span) -> Value:
+    """Return what cells make: as `matrix` does."""
     size = (len(cells), *{len(row) for row in cells})
     flat = [v for row in cells for v in row]
     scalars = all(v.shape == SCALAR for v in flat)
     if scalars and size in {(3, 1), (1, 3)}:
-        return line(e, flat, node.span, COLUMN if size == (3, 1) else ROW)
+        return line(e, flat, span, COLUMN if size == (3, 1) else ROW)
     if scalars and size == (3, 3):
-        return _square(e, cells, node.span)
+        return _square(e, cells, span)
     if size == (3, 1) and all(v.shape == ROW for v in flat):
-        return _stacked(e, flat, node.span)
+        return _stacked(e, flat, span)
     if size == (1, 3) and all(v.shape == COLUMN for v in flat):
-        stacked = _stacked(e, flat, node.span)
+        stacked = _stacked(e, flat, span)
         frames = (stacked.frames[1], stacked.frames[0])
         return replace(stacked, term=terms.transpose(stacked.term), frames=frames)
-    return _blocks(e, cells, node.span)
+    return _blocks(e, cells, span)
 
 
 def _blocks(e: Elaborator, given: list[list[Value]], span: Span) -> Value:

@@ -24,7 +24,7 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
-from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborate import elaborator, in_brackets
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import (
@@ -113,7 +113,7 @@ class Claim:
     ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
     ``model``: the system that scalar lines of the note are about. ``parameters``: of a chain of free
     scalars, see `eom.checker.mean.parameters`; ``numbers``: that it gives, see `eom.checker.mean.numbers`;
-    ``order``: of what is said to be left out, and in what.
+    ``order``: of what is said to be left out, and in what; ``indices``: what free ones stand for in it.
     """
 
     members: tuple[Value, ...]
@@ -130,6 +130,7 @@ class Claim:
     parameters: Parameters | None = field(default=None, compare=False)
     order: tuple[Value, int] | None = field(default=None, compare=False)
     numbers: Mapping[Look, Value] = field(default_factory=dict, compare=False)
+    indices: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     @property
     def verdict(self) -> str:
@@ -167,7 +168,7 @@ def claims(
                 ]
                 continue
             for new in _claimed(one, e, before):
-                found.append(replace(new, role=role, joined=one.joined))
+                found.append(replace(new, role=role, joined=one.joined, indices=indices or {}))
     return tuple(found)
 
 
@@ -256,7 +257,8 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if constant:
         nodes.pop()
     instants.note(e, nodes)
-    look = _new(nodes, signs, e)
+    nodes = in_brackets(nodes, e)
+    look = _new(nodes, signs, e, LEFT_OPEN if s.signs[0].name == ":=" else LEFT)
     skip = int(look is not None or s.continues)
     values, findings = _values(e, nodes[skip:])
     if not findings:
@@ -425,7 +427,14 @@ def _brought(s: Statement, e: Elaborator) -> int | None:
 # -- definitions, constants, points ----------------------------------------------------------------
 
 
-def _new(nodes: list[Node], signs: tuple[str, ...], e: Elaborator) -> Look | None:
+LEFT = frozenset({"defined"})
+LEFT_OPEN = LEFT | {"vector"}
+"""Meanings that are left to the note; a sign of definition says also which vector any vector is."""
+
+
+def _new(
+    nodes: list[Node], signs: tuple[str, ...], e: Elaborator, open_: frozenset[str] = LEFT
+) -> Look | None:
     """Return the look of the left side if the chain defines it: it is free, or left to the note."""
     if len(nodes) < 2 or signs[0] not in {"=", ":=", "equiv"}:
         return None
@@ -437,9 +446,10 @@ def _new(nodes: list[Node], signs: tuple[str, ...], e: Elaborator) -> Look | Non
     for look in (found.with_label(), found.look):
         entry = e.lexicon.find(look, e.indices) if look is not None else None
         if entry is not None:
-            free = entry.meaning.quantity == "defined" and entry.look not in e.definitions
-            return entry.look if free and (look == found.with_label() or not found.raised) else None
-    look = e.lexicon.notation.plain(found.with_label() or found.look)
+            own = entry.look.numbered(e.indices)
+            free = entry.meaning.quantity in open_ and own not in e.definitions
+            return own if free and (look == found.with_label() or not found.raised) else None
+    look = e.lexicon.notation.plain(found.with_label() or found.look).numbered(e.indices)
     return look if signs[0] == ":=" and not _values(e, [inner])[0] else None
 
 

@@ -14,7 +14,7 @@ An index is a letter below symbols that have no meaning with it, and one with th
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -61,7 +61,7 @@ from eom.checker.mean.values import (
 )
 from eom.checker.read.spans import Span
 from eom.checker.read.statements import Statement
-from eom.checker.read.symbol_shape import DOTS, Look, labels, named_in, seen
+from eom.checker.read.symbol_shape import DOTS, Look, grown, labels, named_in, seen
 from eom.checker.read.syntax import (
     Accent,
     Addition,
@@ -91,6 +91,7 @@ from eom.checker.read.syntax import (
     Symbol,
     Words,
     children,
+    walk,
 )
 from eom.kinematics.coordinates import elementary
 from eom.terms.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, entries, expr, inner
@@ -159,7 +160,7 @@ def _function(e: Elaborator, node: Node) -> str:
 
 
 def _known(e: Elaborator, look: Look) -> bool:
-    return e.lexicon.find(look, e.indices) is not None or look in e.definitions
+    return e.lexicon.find(look, e.indices) is not None or look.numbered(e.indices) in e.definitions
 
 
 def _is_angle(lexicon: Lexicon, node: Node) -> bool:
@@ -228,7 +229,7 @@ def _indexed(e: Elaborator, node: Node) -> Value | None:
     if value is not None and given is not None:
         found = number(value, node.span)
         return replace(found, dimension=None) if found.is_zero else found
-    values = [e.bound(**axes).value(node) for axes in summed(node, e.lexicon, e.indices)]
+    values = [e.bound(**axes).value(node) for axes in summed(node, e)]
     return total(e.lexicon.notation, values) if values else None
 
 
@@ -267,7 +268,7 @@ def _addition(e: Elaborator, node: Addition) -> Value:
 
 
 def _product(e: Elaborator, node: Product) -> Value:
-    repeated = list(summed(node, e.lexicon, e.indices))
+    repeated = list(summed(node, e))
     if repeated:
         values = [e.bound(**axes).value(node) for axes in repeated]
         return total(e.lexicon.notation, values)
@@ -307,7 +308,7 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
                 k += 2
                 continue
         if following is not None and _is_change(e, nodes[k]):
-            values.append(instants.change(e, following, nodes[k].span.join(following.span)))
+            values.append(_change(e, following, nodes[k].span.join(following.span)))
             k += 2
             continue
         short = abbreviated(e, nodes[k], following)
@@ -324,6 +325,15 @@ def _is_change(e: Elaborator, node: Node) -> bool:
     r"""Return whether a factor is the \Delta before what changes."""
     plain = isinstance(node, Symbol) and node.name == "Delta" and not node.style
     return plain and not _known(e, Look("Delta"))
+
+
+def _change(e: Elaborator, node: Node, span: Span) -> Value:
+    """Return a change that the lexicon names, else how much something grows between two instants."""
+    given = seen(node)
+    found = e.lexicon.find(grown(given), e.indices) if given is not None else None
+    if found is None or given is None:
+        return instants.change(e, node, span)
+    return of_meaning(e, found, given, span)
 
 
 def _argument(node: Node | None) -> tuple[Group | None, Node | None]:
@@ -399,9 +409,9 @@ def _fraction(e: Elaborator, node: Fraction) -> Value:
 def _group(e: Elaborator, node: Group) -> Value:
     if isinstance(node.body, Sequence):
         return calculus.tuple_value(e, node, node.body)
-    rotation = between_frames(e, node)
-    if rotation is not None:
-        return rotation
+    found = between_frames(e, node) or _tabled(e, node)
+    if found is not None:
+        return found
     if node.open == "[" and isinstance(node.body, Number) and node.body.text == "1":
         return _identity(e, node.span)
     value = _crossing(e, node.body) if isinstance(node.body, Section) else e.value(node.body)
@@ -410,6 +420,23 @@ def _group(e: Elaborator, node: Group) -> Value:
     if node.open == "<":
         raise refuse(UNDECIDED, "angle brackets without a meaning", node.span)
     return value
+
+
+def _tabled(e: Elaborator, node: Group) -> Value | None:
+    """Return the matrix, or column, that a symbol with free indices in brackets stands for: (I_ij)."""
+    found = seen(node.body) if node.open in {"(", "["} else None
+    known = _knows(e)
+    if found is None or found.raised or _known(e, found.look):
+        return None
+    letters = [w for w in found.look.sub if w in LETTERS and w not in e.indices]
+    if not 0 < len(letters) == len(set(letters)) <= 2:
+        return None
+    if not known(found.look, dict.fromkeys(letters, "1")):
+        return None
+    rows = [{letters[0]: k} for k in COUNTS]
+    columns = [{letters[1]: k} for k in COUNTS] if len(letters) > 1 else [{}]
+    cells = [[e.bound(**r, **c).value(node.body) for c in columns] for r in rows]
+    return calculus.table_of(e, cells, node.span)
 
 
 def _matrix(e: Elaborator, node: Matrix) -> Value:
@@ -604,19 +631,19 @@ def _letters(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> It
             yield from _letters(part, known)
 
 
-def _knows(lexicon: Lexicon, bound: Mapping[str, str]) -> Callable[[Look, Mapping[str, str]], bool]:
+def _knows(e: Elaborator) -> Callable[[Look, Mapping[str, str]], bool]:
     def known(look: Look, more: Mapping[str, str]) -> bool:
-        indices = {**bound, **more}
-        return numbered(look, indices) is not None or lexicon.find(look, indices) is not None
+        indices = {**e.indices, **more}
+        return numbered(look, indices) is not None or _known(replace(e, indices=indices), look)
 
     return known
 
 
-def summed(node: Node, lexicon: Lexicon, bound: Mapping[str, str]) -> Iterator[dict[str, str]]:
+def summed(node: Node, e: Elaborator) -> Iterator[dict[str, str]]:
     """Yield the values of letters that stand twice in a term, one summand each; nothing for no sum."""
     if isinstance(node, Addition | BigOperator):
         return
-    counts = Counter(w for w in _letters(node, _knows(lexicon, bound)) if w not in bound)
+    counts = Counter(w for w in _letters(node, _knows(e)) if w not in e.indices)
     twice = sorted(w for w, n in counts.items() if n == 2)
     if 0 < len(twice) <= MAX_DUMMIES:
         yield from (
@@ -624,9 +651,23 @@ def summed(node: Node, lexicon: Lexicon, bound: Mapping[str, str]) -> Iterator[d
         )
 
 
-def free(statement: Statement, lexicon: Lexicon) -> tuple[dict[str, str], ...]:
+def in_brackets(members: Iterable[Node], e: Elaborator) -> list[Node]:
+    """Return members with symbols that have free indices in brackets, where they are equated to tables."""
+    members = list(members)
+    tables = any(isinstance(n, Matrix) for m in members for n in walk(m))
+
+    def bracketed(node: Node) -> Node:
+        group = Group(node, "(", ")", span=node.span)
+        return group if tables and seen(node) is not None and _tabled(e, group) else node
+
+    return [bracketed(m) for m in members]
+
+
+def free(
+    statement: Statement, lexicon: Lexicon, definitions: Mapping[Look, Value]
+) -> tuple[dict[str, str], ...]:
     """Return all values of the letters that stand once in each term of a statement; none for no such."""
-    known = _knows(lexicon, {})
+    known = _knows(elaborator(lexicon, definitions))
     once = [_once(m, known) for m in statement.members]
     shared = frozenset[str]().union(*once)
     if not 0 < len(shared) <= MAX_FREE:

@@ -15,7 +15,7 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
-from eom.checker.mean.lexicon import Found, Lexicon, Meaning
+from eom.checker.mean.lexicon import RATES, Found, Lexicon, Meaning
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,
@@ -47,13 +47,15 @@ from eom.terms.terms import (
     VECTOR,
     Term,
     atom,
+    der,
     dot,
     expr,
     inner,
     inverse,
     matmul,
 )
-from eom.terms.vocabulary import quantity, unit
+from eom.terms.terms import replace as rewritten
+from eom.terms.vocabulary import position, quantity, unit
 
 MAX_DEPTH = 12
 """How far meanings may refer to other formulas."""
@@ -228,7 +230,11 @@ def _found(e: Elaborator, given: Seen, span: Span) -> tuple[Value, tuple[Node, .
     if value is None:
         value = _accented(e, given.look, span)
     if value is None:
-        value = _resolved(e, given.look, span)
+        value = _resolved(e, given.look, span) or _between_points(e, given.look, span)
+    if value is None and labelled is not None:
+        value = _between_points(e, labelled, span)
+        if value is not None:
+            return value, given.raised[1:]
     if value is None:
         raise without_meaning(e, labelled or given.look, span)
     return value, given.raised
@@ -238,20 +244,29 @@ def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
     found = e.lexicon.find(look, e.indices)
     if found is not None:
         return meant(e, found, span)
-    plain = e.lexicon.notation.plain(look)
-    if plain in e.definitions:
-        return _recalled(e, plain, span)
+    plain = look.numbered(e.indices)
+    if e.lexicon.notation.plain(plain) in e.definitions:
+        return _recalled(e, e.lexicon.notation.plain(plain), span)
     if look.name == "0" and not any(look.corners):
         return Value(expr(sp.Integer(0)), SCALAR, None, span=span)
     return number(sp.pi, span) if look == Look("pi") else None
 
 
 def _recalled(e: Elaborator, look: Look, span: Span) -> Value:
-    """Return what the note has defined, with what its symbols stand for."""
-    found = e.definitions[look]
+    """Return what the note has defined."""
+    return replace(_renamed(e, e.definitions[look]), span=span)
+
+
+def _renamed(e: Elaborator, found: Value) -> Value:
+    """Return a value that was found elsewhere with names that its symbols have here."""
+    names: dict[Any, Any] = {}
+
+    def renamed(node: Term) -> Term:
+        return expr(node.data[0].xreplace(names)) if node.head == "expr" else node
+
     for symbol, term in found.scalars.items():
-        e.scalars.setdefault(symbol, term)
-    return replace(found, span=span, scalars={})
+        names[symbol] = e.name(str(symbol), rewritten(term, renamed))
+    return replace(found, term=rewritten(found.term, renamed), scalars={})
 
 
 _ALIKE = {"circle": "ring"}
@@ -285,6 +300,37 @@ def _resolved(e: Elaborator, look: Look, span: Span) -> Value | None:
     return components(inside, frame)
 
 
+_PLACES = frozenset("rR")
+"""Letters of vectors that lead to the first of two points from the second, with a stroke between them."""
+
+
+def _between_points(e: Elaborator, look: Look, span: Span) -> Value | None:
+    r"""Return the vector from one point to another: ``\overrightarrow{AB}``, ``\mathbf{r}_{B/A}``.
+
+    What is no arrow is the sign of a vector where the lexicon has one that carries it.
+    """
+    notation, pair = e.lexicon.notation, look.style != "" and len(look.name) > 1
+    words = tuple(look.name) if pair else look.sub or look.sup
+    beside = look.accents and not look.name and not look.sup
+    if look.presub or look.presup or (look.sub and (look.sup or pair)):
+        return None
+    if not pair and not beside and not (look.name in _PLACES and "/" in words):
+        return None
+    dressed = replace(Look("", look.style, look.accents))
+    if "vec" not in look.accents and not e.lexicon.has_vector(notation.plain(dressed)):
+        return None
+    found = [(words[:k], words[k:]) for k in range(1, len(words))]
+    if not pair and not beside:
+        place = words.index("/")
+        found = [(words[place + 1 :], words[:place])]
+    for start, end in found:
+        origin, of = e.lexicon.point(start), e.lexicon.point(end)
+        if origin is not None and of is not None:
+            term = position(of, origin)
+            return Value(term, term.kind, LENGTH, ANY, span=span)
+    return None
+
+
 def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
     """Return that a symbol has no meaning, with the entry of a lexicon that would give it one."""
     latex, known = latex_of(look), ", ".join(e.lexicon.known(look.name)[:5])
@@ -300,10 +346,16 @@ def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
 def meant(e: Elaborator, found: Found, span: Span) -> Value:
     """Return the value of what the lexicon says."""
     meaning = found.meaning
-    if meaning.quantity == "defined":
-        if found.look not in e.definitions:
+    look = found.look.numbered(e.indices)
+    tied = e.lexicon.tied.get((meaning.quantity, *meaning.labels, meaning.frame))
+    if tied is not None:
+        value = replace(_renamed(e, tied), dimension=_dimension(meaning), span=span)
+        named = value.shape != SCALAR
+        return value if named else replace(value, term=expr(e.name(found.look.text, value.term)))
+    if meaning.quantity == "defined" or (meaning.quantity == "vector" and look in e.definitions):
+        if look not in e.definitions:
             raise refuse(UNDECIDED, "this is not defined yet", span, found.look.text)
-        return _recalled(e, found.look, span)
+        return _recalled(e, look, span)
     if meaning.quantity == "equals":
         return _formula(e, found, span)
     if meaning.quantity == "vectrix":
@@ -353,6 +405,9 @@ def _term(meaning: Meaning) -> Term:
     """Return the quantity that is meant, one of the vocabulary or of the note's system."""
     if meaning.quantity == "system":
         return atom("system", *meaning.labels, kind=SCALAR)
+    if meaning.quantity in RATES:
+        of, origin, frame = meaning.labels
+        return der(position(of, origin), frame, RATES[meaning.quantity])
     return quantity(meaning.quantity, *meaning.labels)
 
 
@@ -372,7 +427,8 @@ def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
     if value.shape == MATRIX and meaning.quantity in {"rotation", "eigenvectors"}:
         value = replace(value, frames=(meaning.labels[0], meaning.labels[1]))
     if value.shape == SCALAR and meaning.quantity not in _ATOMS:
-        value = replace(value, term=expr(e.name(found.look.text, value.term)))
+        name = found.look.numbered(e.indices).text
+        value = replace(value, term=expr(e.name(name, value.term)))
     return value
 
 

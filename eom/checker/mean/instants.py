@@ -31,6 +31,7 @@ from eom.checker.mean.values import (
 from eom.checker.read.spans import Span
 from eom.checker.read.symbol_shape import Seen, labels, seen
 from eom.checker.read.syntax import (
+    Addition,
     Derivative,
     Group,
     Integral,
@@ -58,6 +59,8 @@ def key(e: Elaborator, node: Node) -> str:
         return key(e, node.body)
     if isinstance(node, Number):
         return "0" if node.text == "0" else ""
+    if isinstance(node, Addition):
+        return "".join(labels(node)) if key(e, node.terms[0]) and not node.signs[0] else ""
     found = seen(node)
     if found is None or found.dots or found.look.accents:
         return ""

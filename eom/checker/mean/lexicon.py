@@ -16,6 +16,7 @@ A TOML file beside the note, or front matter between lines of ``+++`` (there in 
     [[scope]]                     # from here on, and within this part alone
     heading = "Rigid bodies"      # a heading of the note, or: after = "a phrase of the note"
     assume = ["rigid"]            # what this part takes for granted; at the top: the whole note
+    laws = ['v_2 = -e v_1']       # what ties scalars of the lexicon together, or a vector to others
     [scope.symbols]               # a scope may also have frames, points, and a system of its own
     [scope.system]                # in the place of any other: a solid, a scene, a tree (below)
     is = "cone"
@@ -58,6 +59,8 @@ OWN: dict[str, int] = {
     "active_turn": 1,
     "quaternion": 2,
     "quaternion_last": 2,
+    "velocity": 3,
+    "acceleration": 3,
 }
 """Meanings of the checker alone, with their number of labels.
 
@@ -66,8 +69,11 @@ formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: 
 ``system``: a quantity of the system that the note is about, by its name;
 ``turn``: a function, the rotation of components that turning the frame about an axis brings,
 ``active_turn``: its inverse; ``quaternion``, ``quaternion_last``: the column of the Euler parameters of
-a frame in another one, the scalar first or last.
+a frame in another one, the scalar first or last; ``velocity``, ``acceleration``: of a point relative to
+another one, as seen in a frame.
 """
+RATES: dict[str, int] = {"velocity": 1, "acceleration": 2}
+"""Meanings that are derivatives of a position, with their order."""
 
 MAX_FORMULA = 1000
 SLOT = re.compile(r"<([A-Za-z])>")
@@ -110,6 +116,12 @@ class Meaning:
             component=tuple(map(fill, self.component)),
             formula=fill(self.formula, {**bound, **(written or {})}),
         )
+
+    @property
+    def kind(self) -> str:
+        """What the quantity is, before components are taken; a scalar where that is not known."""
+        known = QUANTITIES.get(self.quantity)
+        return known.kind if known is not None else VECTOR if self.quantity in RATES else SCALAR
 
     @property
     def slots(self) -> frozenset[str]:
@@ -213,8 +225,7 @@ def _check(found: Meaning, parts: Mapping[str, list[str]], where: str) -> None:
         raise InputError("unknown axes of turns", where=where, got=found.labels[1], expected=known)
     if len(parts["in"]) > 1:
         raise InputError("components are in one frame", where=where, got=" ".join(parts["in"]))
-    kind = QUANTITIES[name].kind if name in QUANTITIES else SCALAR
-    _check_components(found, kind, where)
+    _check_components(found, found.kind, where)
     if found.unit:
         dimension(found.unit, where)
 
@@ -294,7 +305,7 @@ class Scope:
     """A part of the note, under a heading or after a phrase, with entries of its own.
 
     ``system``: what its scalar lines are about, in the place of the note's; ``spelt``: entries for its
-    quantities, in layers; ``assume``: names of assumptions that hold there.
+    quantities, in layers; ``assume``: names of assumptions that hold there; ``laws``: equations that do.
     """
 
     heading: str
@@ -305,6 +316,7 @@ class Scope:
     system: Model | None = field(default=None, compare=False)
     spelt: tuple[tuple[Entry, ...], ...] = ()
     assume: tuple[str, ...] = ()
+    laws: tuple[str, ...] = ()
 
     def holds(self, headings: Iterable[str], passed: Container[str]) -> bool:
         """Return whether a place is in this part; ``passed``: phrases that stand before it."""
@@ -317,7 +329,9 @@ class Lexicon:
     """Notation, frames and points by labels, entries in layers: what comes first goes first.
 
     ``system``: what scalar lines are about, if the note says so; ``assume``: names of assumptions that
-    hold.
+    hold; ``laws``: equations that do; ``own_laws``: those of all parts that hold in a place, each with
+    the lexicon that it is written in; ``tied``: what they make of free quantities, see
+    `eom.checker.mean.parameters.tied`.
     """
 
     notation: Notation = field(default_factory=Notation)
@@ -327,10 +341,13 @@ class Lexicon:
     scopes: tuple[Scope, ...] = ()
     system: Model | None = field(default=None, compare=False)
     assume: tuple[str, ...] = ()
+    laws: tuple[str, ...] = ()
+    own_laws: tuple[tuple[Lexicon, tuple[str, ...]], ...] = ()
+    tied: Mapping[tuple[str, ...], Any] = field(default_factory=dict, compare=False)
 
     def at(self, headings: Sequence[str] = (), passed: Container[str] = ()) -> Lexicon:
         """Return what holds under some headings, after some of the phrases that begin scopes."""
-        here = replace(self, scopes=())
+        here = replace(self, scopes=(), own_laws=((self, self.laws),))
         for scope in self.scopes:
             if scope.holds(headings, passed):
                 here = here.within(scope)
@@ -339,7 +356,7 @@ class Lexicon:
     def within(self, scope: Scope) -> Lexicon:
         """Return the lexicon with what a part of the note adds; its system takes the place of another."""
         other = self if scope.system is None else self.without_system()
-        return replace(
+        found = replace(
             other,
             frames={**self.frames, **scope.frames},
             points={**self.points, **scope.points},
@@ -347,6 +364,7 @@ class Lexicon:
             system=scope.system or self.system,
             assume=(*self.assume, *scope.assume),
         )
+        return replace(found, own_laws=(*self.own_laws, (found, scope.laws)))
 
     def without_system(self) -> Lexicon:
         """Return the lexicon in which no symbol is a quantity of the note's system."""
@@ -376,6 +394,15 @@ class Lexicon:
         """Return the frame that labels name, or None."""
         return _named(self.frames, given)
 
+    def point(self, given: Labels) -> str | None:
+        """Return the point that labels name, or None."""
+        return _named(self.points, given)
+
+    def has_vector(self, look: Look) -> bool:
+        """Return whether a vector is written in the style and with the accents of a look."""
+        vectors = (e.look for layer in self.layers for e in layer if e.meaning.kind == VECTOR)
+        return any((v.style, v.accents) == (look.style, look.accents) for v in vectors)
+
     def known(self, name: str) -> tuple[str, ...]:
         """Return the patterns with a letter, for messages."""
         entries = (e for layer in self.layers for e in layer)
@@ -404,7 +431,7 @@ class Lexicon:
             return None if given else bound
         slot = SLOT.fullmatch(pattern[0])
         if slot is None:
-            same = given[:1] == pattern[:1]
+            same = bool(given) and pattern[0] in {given[0], indices.get(given[0])}
             return self._corner(pattern[1:], given[1:], bound, indices) if same else None
         for n in range(1, min(len(given), 8) + 1):
             name = self.resolved(slot[1], given[:n], indices)

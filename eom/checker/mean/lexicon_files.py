@@ -34,8 +34,8 @@ import yaml
 
 from eom.checker.mean.lexicon import SLOT, Entry, Lexicon, Notation, Scope, meaning
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.symbol_shape import Labels, Look, labels, named_in, seen
-from eom.checker.read.syntax import Group, Node, Product, Scripts
+from eom.checker.read.symbol_shape import Labels, Look, Seen, grown, labels, named_in, seen
+from eom.checker.read.syntax import Group, Missing, Node, Product, Relation, Scripts, children
 from eom.errors import InputError, unknown_name
 from eom.worlds.worlds import ASSUMPTIONS, closure
 
@@ -110,7 +110,7 @@ PRESETS = (
 
 MAX_LEXICON = 1_000_000
 _TABLES = ("notation", "frames", "points", "marks", "symbols")
-_SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols", "system", "assume")
+_SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols", "system", "assume", "laws")
 _YAML = re.compile(r"\A---[ ]*\n(.*?)^---[ ]*$", re.DOTALL | re.MULTILINE)
 _FRONT = re.compile(r"\A\ufeff?\+\+\+[ \t]*\r?\n(.*?)^\+\+\+[ \t]*\r?$", re.DOTALL | re.MULTILINE)
 
@@ -214,6 +214,7 @@ class _Reader:
             system,
             spelt,
             self.assumed(data, place),
+            self.laws(data, place),
         )
 
     def assumed(self, data: Mapping[str, Any], *above: str) -> tuple[str, ...]:
@@ -229,6 +230,19 @@ class _Reader:
         with self.kept():
             closure(given)
         return tuple(given)
+
+    def laws(self, data: Mapping[str, Any], *above: str) -> tuple[str, ...]:
+        """Return equations in LaTeX; none of what is no list of such."""
+        given, where = data.get("laws", []), self.where(*above, "laws")
+        found = []
+        for law in given if isinstance(given, list) else [given]:
+            with self.kept():
+                if not isinstance(law, str) or not _is_equation(read_formula(law).tree):
+                    raise InputError(
+                        "not an equation", where=where, got=law, expected="such as a = b"
+                    )
+                found.append(law)
+        return tuple(found)
 
     def system(
         self, data: Mapping[str, Any], notation: Notation, folder: Path | None, *above: str
@@ -296,7 +310,7 @@ def lexicon_of(
     ``folder``: where the scene file of a note's system is looked for.
     """
     reader = _Reader(name)
-    reader.unknown(data, ("preset", "scope", "system", "assume", *_TABLES))
+    reader.unknown(data, _KEYS)
     base = Lexicon()
     if "preset" in data:
         if data["preset"] in PRESETS:
@@ -316,6 +330,7 @@ def lexicon_of(
         tuple(reader.scopes(data, notation, folder)),
         system,
         reader.assumed(data),
+        reader.laws(data),
     )
     return lexicon, tuple(reader.errors)
 
@@ -446,12 +461,12 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     for file in _beside(path):
         text = lexicon_text(file) if file.is_file() else ""
         sure = file.name.endswith("lexicon.toml")
-        if text and (sure or _KEYS.intersection(_toml(text, file.name))):
+        if text and (sure or set(_KEYS).intersection(_toml(text, file.name))):
             return file.name, parse_lexicon(text, file.name, file.parent)
     return None
 
 
-_KEYS = frozenset({"preset", "scope", "system", "assume", *_TABLES})
+_KEYS = ("preset", "scope", "system", "assume", "laws", *_TABLES)
 
 
 def lexicon_text(file: Path) -> str:
@@ -533,6 +548,13 @@ def slotted(latex: str, where: str) -> str:
 def look_of(latex: str, where: str = "") -> Look:
     """Return the look of a pattern. Raises `InputError` for what is not one symbol."""
     tree = read_formula(slotted(latex, where)).tree
+    change = tree.factors if isinstance(tree, Product) and not tree.operator else ()
+    if (
+        len(change) == 2
+        and seen(change[0]) == Seen(Look("Delta"))
+        and (of := seen(change[1])) is not None
+    ):
+        return grown(of)
     called = _is_call(tree)
     found = seen(tree.factors[0] if isinstance(tree, Product) and called else tree)
     if found is None or found.dots or len(found.raised) > 1:
@@ -546,6 +568,11 @@ def look_of(latex: str, where: str = "") -> Look:
     if called and isinstance(tree, Product) and (words := named_in(tree.factors[1])):
         return replace(look, sub=(*look.sub, *words))
     return replace(look, called=called)
+
+
+def _is_equation(tree: Node) -> bool:
+    plain = isinstance(tree, Relation) and [s.name for s in tree.signs] == ["="]
+    return plain and not any(isinstance(m, Missing) for m in children(tree))
 
 
 def _is_call(tree: Node) -> bool:

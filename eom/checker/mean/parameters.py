@@ -15,16 +15,117 @@ import sympy as sp
 
 from eom.checker.mean.calculus import called
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, Parameters, Relation, claims
+from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborator import Elaborator
 from eom.checker.mean.instants import timely
 from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
+from eom.checker.mean.values import Refusal, Value
+from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, seen
-from eom.checker.read.syntax import Group, Integral, Node, Scripts, Symbol, Words, children, walk
-from eom.terms.terms import Term, nodes
+from eom.checker.read.syntax import (
+    Group,
+    Integral,
+    Node,
+    Scripts,
+    Symbol,
+    Words,
+    children,
+    walk,
+)
+from eom.checker.read.syntax import Relation as Equation
+from eom.errors import InputError
+from eom.terms.terms import SCALAR, VECTOR, Term, expr, nodes
+from eom.terms.terms import replace as rewritten
 
 Expr = Any
 
 _PLAIN = frozenset({"expr", "atom", "add", "mul", "dot", "inner", "matmul", "column", "entries"})
+
+
+# -- laws --------------------------------------------------------------------------------------------
+
+_MOVING, _STILL = "coordinate", "scalar"
+
+
+def tied(lexicon: Lexicon) -> Mapping[tuple[str, ...], Value]:
+    """Return what the laws of a lexicon make of free quantities, by these: each law is solved for one.
+
+    What moves is solved for first, so that no constant does; a vector has to stand alone on one side.
+    Raises `InputError` for laws that cannot be solved so.
+    """
+    e = elaborator(lexicon)
+    solved: dict[Expr, Expr] = {}
+    vectors: dict[Term, Value] = {}
+    for there, law in ((part, law) for part, laws in lexicon.own_laws for law in laws):
+        sides = _sides(replace(e, lexicon=there.without_system()), law)
+        if len(sides) != 2 or {s.shape for s in sides} not in ({SCALAR}, {VECTOR}):
+            raise InputError("a law is an equation of scalars or of vectors", got=law)
+        if sides[0].shape == VECTOR:
+            vectors = _with_vector(vectors, *_vector(sides, law))
+            continue
+        left, right = (e.expression(s.term) for s in sides)
+        value = sp.together((left - right).xreplace(solved))
+        symbol, found = _solved(sp.numer(value), e.scalars, law)
+        solved = {s: x.xreplace({symbol: found}) for s, x in solved.items()} | {symbol: found}
+    scalars = dict(e.scalars)
+    rows = {
+        (*scalars[s].data, ""): Value(expr(x), SCALAR, scalars=scalars) for s, x in solved.items()
+    }
+    scalars |= {s: expr(x) for s, x in solved.items()}
+    return rows | {(*k.data, ""): replace(v, scalars=scalars) for k, v in vectors.items()}
+
+
+def _sides(e: Elaborator, law: str) -> list[Value]:
+    tree = read_formula(law).tree
+    try:
+        return [e.value(m) for m in tree.members] if isinstance(tree, Equation) else []
+    except Refusal as refusal:
+        found = refusal.finding
+        raise InputError(
+            "a law of the lexicon has no meaning in a part of the note where it holds",
+            where=f"laws > {law}",
+            got=f"{found.what}: {found.got}" if found.got else found.what,
+            hint="a scope with a phrase holds to the end of the note, unless it has a heading as well",
+        ) from None
+
+
+def _solved(zero: Expr, scalars: Mapping[Expr, Term], law: str) -> tuple[Expr, Expr]:
+    """Return a free quantity that a vanishing polynomial is linear in, and what it is then."""
+    for quantity in (_MOVING, _STILL):
+        for symbol in sorted(zero.free_symbols, key=str, reverse=True):
+            slope = sp.diff(zero, symbol)
+            free = symbol in scalars and scalars[symbol].data[:1] == (quantity,)
+            if free and slope != 0 and not slope.has(symbol) and _alone(symbol, zero, scalars):
+                return symbol, sp.cancel((slope * symbol - zero) / slope)
+    raise InputError("no scalar or coordinate of the lexicon can be solved for in a law", got=law)
+
+
+def _alone(symbol: Expr, zero: Expr, scalars: Mapping[Expr, Term]) -> bool:
+    """Return whether no other symbol is a rate of one, and no constant is tied to what moves."""
+    still = scalars[symbol].data[0] == _STILL
+    others = [scalars[s] for s in zero.free_symbols if s in scalars and s != symbol]
+    rates = [n for t in others for n in nodes(t) if n.head == "der" and n.args[0] == expr(symbol)]
+    return not rates and (not still or all(t.data[:1] == (_STILL,) for t in others))
+
+
+def _with_vector(known: Mapping[Term, Value], vector: Term, value: Value) -> dict[Term, Value]:
+    """Return vectors with another one, each by those of which no law says what they are."""
+
+    def swapped(other: Value, these: Mapping[Term, Value]) -> Value:
+        return replace(
+            other, term=rewritten(other.term, lambda n: these[n].term if n in these else n)
+        )
+
+    own = {vector: swapped(value, known)}
+    return {k: swapped(v, own) for k, v in known.items()} | own
+
+
+def _vector(sides: list[Value], law: str) -> tuple[Term, Value]:
+    for one, other in (sides, sides[::-1]):
+        if one.term.data[:1] == ("vector",) and one.term not in set(nodes(other.term)):
+            return one.term, other
+    raise InputError("no vector of the lexicon stands alone on one side of a law", got=law)
 
 
 # -- reading -----------------------------------------------------------------------------------------

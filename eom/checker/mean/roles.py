@@ -287,13 +287,6 @@ def labelled(statement: Statement, letter: str) -> bool:
     )
 
 
-def unnamed(claim: Claim, letter: str) -> Claim:
-    """Return a claim that defines no symbol with the letter as a label: it is three of them."""
-    look = claim.defines
-    named = look is not None and any(letter in c for c in look.corners)
-    return replace(claim, defines=None) if named else claim
-
-
 _BRINGS = re.compile(r"\b(?:let|with (?:the|an?) [A-Za-z -]{2,40})\s*\$*$", re.IGNORECASE)
 _GOES_ON = re.compile(r"^\s*\$*\s*,?\s*(?:and)?\s*\$*\s*$")
 

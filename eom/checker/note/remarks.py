@@ -66,6 +66,7 @@ NOUNS: dict[str, str] = {
     "O_uniform": "a reference point that moves uniformly",
     "fixed_axis": "an axis of rotation that is constant",
     "steady_turn": "a constant angular velocity",
+    "first_turn": "that only the first angle of the turns changes",
     "one_rotor": "a single rotor",
     "steady_rotors": "constant speeds of the rotors",
     "spin_312": "the spinning symmetric body with angles 3-1-2",
@@ -73,6 +74,8 @@ NOUNS: dict[str, str] = {
     "no_torque_3": "no torque about b3",
     "viscous_slug": "a viscous slug",
     "rotors": "symmetric rotors",
+    "exhaust_at_rest": "that the mass which is taken in or lost is at rest",
+    "exhaust_with_body": "that the mass which is taken in or lost has the body's velocity",
 }
 """Assumptions as nouns."""
 

@@ -94,6 +94,9 @@ PHRASES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"(?:reaction|momentum) wheels?|gyrostat|flywheels?|spinning rotors?", ("rotors",)),
     (r"energy sink|viscous (?:slug|ring|damper)", ("viscous_slug",)),
     (r"3-1-2\b", ("spin_312",)),
+    (r"(?:fog|mist|clouds?|dust|sand|snow|rain|drop(?:let)?s|links?|gas) (?:\w+ ){0,4}at rest",
+     ("exhaust_at_rest",)),
+    (r"(?:without|with no|zero|vanishing) relative velocity", ("exhaust_with_body",)),
     *((f"(?i:{re.escape(row.meaning)})", (name,)) for name, row in ASSUMPTIONS.items()),
 )  # fmt: skip
 """Patterns in small letters, but for names of points, and the assumptions that they state."""
@@ -620,6 +623,6 @@ _BASES: Mapping[str, tuple[str, ...]] = {
 """Worlds in which the equations have a meaning."""
 MODELLED = frozenset(
     "spin_312 rotors viscous_slug one_particle thin_rod principal_at_O plane_body fixed_axis one_rotor "
-    "steady_rotors steady_turn O_uniform".split()
+    "steady_rotors steady_turn first_turn O_uniform exhaust_at_rest exhaust_with_body".split()
 )
 """Models and motions that no formula amounts to."""

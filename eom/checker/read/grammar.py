@@ -155,7 +155,8 @@ def _stacked(p: Stream, script: Callable[[], Node]) -> Sign:
     above = script()
     if _relation_at(p, p.place) != name:
         raise p.unread()
-    words = "".join(t.text for t in p.tokens[first : p.place] if not t.is_char("{")).strip("} .")
+    letters = (t for t in p.tokens[first : p.place] if t.text not in latex.FONTS | {"{": ""})
+    words = "".join(t.text for t in letters).strip("} .")
     p.place = p.matching(p.place)
     if name == "=" and words in _DEFINING:
         return Sign(":=", span=p.since(start))

@@ -7,7 +7,7 @@ is raised and no label, act on the symbol: they are kept apart (`Seen`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -56,6 +56,14 @@ class Look:
         """The labels: below, above, below on the left, above on the left."""
         return self.sub, self.sup, self.presub, self.presup
 
+    def numbered(self, indices: Mapping[str, str]) -> Look:
+        """Return the look with what bound indices stand for in the place of them."""
+        if not indices:
+            return self
+        corners = (tuple(indices.get(w, w) for w in c) for c in self.corners)
+        sub, sup, presub, presup = corners
+        return replace(self, sub=sub, sup=sup, presub=presub, presup=presup)
+
     @property
     def text(self) -> str:
         """The look as a name: ``omega_1``, ``vec-R_C``, ``H^B``."""
@@ -76,6 +84,11 @@ class Seen:
     def with_label(self) -> Look | None:
         """Return the look that takes the first raised node as a label."""
         return replace(self.look, sup=labels(self.raised[0])) if self.raised else None
+
+
+def grown(given: Seen) -> Look:
+    r"""Return the look of a change that has a name of its own: of E in \Delta E."""
+    return replace(given.look, accents=tuple(sorted((*given.look.accents, "Delta"))))
 
 
 def seen(node: Node) -> Seen | None:

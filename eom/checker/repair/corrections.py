@@ -327,7 +327,9 @@ def verified(
     if _tautology(claim, ranked.candidate):
         return None
     found = judge_within(claim, ranked.model.names, given)
-    if found.verdict not in {HOLDS, UNDER}:
+    cells = (c for c in claims if c.indices and c.span == claim.span and c is not claim)
+    others = (judge_within(c, ranked.model.names, given) for c in cells)
+    if any(j.verdict not in {HOLDS, UNDER} for j in (found, *others)):
         return None
     needed = min((penalty(s, stated) for s in found.sets), default=0.0)
     if needed >= UNUSUAL:

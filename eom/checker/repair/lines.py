@@ -138,8 +138,8 @@ def line(understood: Understood, claim: Claim) -> Line | None:
     members = tuple(_members(reading.tree, statement, claim))
     if len(members) < 2 or all(m.path is None for m in members):
         return None
-    scalars = dict(claim.scalars)
-    e = Remembering(understood.lexicon, RULES, understood.around.definitions, scalars=scalars)
+    known = understood.around.definitions
+    e = Remembering(understood.lexicon, RULES, known, claim.indices, dict(claim.scalars))
     notation = understood.lexicon.notation
     members = tuple(
         m if m.value is None else replace(m, value=mixed(notation, m.value)) for m in members

@@ -3,6 +3,7 @@ r"""Index notation: sums over what stands twice, Kronecker's and Levi-Civita's s
 import pytest
 
 from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.note.checking import check
 from tests.eom.checker.system_lines import judged
 
 LEXICON = r"""
@@ -64,3 +65,41 @@ def test_labels_of_particles_stay_such():
     )
     lines = [r"m_i\vec r_i = \vec r_im_i", r"\sum_i m_i\vec r_i = \sum_j m_j\vec r_j"]
     assert [f.verdict for f in judged(lexicon, *lines)] == ["holds", "holds"]
+
+
+TENSORS = {
+    r"S_{ij}:=\int x_ix_j\,dm": "definition",
+    r"I_{ij}=S_{kk}\delta_{ij}-S_{ij}": "holds",
+    r"S_{ij}=\tfrac12I_{kk}\delta_{ij}-I_{ij}": "holds",
+    r"S_{ij}=I_{kk}\delta_{ij}-I_{ij}": "wrong",
+    r"W_{ij}:=-\epsilon_{ijk}\omega_k": "definition",
+    r"\omega_k=-\tfrac12\epsilon_{ijk}W_{ij}": "holds",
+    r"(W_{ij})=\begin{pmatrix}0&-\omega_3&\omega_2\\ \omega_3&0&-\omega_1\\"
+    r"-\omega_2&\omega_1&0\end{pmatrix}": "holds",
+    r"W_{ij}=\begin{bmatrix}0&\omega_3&-\omega_2\\-\omega_3&0&\omega_1\\"
+    r"\omega_2&-\omega_1&0\end{bmatrix}": "wrong",
+    r"(\omega_i)=(\omega_1,\omega_2,\omega_3)^T": "holds",
+    r"\operatorname{tr}(I_{ij})=2S_{kk}": "holds",
+}
+"""Lines of one note, in which tensors are defined index by index."""
+
+
+def test_tensors_that_the_note_defines():
+    found = judged(parse_lexicon(LEXICON), *TENSORS)
+    assert [f.verdict for f in found] == list(TENSORS.values())
+
+
+REPAIRS = {
+    r"L_i=-I_{ij}\omega_j": r"L_i=I_{ij}\omega_j",
+    r"\dot L_i+\epsilon_{ijk}\omega_kL_j=N_i": r"\dot L_i-\epsilon_{ijk}\omega_kL_j=N_i",
+    r"I_{ij}=\int(x_kx_k\delta_{ij}-2x_ix_j)\,dm": r"I_{ij}=\int(x_kx_k\delta_{ij}-x_{i}x_{j})\,dm",
+}
+
+
+@pytest.mark.parametrize("line", REPAIRS)
+def test_what_holds_for_all_indices_is_offered(line, tmp_path):
+    (tmp_path / "lexicon.toml").write_text(LEXICON)
+    report = check(f"$${line}$$", lexicon=tmp_path / "lexicon.toml")
+    (finding,) = report.findings
+    offered = [c.latex.replace(" ", "") for c in finding.explanation.corrections]
+    assert REPAIRS[line].replace(" ", "") in offered
