@@ -18,7 +18,7 @@ from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import Solutions, agreeing, covered
 from eom.checker.mean.claims import Claim, Relation, claims, defined
-from eom.checker.mean.elaborate import free
+from eom.checker.mean.elaborator import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.parameters import limited, named, read
 from eom.checker.mean.roles import (

@@ -21,7 +21,7 @@ A TOML file beside the note, or front matter between lines of ``+++`` (there in 
     is = "cone"
 
 Slots of patterns: ``<F>``, ``<G>`` any frame, ``<P>``, ``<Q>`` any point, ``<i>``, ``<j>`` the index
-of a particle, ``<k>``, ``<l>`` an axis.
+of a particle, ``<k>``, ``<l>`` an axis, ``<c>`` a letter that runs over the coordinates of a system.
 
 What a symbol of a note stands for: a quantity with its labels, in words of a lexicon.
 
@@ -404,7 +404,7 @@ class Lexicon:
             return None if given else bound
         slot = SLOT.fullmatch(pattern[0])
         if slot is None:
-            same = given[:1] == pattern[:1]
+            same = bool(given) and pattern[0] in {given[0], indices.get(given[0])}
             return self._corner(pattern[1:], given[1:], bound, indices) if same else None
         for n in range(1, min(len(given), 8) + 1):
             name = self.resolved(slot[1], given[:n], indices)
@@ -420,6 +420,10 @@ class Lexicon:
         if slot in "FGPQ":
             return _named(self.frames if slot in "FG" else self.points, given)
         word = indices.get(given[0], given[0]) if len(given) == 1 else ""
+        if slot == "c":
+            count = 0 if self.system is None else len(self.system.coordinates)
+            known = given[0] in indices and word.isdigit() and int(word) <= count
+            return word if known else None
         if slot in "ij":
             return word if word in INDICES - {"dm"} else None
         return AXES.get(word)
