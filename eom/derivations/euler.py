@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.common import explicit
 from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.rotation import explicit
 from eom.exact.algebra import gather
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body

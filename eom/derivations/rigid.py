@@ -6,9 +6,9 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.common import explicit
 from eom.derivations.derivation import Chain, Derivation, Maker
 from eom.derivations.particles import differentiate_constant
+from eom.derivations.rotation import explicit
 from eom.mass.inertia import inertia_of_second_moments
 from eom.terms.rules import (
     associate,

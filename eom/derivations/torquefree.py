@@ -6,8 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.common import explicit
 from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.rotation import explicit
 from eom.mechanics import freebody, steady
 from eom.mechanics.freebody import MOMENTS, herpolhode_rate
 from eom.mechanics.rigidbody import OMEGA, angular_momentum, free_rigid_body

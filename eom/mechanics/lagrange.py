@@ -182,7 +182,8 @@ def lagrange_system(m: Mechanism) -> System:
 
     States: coordinates and rates, ``NAME`` and ``NAME_dot``, then given motions, whose second rates,
     ``NAME_ddot``, are inputs. Outputs: ``T``, ``V``, ``L``, ``E`` = T + V, momenta ``p_NAME``, generalised
-    forces ``Q_NAME``, reactions. Raises `InputError` where a coordinate moves nothing.
+    forces ``Q_NAME``, the Hamiltonian ``H`` = sum of p q' - L, reactions. Raises `InputError` where a
+    coordinate moves nothing.
     """
     free, forced = list(m.coordinates), list(m.given)
     equations = sp.Matrix([m.equation(q) for q in free])
@@ -211,7 +212,7 @@ def lagrange_system(m: Mechanism) -> System:
 
 def _whole(M: Expr, given: int) -> Expr:
     n = M.rows
-    return sp.diag(sp.eye(n), M, sp.eye(2 * given))
+    return sp.ImmutableMatrix(sp.diag(sp.eye(n), M, sp.eye(2 * given)))
 
 
 def _states(group: Mapping[Expr, str]) -> Iterator[Quantity]:
@@ -230,6 +231,9 @@ def _outputs(m: Mechanism, found: Mapping[Expr, Expr]) -> Iterator[Definition]:
     for q, unit in m.coordinates.items():
         yield _output(f"p_{q.name}", "kg m^2/s" if unit == "rad" else "kg m/s", T.diff(speed(q)))
         yield _output(f"Q_{q.name}", "N m" if unit == "rad" else "N", m.applied(q))
+    by_speeds = sp.Add(*(speed(q) * T.diff(speed(q)) for q in m.coordinates))
+    if "H" not in {str(q.name) for q in (*m.parameters, *m.moving)}:
+        yield _output("H", "J", by_speeds - T + V)
     for name, (body, along) in m.reactions.items():
         force = sum(f * e for f, e in zip(m.reaction(body), along, strict=True))
         yield _output(name, "N", sp.sympify(force).xreplace(dict(found)))

@@ -139,6 +139,7 @@ HEADS: dict[str, Callable[[tuple[str, ...]], str | None]] = {
     "outer": _exactly(DYADIC, VECTOR, VECTOR),
     "der": _same,
     "start": _same,
+    "at": _same,
     "since": _same,
     "partial": lambda kinds: kinds[0] if len(kinds) == 2 and kinds[1] == SCALAR else None,
     "sum": _same,
@@ -278,6 +279,11 @@ def der(term: Term, frame: str = INERTIAL, times: int = 1) -> Term:
 def start(term: Term) -> Term:
     """Return the value of ``term`` at the time from which `since` integrates; it does not change."""
     return term if term.head == "expr" and term.data[0].is_number else _linear("start", term)
+
+
+def at(term: Term, when: str) -> Term:
+    """Return the value of ``term`` at an instant of a particular motion; it does not change."""
+    return _linear("at", term, (when,))
 
 
 def since(term: Term) -> Term:

@@ -17,7 +17,7 @@ import random
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 
@@ -34,7 +34,7 @@ from eom.exact.rings import (
     summands,
 )
 from eom.exact.series import Series
-from eom.fields import PRIME, RESIDUES, Singular, solve
+from eom.fields import PRIME, RESIDUES, Field, Singular, solve
 from eom.rotations import cosines, quaternion_product
 from eom.system import Expr, System
 
@@ -66,6 +66,18 @@ class start(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is pr
     """The value of its argument at the start."""
 
     nargs = 1
+
+
+class instant(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is printed
+    """The value of its first argument at an instant, which the second one names."""
+
+    nargs = 2
+
+
+class approached(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is printed
+    """The limit of an expression where a symbol goes to a value, from above or below (1, -1)."""
+
+    nargs = 4
 
 
 def order(expression: Expr) -> int:
@@ -106,7 +118,9 @@ class Restriction:
 
 @dataclass
 class Motion(Evaluation):
-    """One solution: series of every quantity, ``length`` coefficients each."""
+    """One solution: series of every quantity, ``length`` coefficients each, in the field ``numbers``."""
+
+    numbers: ClassVar[Field] = RESIDUES
 
     system: System
     length: int
@@ -121,9 +135,13 @@ class Motion(Evaluation):
     def __post_init__(self) -> None:
         self.generator = random.Random(self.seed)  # noqa: S311 - reproducible points, no secrets
         self.named = _named(self.system)
-        self.ring = series.Ring(RESIDUES, self.length)
+        self.ring = series.Ring(self.numbers, self.length)
+        self.begin()
+
+    def begin(self) -> None:
+        """Draw a point of a solution that keeps the restrictions."""
         _draw(self)
-        _solve(self)
+        self.solve()
         _hold(self)
         _keeps(self)
 
@@ -147,20 +165,26 @@ class Motion(Evaluation):
         """Refuse what has no series."""
         raise InputError("this has no value on solutions of the system", got=node)
 
-    def constant(self, value: int) -> Series:
+    def constant(self, value: Any) -> Series:
         """Return a series that does not change."""
-        return series.constant(RESIDUES, value % PRIME, self.length)
+        return series.constant(self.numbers, self.numbers.reduce(value), self.length)
 
     def drawn(self, square: bool = False) -> int:
         """Return a random number that is not zero; the square of one if asked for."""
         value = self.generator.randrange(1, PRIME)
         return value * value % PRIME if square else value
 
-    def value_of(self, key: Expr) -> int:
+    def value_of(self, key: Expr) -> Any:
         """Return the random value at t = 0 of a function without an exact one."""
         if key not in self.values:
             self.values[key] = self.drawn()
         return self.values[key]
+
+    def circle(self, half: Expr) -> tuple[Any, Any]:
+        """Return cosine and sine at t = 0 of half an angle, by a random tangent."""
+        if half not in self.tangents:
+            self.tangents[half] = 0 if self.series(half).is_zero else self.drawn()
+        return RESIDUES.circle(self.tangents[half])
 
     def turns(self, angle: Expr) -> Iterator[tuple[Series, Series, int]]:
         """Yield cosines and sines of half of each angle of a sum, and how often they are there."""
@@ -172,10 +196,8 @@ class Motion(Evaluation):
 
     def _half(self, base: Expr) -> tuple[Series, Series]:
         """Return cosine and sine of half an angle."""
-        if base not in self.tangents:
-            self.tangents[base] = 0 if self.series(base).is_zero else self.drawn()
-        cosine, sine = RESIDUES.circle(self.tangents[base])
-        half = self.series(base).scaled(RESIDUES.inverse(2))
+        cosine, sine = self.circle(base)
+        half = self.series(base).scaled(self.numbers.inverse(2))
         return series.sine_cosine(half, sine, cosine)[::-1]
 
     def power(self, node: Expr, base: Series) -> Series:
@@ -192,6 +214,22 @@ class Motion(Evaluation):
             raise InputError("this power has no exact value", got=node)
         found: Series = self.ring.power(series.root(self.series(base)), int(exponent.p))
         return found
+
+    def solve(self) -> None:
+        """Find the coefficients of the states one after another: of t^n from the rates up to t^(n-1)."""
+        s, field = self.system, self.numbers
+        symbols = [q.symbol for q in s.states]
+        self.given |= {symbol: Series(field, (value,)) for symbol, value in self.start.items()}
+        for n in range(self.length - 1):
+            self.memo.clear()
+            right = [self.series(r).coefficients[n] for r in s.rates]
+            if s.mass_matrix is not None:
+                right = _divided(self, s.mass_matrix, right, symbols, n)
+            step = field.inverse(n + 1)
+            for symbol, value in zip(symbols, right, strict=True):
+                known = self.given[symbol].coefficients
+                self.given[symbol] = Series(field, (*known, field.reduce(value * step)))
+        self.memo.clear()
 
 
 def _named(system: System) -> dict[Expr, Expr]:
@@ -283,7 +321,7 @@ def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int, before: int)
             m.given[symbol] = Series(RESIDUES, (*c[:place], value, *c[place + 1 :]))
         else:
             m.start[symbol] = value
-        _solve(m)
+        m.solve()
         return int(m.series(e).coefficients[n])
 
     with suppress(Singular):
@@ -297,7 +335,7 @@ def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int, before: int)
         m.given[symbol] = old
     else:
         m.start[symbol] = old
-    _solve(m)
+    m.solve()
     return False
 
 
@@ -310,24 +348,7 @@ def _keeps(m: Motion) -> None:
         raise Inconsistent
 
 
-def _solve(m: Motion) -> None:
-    """Find the coefficients of the states one after another: of t^n from the rates up to t^(n-1)."""
-    s = m.system
-    symbols = [q.symbol for q in s.states]
-    m.given |= {symbol: Series(RESIDUES, (value,)) for symbol, value in m.start.items()}
-    for n in range(m.length - 1):
-        m.memo.clear()
-        right = [m.series(r).coefficients[n] for r in s.rates]
-        if s.mass_matrix is not None:
-            right = _divided(m, s.mass_matrix, right, symbols, n)
-        step = RESIDUES.inverse(n + 1)
-        for symbol, value in zip(symbols, right, strict=True):
-            known = m.given[symbol].coefficients
-            m.given[symbol] = Series(RESIDUES, (*known, value * step % PRIME))
-    m.memo.clear()
-
-
-def _divided(m: Motion, matrix: Expr, right: list[int], symbols: list[Expr], n: int) -> list[int]:
+def _divided(m: Motion, matrix: Expr, right: list[Any], symbols: list[Expr], n: int) -> list[Any]:
     """Solve M x' = f in the coefficients of t^n."""
     rows = [[m.series(e).coefficients for e in row] for row in matrix.tolist()]
     rates = [[(k + 1) * c for k, c in enumerate(m.given[s].coefficients[1:])] for s in symbols]
@@ -335,8 +356,8 @@ def _divided(m: Motion, matrix: Expr, right: list[int], symbols: list[Expr], n: 
         sum(e[k] * x[n - k] for e, x in zip(row, rates, strict=True) for k in range(1, n + 1))
         for row in rows
     ]
-    rest = [(f - k) % PRIME for f, k in zip(right, known, strict=True)]
-    return [int(v) for v in solve([[e[0] for e in row] for row in rows], rest, RESIDUES)]
+    rest = [m.numbers.reduce(f - k) for f, k in zip(right, known, strict=True)]
+    return solve([[e[0] for e in row] for row in rows], rest, m.numbers)
 
 
 # -- rules -----------------------------------------------------------------------------------------
@@ -349,8 +370,8 @@ def _rate(_: Motion, node: Expr, values: list[Series]) -> Series:
     return found
 
 
-def _transcendental(m: Motion, node: Expr, values: list[Series]) -> Series:
-    """Integrate the derivative of a function; its value at t = 0 is random."""
+def integrated(m: Motion, node: Expr, values: list[Series]) -> Series:
+    """Return a function by its value at t = 0 and the integral of its derivative."""
     arguments = [sp.Dummy(real=True) for _ in node.args]
     bare = node.func(*arguments)
     total = m.constant(0)
@@ -358,8 +379,9 @@ def _transcendental(m: Motion, node: Expr, values: list[Series]) -> Series:
     for dummy, value in zip(arguments, values, strict=True):
         total = total + m.series(bare.diff(dummy)) * value.derivative()
     coefficients = total.coefficients
-    integrated = (c * RESIDUES.inverse(k + 1) % PRIME for k, c in enumerate(coefficients))
-    return Series(RESIDUES, (m.value_of(node), *integrated))
+    field = m.numbers
+    rest = (field.reduce(c * field.inverse(k + 1)) for k, c in enumerate(coefficients))
+    return Series(field, (m.value_of(node), *rest))
 
 
 INVERSES = (sp.atan, sp.asin, sp.acos, sp.atan2, sp.log)
@@ -376,7 +398,7 @@ Motion.rows = (
     | {sp.NumberSymbol: Row(none, lambda m, n, _: m.constant(m.value_of(n)))}
     | {rate: Row(arguments, _rate), since: Row(arguments, lambda _, __, v: v[0].primitive())}
     | {start: Row(arguments, lambda m, _, v: m.constant(v[0].coefficients[0]))}
-    | dict.fromkeys(INVERSES, Row(arguments, _transcendental))
+    | dict.fromkeys(INVERSES, Row(arguments, integrated))
 )
 
 

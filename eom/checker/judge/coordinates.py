@@ -2,13 +2,13 @@
 
 Energies are functions of coordinates and speeds that need not be rates: those of a body are components of
 its angular velocity. So speeds are written in coordinates and their rates first; what is held beside
-the variable is then what the formula is written in. Momenta in a formula without rates are variables of
-their own, as in Hamilton's equations.
+the variable is then what the formula is written in. A momentum in a formula is a variable in the place of
+the rate that belongs to it, as in Hamilton's equations with all of them, and in Routh's with some.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -36,12 +36,14 @@ class Chart:
 @lru_cache(maxsize=16)
 def chart(system: System) -> Chart:
     """Return coordinates and speeds. Raises `InputError` where there are not as many of both."""
-    named = zip(system.states, system.rates, strict=True)
-    found = {q.symbol: r for q, r in named if q.unit in PLACES}
-    speeds = [q.symbol for q in system.states if q.unit not in PLACES]
-    if len(found) != len(speeds) or system.mass_matrix is not None:
+    named = enumerate(zip(system.states, system.rates, strict=True))
+    found = {q.symbol: (k, r) for k, (q, r) in named if q.unit in PLACES}
+    places = {s: system.expand(r) for s, (_, r) in found.items()}
+    used = frozenset().union(*(r.free_symbols for r in places.values()))
+    speeds = [q.symbol for q in system.states if q.unit not in PLACES and q.symbol in used]
+    plain = all(_is_explicit(system, k) for k, _ in found.values())
+    if len(found) != len(speeds) or not plain:
         raise InputError("the coordinates of this system are no independent ones", got=system.name)
-    places = {s: system.expand(r) for s, r in found.items()}
     rates = {s: sp.Dummy(f"{s}_rate", real=True) for s in places}
     kinematic = sp.Matrix(list(places.values()))
     matrix = kinematic.jacobian(speeds)
@@ -53,38 +55,103 @@ def chart(system: System) -> Chart:
     return Chart(rates, spelt, {d: places[s] for s, d in rates.items()})
 
 
-def derivative(system: System, f: Expr, variable: Expr, held: Collection[Expr] = ()) -> Expr:
+def _is_explicit(system: System, k: int) -> bool:
+    """Return whether the rate of a state stands alone in its equation."""
+    matrix = system.mass_matrix
+    return matrix is None or list(matrix[k, :]) == list(sp.eye(matrix.rows)[k, :])
+
+
+Momenta = Mapping[Expr, tuple[Expr, Expr]]
+"""Symbols of momenta, with what they are in speeds, and the coordinate of each."""
+
+
+def derivative(
+    system: System,
+    f: Expr,
+    variable: Expr,
+    held: Momenta | None = None,
+    canonical: Collection[str] = (),
+) -> Expr:
     """Return the partial derivative of an expression over quantities of a system, rates among them.
 
-    ``held``: symbols that are variables of their own. Raises `InputError` for what is no variable, and
-    where it is open what is held beside it.
+    ``held``: symbols that the note has for momenta; ``canonical``: names of functions of coordinates and
+    momenta. Raises `InputError` for what is no variable, and where it is open what is held beside it.
     """
-    known = chart(system)
-    outputs = {d.symbol: d for d in (*system.outputs, *system.invariants)}
-    others = f.free_symbols & (outputs.keys() | known.speeds.keys())
-    momenta = {s for s in outputs if _is_momentum(outputs[s].quantity.unit)}
-    by_momenta = variable in momenta or (variable in known.rates and others <= momenta)
-    own = {*held, *(momenta if by_momenta else ())}
-    if f.free_symbols & momenta - own:
-        raise _open(f"{f} has momenta beside other speeds")
-    if variable in own and variable not in f.free_symbols:
-        raise InputError("this is not written in the momentum that it is differentiated by", got=f)
-    full = _written_out(system, f, own).xreplace({rate(s): d for s, d in known.rates.items()})
-    if variable in known.rates and not own & f.free_symbols and _is_energy(system, f, full):
+    known, momenta = chart(system), {**_momenta(system), **(held or {})}
+    own = {s: m for s, m in momenta.items() if s in f.free_symbols}
+    by_all = not {str(s) for s in f.free_symbols}.isdisjoint(canonical)
+    if by_all or (variable in momenta and variable not in own):
+        own |= {variable: momenta[variable]} if variable in momenta else {}
+        own = _all_momenta(system, own)
+    loose = _loose(system, f) - own.keys()
+    full = _written_out(system, f, {*own, *loose}).xreplace(
+        {rate(s): d for s, d in known.rates.items()}
+    )
+    if variable in known.rates and not own and _is_energy(system, f, full):
         raise _open(str(f))
     by = known.rates.get(variable.args[0], variable) if isinstance(variable, rate) else variable
-    full = full.xreplace(known.kinematics if by in known.speeds else known.speeds)
-    variables = {*known.rates, *known.rates.values(), *known.speeds, *own}
+    if loose and full.free_symbols & {*known.speeds, *known.rates.values()}:
+        raise _open(f"{f} has momenta beside other speeds")
+    if own or by not in known.speeds:
+        full = full.xreplace(known.speeds)
+    full = full.xreplace(_without_rates(system, known, own)) if own else full
+    if by in known.speeds:
+        full = full.xreplace(known.kinematics)
+    variables = {*known.rates, *known.rates.values(), *known.speeds, *own, *loose, system.time}
     if by not in variables or full.has(rate):
         raise InputError("no partial derivative of a quantity of this system", got=variable)
     return full.diff(by).xreplace({d: rate(s) for s, d in known.rates.items()})
+
+
+def _momenta(system: System) -> dict[Expr, tuple[Expr, Expr]]:
+    """Return the momenta of coordinates, by the names of both."""
+    outputs = {d.quantity.name: d for d in (*system.outputs, *system.invariants)}
+    named = ((outputs.get(f"p_{q}"), q) for q in chart(system).rates)
+    return {
+        d.symbol: (d.expression, q)
+        for d, q in named
+        if d is not None and _is_momentum(d.quantity.unit)
+    }
+
+
+def _all_momenta(system: System, own: Momenta) -> dict[Expr, tuple[Expr, Expr]]:
+    """Return some momenta with those of all other coordinates. Raises `InputError` if one is not known."""
+    places = set(chart(system).rates)
+    missing = places - {q for _, q in own.values()}
+    found = {**own, **{s: m for s, m in _momenta(system).items() if m[1] in missing}}
+    if {q for _, q in found.values()} != places:
+        raise _open("not all momenta are known")
+    return found
+
+
+def _loose(system: System, f: Expr) -> set[Expr]:
+    """Return the momenta in a formula by their unit alone, which belong to no coordinate."""
+    outputs = (d.quantity for d in (*system.outputs, *system.invariants))
+    return {q.symbol for q in outputs if q.symbol in f.free_symbols and _is_momentum(q.unit)}
+
+
+def _without_rates(system: System, known: Chart, own: Momenta) -> dict[Expr, Expr]:
+    """Return the rates that belong to momenta in terms of these."""
+    gone = [known.rates[q] for _, q in own.values()]
+    if len(set(gone)) != len(gone):
+        raise _open("two momenta of one coordinate")
+    left = [
+        _written_out(system, e, ())
+        .xreplace({rate(s): d for s, d in known.rates.items()})
+        .xreplace(known.speeds)
+        for e, _ in own.values()
+    ]
+    matrix = sp.Matrix(left).jacobian(gone)
+    rest = sp.Matrix(left).xreplace(dict.fromkeys(gone, sp.S.Zero))
+    solved = matrix.LUsolve(sp.Matrix(list(own)) - rest)
+    return dict(zip(gone, solved, strict=True))
 
 
 def _open(got: str) -> InputError:
     return InputError(
         "whether rates or momenta are held is open",
         got=got,
-        expected="a function of coordinates and rates alone, or of coordinates and momenta alone",
+        expected="a function of coordinates and rates alone, or one that is written with momenta",
     )
 
 
@@ -92,7 +159,7 @@ def _is_momentum(unit: str) -> bool:
     return dimension(unit) in map(dimension, MOMENTA)
 
 
-def _written_out(system: System, f: Expr, own: Collection[Expr]) -> Expr:
+def _written_out(system: System, f: Expr, own: Iterable[Expr]) -> Expr:
     """Return an expression over states, parameters and inputs, and what is a variable of its own."""
     found: dict[Any, Expr] = {}
     states = {q.symbol for q in (*system.states, *system.parameters, *system.inputs)}

@@ -31,6 +31,7 @@ from eom.checker.judge.inequalities import (
     difference,
     sign,
 )
+from eom.checker.judge.members import Members, of_members
 from eom.checker.judge.models import MAX_TESTS, Models, Search, Worlds
 from eom.checker.judge.scalars import Scalars
 from eom.checker.judge.systems import Solutions, on_solutions, written
@@ -66,7 +67,9 @@ def row_of(claim: Claim) -> type[Models]:
     """Return the kind of the models of a claim."""
     if claim.parameters is not None:
         return Scalars
-    return Solutions if on_solutions(claim) else Worlds
+    if not on_solutions(claim):
+        return Worlds
+    return Members if of_members(claim) else Solutions
 
 
 def models_of(
@@ -161,9 +164,18 @@ def _beyond(search: Search) -> Judgement:
     return Judgement(verdict, sets, context, refuted, complete, why, case)
 
 
-def _nearly(claim: Claim) -> Judgement:
+def loosened(claim: Claim) -> Judgement | None:
+    """Return that a claim holds nearly which does not exactly, None where it does not, or none is meant."""
+    plain = EQUALITIES.issuperset(claim.relations) and claim.kind == STATEMENT
+    if not on_solutions(claim) or of_members(claim) or not plain or claim.findings:
+        return None
+    found = _nearly(replace(claim, relations=("approx",) * len(claim.relations)), 1)
+    return None if found.verdict == WRONG else found
+
+
+def _nearly(claim: Claim, least: int = 0) -> Judgement:
     try:
-        holds, reason = nearly(claim)
+        holds, reason = nearly(claim, least)
     except InputError as error:
         return Judgement(UNDECIDED, reason=str(error))
     return Judgement(HOLDS if holds else WRONG, reason=reason)
@@ -242,8 +254,8 @@ def is_nearly(claim: Claim) -> bool:
     return plain and (bool(signs & NEARLY) or claim.order is not None)
 
 
-def nearly(claim: Claim) -> tuple[bool, str]:
-    """Return whether the links of a chain hold nearly, with the reason.
+def nearly(claim: Claim, least: int = 0) -> tuple[bool, str]:
+    """Return whether the links of a chain hold nearly, at least to an order, with the reason.
 
     Raises `InputError` where that is open: not all that may be small need be what the writer means.
     """
@@ -256,7 +268,7 @@ def nearly(claim: Claim) -> tuple[bool, str]:
         found = [_orders(claim, sides, small) for small in ((),) if exact] or [
             _orders(claim, sides, small) for small in sides.small
         ]
-        best = next((f for f in found if f.apart > f.wanted), None)
+        best = next((f for f in found if f.apart > f.wanted >= (least if f.small else 0)), None)
         if best is None:
             return False, _differs(found)
         reasons.append(
@@ -300,7 +312,10 @@ def _names(small: tuple[Expr, ...]) -> str:
 def _orders(claim: Claim, sides: Sides, small: tuple[Expr, ...]) -> Orders:
     left, right = sides.full
     first, second = (_vanishing(sides, (side, sp.Integer(0)), small) for side in (left, right))
-    degrees = [_degree(s, small) for s in sides.shown]
+    first, second = (
+        (second, second) if left == 0 else (first, first) if right == 0 else (first, second)
+    )
+    degrees = [_degree(s, small) for s in sides.shown if s != 0]
     known = [d for d in degrees if d is not None] or [first]
     agreed = max(min(known), first if first == second else 0)
     wanted = agreed if claim.order is None else claim.order[1] - 1
@@ -362,7 +377,21 @@ def _of_system(claim: Claim, a: Term, b: Term) -> Sides:
     each = [(s, *(d for r, d in names.items() if _inner(r) == s)) for s in own]
     point = {**real_point(system, 0), **{d: sp.Integer(1) for d in rates}}
     every = (*own, *rates)
+    shift = {s: s + c for s in own for c in _centre(s, shown, every)}
+    shown, full = (tuple(e.xreplace(shift) for e in sides) for sides in (shown, full))
     return Sides(shown, full, tuple(dict.fromkeys([*each, every])), point)
+
+
+def _centre(state: Expr, shown: Iterable[Expr], every: Iterable[Expr]) -> list[Expr]:
+    """Return the number about which a linear side is written, where it vanishes with all else at zero."""
+    others = {s: sp.S.Zero for s in every if s != state}
+    for side in shown:
+        alone = sp.expand(side.xreplace(others))
+        if alone.is_polynomial(state) and sp.degree(alone, state) == 1:
+            root = -alone.coeff(state, 0) / alone.coeff(state, 1)
+            if root.is_number and root != 0:
+                return [root]
+    return []
 
 
 def _flat(side: Expr, names: dict[Expr, Expr]) -> Expr:

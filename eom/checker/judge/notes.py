@@ -18,7 +18,8 @@ from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import Solutions, agreeing, covered
 from eom.checker.mean.claims import Claim, Relation, claims, defined
-from eom.checker.mean.elaborate import free
+from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborator import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (
@@ -201,7 +202,7 @@ class _Context:
         if index and _gaps(new) and labelled(statement, index):
             axes: tuple[Mapping[str, str], ...] = tuple({index: k} for k in "123")
         else:
-            axes = free(statement, self.lexicon, known) if _gaps(new) else ()
+            axes = free(statement, elaborator(self.lexicon, known)) if _gaps(new) else ()
         return min((new, self._each(statement, known, before, axes)), key=_gaps) if axes else new
 
     def _each(

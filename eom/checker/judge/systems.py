@@ -14,7 +14,7 @@ given.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -33,13 +33,27 @@ from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.system import Expr, System
-from eom.terms.terms import SCALAR, Term, add, expr, mul
+from eom.terms.terms import (
+    INERTIAL,
+    SCALAR,
+    VECTOR,
+    Term,
+    add,
+    at,
+    der,
+    expr,
+    mul,
+    nodes,
+    number,
+    partial,
+)
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
     Restriction,
     differs,
     inexact,
+    instant,
     order,
     rate,
     since,
@@ -84,11 +98,23 @@ def on_solutions(claim: Claim) -> bool:
 
 
 def covered(claim: Claim) -> bool:
-    """Whether a claim is a relation between scalars of the system alone."""
+    """Whether a claim is a relation between quantities of the system alone."""
     atoms = _atoms(claim)
-    return (
-        bool(atoms) and all(map(of_system, atoms)) and all(_listed(m.term) for m in claim.members)
-    )
+    own = any(map(of_system, atoms)) and all(of_system(a) or _is_axis(a) for a in atoms)
+    return own and all(_listed(m.term) for m in claim.members)
+
+
+def _is_axis(term: Term) -> bool:
+    """Whether a term is a unit vector of the inertial frame."""
+    return term.data[:2] == ("unit", INERTIAL)
+
+
+def tells_time(claim: Claim, model: Model) -> bool:
+    """Return whether a claim names the time, on which the laws of the system do not depend."""
+    inside = (n for m in claim.members for n in nodes(m.term) if n.head == "expr")
+    symbols = {s for n in inside for s in n.data[0].free_symbols - claim.scalars.keys()}
+    laws = frozenset[Expr]().union(*(r.free_symbols for r in model.system.rates))
+    return any(s.name == "t" for s in symbols) and model.system.time not in laws
 
 
 def _listed(term: Term) -> bool:
@@ -99,9 +125,16 @@ def _listed(term: Term) -> bool:
 
 
 def elements(term: Term) -> tuple[Term, ...]:
-    """Return a scalar, or the elements of a column, matrix or table. Raises `InputError` for others."""
+    """Return a scalar, or the elements of a column, matrix or table, of a vector those in inertial axes.
+
+    Raises `InputError` for others.
+    """
     if term.kind == SCALAR:
         return (term,)
+    if term.kind == VECTOR and term.head in _VECTORS:
+        return _VECTORS[term.head](term)
+    if term.head == "column" and term.data == (INERTIAL,):
+        return elements(term.args[0])
     if term.head in {"entries", "table"}:
         return term.args
     if term.head == "mul":
@@ -114,6 +147,38 @@ def elements(term: Term) -> tuple[Term, ...]:
     raise InputError("this is no quantity of the system", got=term.head)
 
 
+def _atom_elements(term: Term) -> tuple[Term, ...]:
+    """Return the components of a unit vector, or of a vector of the system, as atoms with a number."""
+    if _is_axis(term):
+        return tuple(number(int(str(k) == term.data[2])) for k in (1, 2, 3))
+    if not of_system(term):
+        raise InputError("this is no quantity of the system", got=term.head)
+    return tuple(Term("atom", (), (*term.data, str(k))) for k in (1, 2, 3))
+
+
+def _crossed(term: Term) -> tuple[Term, ...]:
+    (a, b, c), (x, y, z) = map(elements, term.args)
+    pairs = ((b, z, c, y), (c, x, a, z), (a, y, b, x))
+    return tuple(add(mul(p, q), mul(number(-1), r, s)) for p, q, r, s in pairs)
+
+
+def _differentiated(term: Term) -> tuple[Term, ...]:
+    if term.data != (INERTIAL,):
+        raise InputError("a derivative in another frame than the inertial one", got=term.data[0])
+    return tuple(map(der, elements(term.args[0])))
+
+
+_VECTORS: Mapping[str, Callable[[Term], tuple[Term, ...]]] = {
+    "atom": _atom_elements,
+    "cross": _crossed,
+    "der": _differentiated,
+    "zero": lambda _: (number(0),) * 3,
+    "at": lambda t: tuple(at(e, *t.data) for e in elements(t.args[0])),
+    "partial": lambda t: tuple(partial(e, t.args[1]) for e in elements(t.args[0])),
+}
+"""Components of vectors in inertial axes, by head; sums and products are as of columns."""
+
+
 # -- claims as expressions ----------------------------------------------------------------------------
 
 
@@ -122,28 +187,45 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
 
     Raises `InputError` for what is no scalar of the system.
     """
-    if term.head == "partial":
-        return _partial(term, scalars, model)
+    special = _WRITTEN.get(term.head)
+    if special is not None:
+        return special(term, scalars, model)
     inside = tuple(written(a, scalars, model) for a in term.args)
     if term.head == "integral" and model.body is not None:
         return integrated(model.body, inside[0])
     if term.head in _JOINED:
         return _JOINED[term.head](*inside)
-    if term.head == "zero":
-        return sp.Integer(0)
     if term.head == "der" and term.kind == SCALAR:
         return inside[0] if inside[0] == 0 else rate(inside[0])
-    if term.head == "expr":
-        free = term.data[0].free_symbols
-        own = {s: written(scalars[s], scalars, model) for s in free if s in scalars}
-        time = {s: model.system.time for s in free if s not in scalars and s.name == "t"}
-        return term.data[0].xreplace(own | time)
-    if of_system(term):
-        return model.symbol(term.data[1])
     raise InputError("this is no quantity of the system", got=term.head)
 
 
-_JOINED = {"add": sp.Add, "mul": sp.Mul, "since": since, "start": start}
+_JOINED = {"add": sp.Add, "mul": sp.Mul, "since": since, "start": start, "zero": lambda: sp.S.Zero}
+
+
+def _plainly(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
+    """Return an expression with what its symbols stand for."""
+    free = term.data[0].free_symbols
+    own = {s: written(scalars[s], scalars, model) for s in free if s in scalars}
+    time = {s: model.system.time for s in free if s not in scalars and s.name == "t"}
+    return term.data[0].xreplace(own | time)
+
+
+def _quantity(term: Term, _: Mapping[Any, Term], model: Model) -> Expr:
+    """Return a quantity of the system, or the component of a vector of it."""
+    if not of_system(term):
+        raise InputError("this is no quantity of the system", got=term.head)
+    name, *place = term.data[1:]
+    return model.vector(name)[int(place[0]) - 1] if place else model.symbol(name)
+
+
+def _inner(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
+    pairs = zip(*map(elements, term.args), strict=True)
+    return written(add(*(mul(a, b) for a, b in pairs)), scalars, model)
+
+
+def _then(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
+    return instant(written(term.args[0], scalars, model), sp.Symbol(term.data[0]))
 
 
 def _partial(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
@@ -151,9 +233,22 @@ def _partial(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     momenta = {s: sp.Dummy(s.name, real=True) for s, t in scalars.items() if t.head == "partial"}
     own = {**scalars, **{s: expr(d) for s, d in momenta.items()}}
     function, variable = (written(a, own, model) for a in term.args)
-    found = derivative(model.system, function, variable, momenta.values())
-    back = {d: written(scalars[s], scalars, model) for s, d in momenta.items() if found.has(d)}
-    return found.xreplace(back)
+    used = {s: d for s, d in momenta.items() if function.has(d) or variable == d}
+    meanings = {d: written(scalars[s], scalars, model) for s, d in used.items()}
+    rates = {d: written(scalars[s].args[1], scalars, model) for s, d in used.items()}
+    held = {d: (meanings[d], r.args[0]) for d, r in rates.items() if isinstance(r, rate)}
+    found = derivative(model.system, function, variable, held, model.canonical)
+    return found.xreplace(meanings)
+
+
+_WRITTEN: Mapping[str, Callable[[Term, Mapping[Any, Term], Model], Expr]] = {
+    "expr": _plainly,
+    "atom": _quantity,
+    "partial": _partial,
+    "dot": _inner,
+    "inner": _inner,
+    "at": _then,
+}
 
 
 def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
@@ -303,8 +398,10 @@ class Solutions(Models):
         return any(_zero(special.motion, p) and not _zero(general.motion, p) for p in parts)
 
     def doubt(self) -> str:
-        """Say that what differs in the field may be equal for real numbers."""
+        """Say that what differs in the field may be equal for real numbers, or in one motion alone."""
         system = self.model.system
+        if tells_time(self.claim, self.model):
+            return "how the motion starts is not known here"
         exact = not any(inexact(system, e) for pair in self.said for e in pair)
         certain = exact or any(differs(system, a, b, self.held) for a, b in self.said)
         return "" if certain else "the functions in this are not decided exactly"

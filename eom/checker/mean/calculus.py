@@ -49,12 +49,14 @@ from eom.checker.read.syntax import (
     Differential,
     Group,
     Integral,
+    Marks,
     Matrix,
     Node,
     Number,
     Product,
     Relation,
     Root,
+    Scripts,
     Sequence,
     Symbol,
     walk,
@@ -62,6 +64,7 @@ from eom.checker.read.syntax import (
 from eom.terms import terms
 from eom.terms.terms import COLUMN, INDICES, INERTIAL, MATRIX, SCALAR, Term, dot, expr, nodes
 from eom.terms.vocabulary import mass, position, unit
+from eom.worlds.solutions import approached
 
 Expr = Any
 
@@ -271,7 +274,7 @@ def big_operator(e: Elaborator, node: BigOperator) -> Value:
     """Return a sum over all particles, over all but one, or over numbers from 1 to 3."""
     if node.sign != "sum":
         raise refuse(UNDECIDED, "an operator without a meaning", node.span, node.sign)
-    indices, excluded = _indices(node)
+    indices, excluded = indices_of(node)
     if isinstance(node.upper, Number):
         return _numbered(e, node, indices)
     for index in indices:
@@ -294,7 +297,7 @@ def _summed(value: Value, indices: tuple[str, ...], span: Span) -> Value:
     return replace(value, term=term, span=span)
 
 
-def _indices(node: BigOperator) -> tuple[tuple[str, ...], str]:
+def indices_of(node: BigOperator) -> tuple[tuple[str, ...], str]:
     """Return the indices of a sum, and the label that its only index does not take."""
     lower = node.lower
     if isinstance(lower, Relation) and len(lower.members) == 2:
@@ -358,7 +361,8 @@ def derivative(e: Elaborator, node: Derivative) -> Value:
     """Return a time derivative; a vector's without a frame is in that of overdots."""
     if node.operand is None:
         raise refuse(ILL_FORMED, "a derivative of nothing", node.span)
-    if tuple(labels(v) for v in node.variables) != (("t",),):
+    explicit = node.sign == "partial" and e.lexicon.system is not None and node.frame is None
+    if tuple(labels(v) for v in node.variables) != (("t",),) or explicit:
         return by_variables(e, node)
     order = 1 if node.order is None else _order(node.order)
     value = e.value(node.operand)
@@ -494,6 +498,8 @@ def call(e: Elaborator, node: Call) -> Value:
     """Return a function of a scalar without dimension, or of a matrix."""
     if node.function == "diag":
         return _diagonal(e, node)
+    if node.function == "lim":
+        return limit(e, node)
     argument = e.value(node.argument)
     if node.sub is not None:
         raise refuse(UNDECIDED, "a label below a function", node.span)
@@ -512,6 +518,34 @@ def call(e: Elaborator, node: Call) -> Value:
     if not power.isdigit():
         raise refuse(UNDECIDED, "a power of a function", node.span, power)
     return powered(e, value, Fraction(power), node.span)
+
+
+def limit(e: Elaborator, node: Call) -> Value:
+    """Return what a scalar goes to where a letter goes to a value, from one side or to infinity."""
+    below = node.sub
+    if not isinstance(below, Relation) or [s.name for s in below.signs] != ["to"]:
+        raise refuse(UNDECIDED, "a limit of what goes nowhere", node.span, expected="a \\to b")
+    what, (variable, (target, side)) = (
+        e.value(node.argument),
+        (below.members[0], _side(below.members[1])),
+    )
+    x = e.expression(e.value(variable).term)
+    if what.shape != SCALAR or not x.is_Symbol:
+        raise refuse(
+            UNDECIDED, "a limit of what is no scalar, or over what is no letter", node.span
+        )
+    infinite = isinstance(target, Symbol) and target.name == "infty"
+    goal = sp.oo if infinite else e.expression(e.value(target).term)
+    return replace(what, term=expr(approached(e.expression(what.term), x, goal, side)))
+
+
+def _side(node: Node) -> tuple[Node, int]:
+    """Return a value that is approached, and from which side."""
+    if not isinstance(node, Scripts) or node.sub is not None or node.sup is None:
+        return node, 1
+    names = node.sup.names if isinstance(node.sup, Marks) else labels(node.sup)
+    sides = {("+",): 1, ("-",): -1}
+    return (node.base, sides[names]) if names in sides else (node, 1)
 
 
 _MATRIX_FUNCTIONS: dict[str, Callable[[Elaborator, Value, Span], Value]] = {

@@ -24,7 +24,7 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
-from eom.checker.mean.elaborate import elaborator, in_brackets
+from eom.checker.mean.elaborate import bracket_of, called_symbol, elaborator, in_brackets
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import (
@@ -316,7 +316,7 @@ def _introducing(s: Statement) -> tuple[str, ...]:
     """Return the first sign; one of identity behind a symbol alone defines it, as words may say."""
     first = s.signs[0].name
     symbol, other = s.members[:2]
-    found = seen(symbol) if not s.continues else None
+    found = seen(called_symbol(symbol)) if not s.continues else None
     said = first == "equiv" or (first == "=" and any("by definition" in w for w in s.words))
     alone = found is not None and not found.dots and not isinstance(other, Number | Words)
     return (":=",) if said and alone else (first,)
@@ -438,7 +438,10 @@ def _new(
     """Return the look of the left side if the chain defines it: it is free, or left to the note."""
     if len(nodes) < 2 or signs[0] not in {"=", ":=", "equiv"}:
         return None
-    node = nodes[0]
+    node = called_symbol(nodes[0])
+    brackets = bracket_of(node)
+    if brackets is not None and _defines_brackets(brackets, signs[0], e):
+        return brackets
     inner = node.body if isinstance(node, Group) and node.open == "[" else node
     found = seen(inner)
     if found is None or found.dots:
@@ -451,6 +454,15 @@ def _new(
             return own if free and (look == found.with_label() or not found.raised) else None
     look = e.lexicon.notation.plain(found.with_label() or found.look).numbered(e.indices)
     return look if signs[0] == ":=" and not _values(e, [inner])[0] else None
+
+
+def _defines_brackets(look: Look, sign: str, e: Elaborator) -> bool:
+    """Return whether brackets of two letters are defined: of any functions, for the first time."""
+    if any(k.name == look.name and len(k.sub) == 2 for k in e.definitions):
+        return False
+    system = e.lexicon.system
+    free = system is not None and set(look.sub) <= system.canonical - {"H"}
+    return free or sign in {":=", "equiv"}
 
 
 def _definition(claim: Claim, e: Elaborator, look: Look, span: Span, values: list[Value]) -> Claim:

@@ -5,18 +5,13 @@ derivatives, functions and tables, `eom.checker.mean.elaborator` that for symbol
 
 Attitude in formulas: elementary rotations ``C_3(\psi)``, and ``c\theta`` for cosines.
 
-Index notation: what stands twice in a term is summed, what stands once runs over the axes.
-
-An index is a letter below symbols that have no meaning with it, and one with the number of an axis there:
-``\epsilon_{ijk}x_jp_k``. So a letter that labels particles stays one.
+Poisson brackets, as a note defines them or as is usual; sums over the coordinates of a system.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from itertools import product
 from typing import Any
 
 import sympy as sp
@@ -24,19 +19,26 @@ import sympy as sp
 from eom.checker.mean import calculus, instants
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborator import (
+    LETTERS,
     TRANSPOSED,
     Elaborator,
     Rule,
+    indexed,
+    is_known,
+    knows,
     marked,
     number,
+    numbered,
+    numberings,
     of_meaning,
     pure,
     quotient,
     raised,
+    summed,
     symbol_value,
     without_meaning,
 )
-from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
+from eom.checker.mean.lexicon import Lexicon, Meaning
 from eom.checker.mean.values import (
     AMBIGUOUS,
     ANY,
@@ -60,7 +62,6 @@ from eom.checker.mean.values import (
     total,
 )
 from eom.checker.read.spans import Span
-from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import DOTS, Look, grown, labels, named_in, seen
 from eom.checker.read.syntax import (
     Accent,
@@ -90,12 +91,12 @@ from eom.checker.read.syntax import (
     Struck,
     Symbol,
     Words,
-    children,
     walk,
 )
 from eom.kinematics.coordinates import elementary
-from eom.terms.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, entries, expr, inner
+from eom.terms.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, Term, atom, entries, expr, inner
 from eom.terms.terms import dot as dot_product
+from eom.terms.terms import replace as rewritten
 from eom.terms.vocabulary import quantity
 from eom.worlds.worlds import ANGLES
 
@@ -145,7 +146,7 @@ def subscripted(e: Elaborator, node: Scripts) -> Call | None:
     if not name or node.sub is None or node.presub is not None or node.presup is not None:
         return None
     found = seen(node)
-    if found is not None and _known(e, found.look):
+    if found is not None and is_known(e, found.look):
         return None
     argument = _numbered(e.lexicon, node.sub) if isinstance(node.sub, Number) else node.sub
     if argument is None or not _is_angle(e.lexicon, argument):
@@ -156,11 +157,7 @@ def subscripted(e: Elaborator, node: Scripts) -> Call | None:
 def _function(e: Elaborator, node: Node) -> str:
     if not isinstance(node, Symbol) or node.style not in {"", "roman"}:
         return ""
-    return "" if _known(e, Look(node.name)) else _FUNCTIONS.get(node.name, "")
-
-
-def _known(e: Elaborator, look: Look) -> bool:
-    return e.lexicon.find(look, e.indices) is not None or look.numbered(e.indices) in e.definitions
+    return "" if is_known(e, Look(node.name)) else _FUNCTIONS.get(node.name, "")
 
 
 def _is_angle(lexicon: Lexicon, node: Node) -> bool:
@@ -267,6 +264,17 @@ def _addition(e: Elaborator, node: Addition) -> Value:
     return total(e.lexicon.notation, values)
 
 
+def _big_operator(e: Elaborator, node: BigOperator) -> Value:
+    """Return a sum over the coordinates of a system, or over what else it may be."""
+    letters = calculus.indices_of(node)[0] if not isinstance(node.upper, Number) else ()
+    known = knows(e)
+    inside = {w for _, words in indexed(node.body, known) for w in words}
+    if node.sign != "sum" or not letters or not inside.issuperset(letters):
+        return calculus.big_operator(e, node)
+    values = [e.bound(**axes).value(node.body) for axes in numberings(letters, (node.body,), known)]
+    return total(e.lexicon.notation, values)
+
+
 def _product(e: Elaborator, node: Product) -> Value:
     repeated = list(summed(node, e))
     if repeated:
@@ -324,7 +332,7 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
 def _is_change(e: Elaborator, node: Node) -> bool:
     r"""Return whether a factor is the \Delta before what changes."""
     plain = isinstance(node, Symbol) and node.name == "Delta" and not node.style
-    return plain and not _known(e, Look("Delta"))
+    return plain and not is_known(e, Look("Delta"))
 
 
 def _change(e: Elaborator, node: Node, span: Span) -> Value:
@@ -379,7 +387,7 @@ def _applied(e: Elaborator, node: Node, argument: Group, above: Node | None) -> 
     return e.value(node) if function else None
 
 
-_OF_VARIABLES = frozenset({"equals", "defined"})
+_OF_VARIABLES = frozenset({"equals", "defined", "system"})
 """What letters behind a symbol in brackets, with commas between them, are the variables of."""
 
 
@@ -408,7 +416,7 @@ def _fraction(e: Elaborator, node: Fraction) -> Value:
 
 def _group(e: Elaborator, node: Group) -> Value:
     if isinstance(node.body, Sequence):
-        return calculus.tuple_value(e, node, node.body)
+        return bracket(e, node, node.body) or calculus.tuple_value(e, node, node.body)
     found = between_frames(e, node) or _tabled(e, node)
     if found is not None:
         return found
@@ -425,18 +433,85 @@ def _group(e: Elaborator, node: Group) -> Value:
 def _tabled(e: Elaborator, node: Group) -> Value | None:
     """Return the matrix, or column, that a symbol with free indices in brackets stands for: (I_ij)."""
     found = seen(node.body) if node.open in {"(", "["} else None
-    known = _knows(e)
-    if found is None or found.raised or _known(e, found.look):
+    known = knows(e)
+    if found is None or found.raised or is_known(e, found.look):
         return None
     letters = [w for w in found.look.sub if w in LETTERS and w not in e.indices]
     if not 0 < len(letters) == len(set(letters)) <= 2:
         return None
     if not known(found.look, dict.fromkeys(letters, "1")):
         return None
-    rows = [{letters[0]: k} for k in COUNTS]
-    columns = [{letters[1]: k} for k in COUNTS] if len(letters) > 1 else [{}]
+    rows = list(numberings(letters[:1], (node.body,), known))
+    columns = list(numberings(letters[1:], (node.body,), known))
     cells = [[e.bound(**r, **c).value(node.body) for c in columns] for r in rows]
     return calculus.table_of(e, cells, node.span)
+
+
+def called_symbol(node: Node) -> Node:
+    """Return a symbol without the letters behind it in brackets that it is a function of."""
+    symbol, inside = (
+        node.factors if isinstance(node, Product) and len(node.factors) == 2 else (node, None)
+    )
+    body = inside.body if isinstance(inside, Group) and inside.open == "(" else None
+    of = isinstance(body, Sequence) and all(map(seen, body.items)) and seen(symbol) is not None
+    return symbol if of else node
+
+
+def bracket_of(node: Node) -> Look | None:
+    """Return by what a definition of brackets of two letters is known; None for anything else."""
+    items = node.body.items if isinstance(node, Group) and isinstance(node.body, Sequence) else ()
+    found = [seen(item) for item in items]
+    if (
+        len(found) != 2
+        or None in found
+        or not isinstance(node, Group)
+        or node.open not in {"{", "["}
+    ):
+        return None
+    return Look(node.open, sub=tuple(f.look.text for f in found if f is not None))
+
+
+def bracket(e: Elaborator, node: Group, body: Sequence) -> Value | None:
+    """Return a Poisson bracket of two scalars: as the note defines it, in braces else as is usual."""
+    known = next((k for k in e.definitions if k.name == node.open and len(k.sub) == 2), None)
+    system = e.lexicon.system
+    usual = node.open == "{" and system is not None and bool(system.coordinates)
+    if len(body.items) != 2 or not (known or usual):
+        return None
+    values = [e.value(item) for item in body.items]
+    if any(v.shape != SCALAR for v in values):
+        return None
+    if known is None:
+        assert system is not None
+        return total(
+            e.lexicon.notation, list(_canonical(e, values, len(system.coordinates), node.span))
+        )
+    found = e.definitions[known]
+    letters = (sp.Symbol(text, real=True) for text in known.sub)
+    put = {s: e.name(s.name, t) for s, t in found.scalars.items()}
+    put |= {s: e.expression(v.term) for s, v in zip(letters, values, strict=True)}
+
+    def rule(term: Term) -> Term:
+        return expr(term.data[0].xreplace(put)) if term.head == "expr" else term
+
+    return replace(found, term=rewritten(found.term, rule), dimension=None, span=node.span)
+
+
+def _canonical(e: Elaborator, values: list[Value], count: int, span: Span) -> Iterator[Value]:
+    """Yield the terms of a Poisson bracket."""
+    f, h = values
+    for k in range(1, count + 1):
+        q, p = (
+            Value(expr(e.name(n, atom("system", n, kind=SCALAR))), SCALAR)
+            for n in (f"q_{k}", f"p_{k}")
+        )
+        for a, b, sign in ((q, p, 1), (p, q, -1)):
+            above, below = calculus.partially(e, f, a, span), calculus.partially(e, h, b, span)
+            yield beside(
+                e.lexicon.notation,
+                number(sp.Integer(sign), span),
+                beside(e.lexicon.notation, above, below),
+            )
 
 
 def _matrix(e: Elaborator, node: Matrix) -> Value:
@@ -590,65 +665,13 @@ RULES: dict[type, Rule] = {
     Struck: _body,
     Root: calculus.root,
     Call: calculus.call,
-    BigOperator: calculus.big_operator,
+    BigOperator: _big_operator,
     Integral: calculus.integral_value,
     Differential: calculus.differential,
     Derivative: calculus.derivative,
     Matrix: _matrix,
 }
 """One rule a kind of node; what is not here has no value."""
-
-
-LETTERS = frozenset("ijklmn")
-COUNTS = ("1", "2", "3")
-MAX_DUMMIES, MAX_FREE = 4, 4
-UNIT = ("delta", 2)
-ALTERNATING = (("epsilon", 3), ("varepsilon", 3), ("e", 3))
-
-
-def numbered(look: Look, indices: Mapping[str, str]) -> Any:
-    """Return the number that Kronecker's or Levi-Civita's symbol is; None for anything else."""
-    axes = [AXES.get(indices.get(w, w)) for w in look.sub]
-    shape = (look.name, len(axes))
-    if None in axes or look.accents or look.sup or shape not in {UNIT, *ALTERNATING}:
-        return None
-    values = [int(a) for a in axes if a is not None]
-    return sp.KroneckerDelta(*values) if shape == UNIT else sp.LeviCivita(*values)
-
-
-def _letters(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> Iterator[str]:
-    """Yield the indices of a term as often as they stand there, of a sum those of its terms once."""
-    found = seen(node)
-    if found is not None:
-        look = found.look
-        letters = [w for w in look.sub if w in LETTERS]
-        if letters and not known(look, {}) and known(look, dict.fromkeys(letters, "1")):
-            yield from letters
-    elif isinstance(node, Addition):
-        yield from frozenset[str]().union(*(_once(t, known) for t in node.terms))
-    else:
-        for part in children(node):
-            yield from _letters(part, known)
-
-
-def _knows(e: Elaborator) -> Callable[[Look, Mapping[str, str]], bool]:
-    def known(look: Look, more: Mapping[str, str]) -> bool:
-        indices = {**e.indices, **more}
-        return numbered(look, indices) is not None or _known(replace(e, indices=indices), look)
-
-    return known
-
-
-def summed(node: Node, e: Elaborator) -> Iterator[dict[str, str]]:
-    """Yield the values of letters that stand twice in a term, one summand each; nothing for no sum."""
-    if isinstance(node, Addition | BigOperator):
-        return
-    counts = Counter(w for w in _letters(node, _knows(e)) if w not in e.indices)
-    twice = sorted(w for w, n in counts.items() if n == 2)
-    if 0 < len(twice) <= MAX_DUMMIES:
-        yield from (
-            dict(zip(twice, axes, strict=True)) for axes in product(COUNTS, repeat=len(twice))
-        )
 
 
 def in_brackets(members: Iterable[Node], e: Elaborator) -> list[Node]:
@@ -661,23 +684,3 @@ def in_brackets(members: Iterable[Node], e: Elaborator) -> list[Node]:
         return group if tables and seen(node) is not None and _tabled(e, group) else node
 
     return [bracketed(m) for m in members]
-
-
-def free(
-    statement: Statement, lexicon: Lexicon, definitions: Mapping[Look, Value]
-) -> tuple[dict[str, str], ...]:
-    """Return all values of the letters that stand once in each term of a statement; none for no such."""
-    known = _knows(elaborator(lexicon, definitions))
-    once = [_once(m, known) for m in statement.members]
-    shared = frozenset[str]().union(*once)
-    if not 0 < len(shared) <= MAX_FREE:
-        return ()
-    letters = sorted(shared)
-    return tuple(
-        dict(zip(letters, axes, strict=True)) for axes in product(COUNTS, repeat=len(letters))
-    )
-
-
-def _once(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> frozenset[str]:
-    """Return the letters that stand once in a term, or in the terms of a sum."""
-    return frozenset(w for w, n in Counter(_letters(node, known)).items() if n == 1)

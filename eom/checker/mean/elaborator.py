@@ -1,13 +1,19 @@
-"""What the rules of elaboration share: lexicon, definitions of the note, names of scalars.
+r"""What the rules of elaboration share: lexicon, definitions of the note, names of scalars.
 
 From a symbol with accents and scripts to its value, by the lexicon of the note.
+
+Index notation: what stands twice in a term is summed, what stands once runs over the axes of a frame or the
+coordinates of a system. An index is a letter below symbols that have no meaning with it, and one with a
+number there: ``\epsilon_{ijk}x_jp_k``. So a letter that labels particles stays one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import product
 from typing import Any
 
 import sympy as sp
@@ -15,7 +21,7 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
-from eom.checker.mean.lexicon import RATES, Found, Lexicon, Meaning
+from eom.checker.mean.lexicon import AXES, RATES, Found, Lexicon, Meaning
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,
@@ -36,8 +42,18 @@ from eom.checker.mean.values import (
 )
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import Span
+from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
-from eom.checker.read.syntax import Addition, Group, Marks, Node, Product, Symbol
+from eom.checker.read.syntax import (
+    Addition,
+    BigOperator,
+    Group,
+    Marks,
+    Node,
+    Product,
+    Symbol,
+    children,
+)
 from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.terms.terms import (
@@ -404,7 +420,8 @@ def _dimension(meaning: Meaning) -> Dimension | None:
 def _term(meaning: Meaning) -> Term:
     """Return the quantity that is meant, one of the vocabulary or of the note's system."""
     if meaning.quantity == "system":
-        return atom("system", *meaning.labels, kind=SCALAR)
+        kind = VECTOR if ":" in meaning.labels[0] else SCALAR
+        return atom("system", *meaning.labels, kind=kind)
     if meaning.quantity in RATES:
         of, origin, frame = meaning.labels
         return der(position(of, origin), frame, RATES[meaning.quantity])
@@ -548,3 +565,109 @@ def pure(value: Value, span: Span) -> None:
     if value.dimension not in {None, NONE}:
         got = value.dimension.words if value.dimension is not None else ""
         raise refuse(WRONG, "the argument of a function has a dimension", span, got, "1")
+
+
+# -- index notation ------------------------------------------------------------------------------
+
+LETTERS = frozenset("ijklmn")
+Known = Callable[[Look, Mapping[str, str]], bool]
+"""Whether a symbol has a meaning where indices stand for numbers."""
+COUNTS = tuple(map(str, range(1, 13)))
+AXIAL = 3
+"""How many numbers an index takes where no symbol limits it."""
+MAX_DUMMIES, MAX_FREE = 4, 4
+UNIT = ("delta", 2)
+ALTERNATING = (("epsilon", 3), ("varepsilon", 3), ("e", 3))
+
+
+def numbered(look: Look, indices: Mapping[str, str]) -> Any:
+    """Return the number that Kronecker's or Levi-Civita's symbol is; None for anything else."""
+    given = [indices.get(w, w) for w in look.sub]
+    shape = (look.name, len(given))
+    axes = given if shape == UNIT and all(map(str.isdigit, given)) else [AXES.get(g) for g in given]
+    if None in axes or look.accents or look.sup or shape not in {UNIT, *ALTERNATING}:
+        return None
+    values = [int(a) for a in axes if a is not None]
+    return sp.KroneckerDelta(*values) if shape == UNIT else sp.LeviCivita(*values)
+
+
+def indexed(node: Node, known: Known) -> Iterator[tuple[Look, tuple[str, ...]]]:
+    """Yield the symbols of a formula that have a meaning with numbers for indices below, and these."""
+    found = seen(node)
+    if found is not None:
+        look = found.look
+        letters = tuple(w for w in look.sub if w in LETTERS)
+        if letters and not known(look, {}) and known(look, dict.fromkeys(letters, "1")):
+            yield look, letters
+    else:
+        for part in children(node):
+            yield from indexed(part, known)
+
+
+def letters_of(node: Node, known: Known) -> Iterator[str]:
+    """Yield the indices of a term as often as they stand there, of a sum those of its terms once."""
+    if isinstance(node, Addition):
+        yield from frozenset[str]().union(*(once(t, known) for t in node.terms))
+    elif seen(node) is not None:
+        yield from (w for _, letters in indexed(node, known) for w in letters)
+    else:
+        for part in children(node):
+            yield from letters_of(part, known)
+
+
+def numberings(
+    letters: Iterable[str], trees: Iterable[Node], known: Known
+) -> Iterator[dict[str, str]]:
+    """Yield all numbers for letters with which every symbol that has them below has a meaning."""
+    letters = tuple(letters)
+    looks = [found for tree in trees for found in indexed(tree, known)]
+
+    def runs(letter: str, number: str) -> bool:
+        own = [(look, words) for look, words in looks if letter in words]
+        return all(
+            known(look, {**dict.fromkeys(words, "1"), letter: number}) for look, words in own
+        )
+
+    found = [[n for n in COUNTS if runs(letter, n)] for letter in letters]
+    ranges = [numbers if len(numbers) < len(COUNTS) else COUNTS[:AXIAL] for numbers in found]
+    yield from (dict(zip(letters, numbers, strict=True)) for numbers in product(*ranges))
+
+
+def is_known(e: Elaborator, look: Look) -> bool:
+    """Return whether a symbol has a meaning, or is defined."""
+    return e.lexicon.find(look, e.indices) is not None or look.numbered(e.indices) in e.definitions
+
+
+def knows(e: Elaborator) -> Known:
+    """Return what tells whether a symbol has a meaning, with more indices given."""
+
+    def known(look: Look, more: Mapping[str, str]) -> bool:
+        indices = {**e.indices, **more}
+        return numbered(look, indices) is not None or is_known(replace(e, indices=indices), look)
+
+    return known
+
+
+def summed(node: Node, e: Elaborator) -> Iterator[dict[str, str]]:
+    """Yield the values of letters that stand twice in a term, one summand each; nothing for no sum."""
+    if isinstance(node, Addition | BigOperator):
+        return
+    known = knows(e)
+    counts = Counter(w for w in letters_of(node, known) if w not in e.indices)
+    twice = sorted(w for w, n in counts.items() if n == 2)
+    if 0 < len(twice) <= MAX_DUMMIES:
+        yield from numberings(twice, (node,), known)
+
+
+def free(statement: Statement, e: Elaborator) -> tuple[dict[str, str], ...]:
+    """Return all values of the letters that stand once in each term of a statement; none for no such."""
+    known = knows(e)
+    shared = frozenset[str]().union(*(once(m, known) for m in statement.members))
+    if not 0 < len(shared) <= MAX_FREE:
+        return ()
+    return tuple(numberings(sorted(shared), statement.members, known))
+
+
+def once(node: Node, known: Known) -> frozenset[str]:
+    """Return the letters that stand once in a term, or in the terms of a sum."""
+    return frozenset(w for w, n in Counter(letters_of(node, known)).items() if n == 1)

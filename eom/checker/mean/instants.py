@@ -44,11 +44,14 @@ from eom.checker.read.syntax import (
     children,
 )
 from eom.terms.terms import VECTOR, expr, since, start
+from eom.terms.terms import at as when
 from eom.terms.vocabulary import quantity
 
 START, NOW = "start", "now"
 EARLY = frozenset({"0", "1", "i", "a", "A", "s"})
 """Labels of the first of two instants; all others are of the second."""
+MOTION = "t@"
+"""How the label of the time of an instant of a particular motion begins."""
 TIMES = frozenset({"t", "tau"})
 """Letters of variables over which an integral is one over time."""
 
@@ -100,6 +103,11 @@ def at(e: Elaborator, value: Value, node: Node) -> Value | None:
     name = key(e, node)
     if not name:
         return None
+    given = seen(node)
+    entry = e.lexicon.find(given.look, e.indices) if given is not None else None
+    label = "".join(entry.meaning.labels) if entry is not None else ""
+    if label.startswith(MOTION):
+        return replace(value, term=when(value.term, label))
     if name == "t" and "t" not in e.times.values():
         return value
     return _at(value, role(e, name, node.span))

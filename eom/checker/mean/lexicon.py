@@ -22,7 +22,7 @@ A TOML file beside the note, or front matter between lines of ``+++`` (there in 
     is = "cone"
 
 Slots of patterns: ``<F>``, ``<G>`` any frame, ``<P>``, ``<Q>`` any point, ``<i>``, ``<j>`` the index
-of a particle, ``<k>``, ``<l>`` an axis.
+of a particle, ``<k>``, ``<l>`` an axis, ``<c>`` a letter that runs over the coordinates of a system.
 
 What a symbol of a note stands for: a quantity with its labels, in words of a lexicon.
 
@@ -447,6 +447,10 @@ class Lexicon:
         if slot in "FGPQ":
             return _named(self.frames if slot in "FG" else self.points, given)
         word = indices.get(given[0], given[0]) if len(given) == 1 else ""
+        if slot == "c":
+            count = 0 if self.system is None else len(self.system.coordinates)
+            known = given[0] in indices and word.isdigit() and int(word) <= count
+            return word if known else None
         if slot in "ij":
             return word if word in INDICES - {"dm"} else None
         return AXES.get(word)

@@ -250,7 +250,7 @@ class _Reader:
         """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
         if "system" not in data:
             return None, ()
-        from eom.checker.mean.model import model_in  # most notes need no scenes
+        from eom.checker.mean.described import model_in  # most notes need no scenes
 
         where = self.where(*above, "system")
         try:
@@ -339,7 +339,7 @@ def _entries_of(
     model: Model, given: Any, notation: Notation, where: str
 ) -> tuple[Model, tuple[tuple[Entry, ...], ...]]:
     """Return a system with its letters, and its symbols: the note's own, then the usual ones."""
-    from eom.checker.mean.model import symbols_in
+    from eom.checker.mean.described import symbols_in
 
     own, usual = symbols_in(given, model, where)
     entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
@@ -529,7 +529,7 @@ def _nuclei(value: Any, where: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
     return tuple((look.style, look.accents) for look in looks)
 
 
-_SLOTS = frozenset("FGPQijkl")
+_SLOTS = "FGPQijklc"
 
 
 def slotted(latex: str, where: str) -> str:
@@ -540,7 +540,7 @@ def slotted(latex: str, where: str) -> str:
             "unknown slot",
             where=where,
             got=f"<{unknown[0]}>",
-            expected="<F> <G> <P> <Q> <i> <j> <k> <l>",
+            expected=" ".join(f"<{s}>" for s in _SLOTS),
         )
     return SLOT.sub(lambda m: rf"\mathtt{{{m[1]}}}", latex)
 

@@ -3,37 +3,6 @@ r"""A system that a note is about: its quantities by name, their usual spellings
 A scene is one particular system: what its numbers say of the parameters (equal moments of inertia,
 values that are zero) holds, and the contrary cannot be assumed. Of a bare system anything of the table
 may be assumed.
-
-The system that a lexicon names: its table, and what the note's symbols stand for in it.
-
-Systems that a lexicon describes itself: by coordinates and places, or as a tree of bodies.
-
-By coordinates, with places in inertial axes, over coordinates, their rates (``theta_dot``), parameters
-and ``t``:
-
-    [system]
-    coordinates = { theta = "rad" }
-    given = { phi = "rad" }                  # motions that are imposed; any functions of time
-    parameters = { m = "kg", R = "m", g = "m/s^2" }
-    gravity = [0, 0, "-g"]
-    potential = "..."                        # J, besides weights and springs
-    forces = { theta = "-c*theta_dot" }      # generalised, besides those at bodies
-    [system.bodies]
-    bead = { mass = "m", at = ["R*sin(theta)*cos(phi)", "R*sin(theta)*sin(phi)", "-R*cos(theta)"] }
-    wheel = { mass = "M", at = ["R*phi", 0, 0], moments = "J", omega = "phi_dot", force = ["F", 0, 0] }
-    [system.springs]
-    s = { between = ["bead", [0, 0, 0]], stiffness = "k", length = "l" }
-    [system.reactions]                       # what keeps a body on its way, counted in a direction
-    S = { on = "bead", along = ["-sin(phi)", "cos(phi)", 0] }
-
-As a tree, with the keys of a scene file (`eom.multibody.files.description`); a body may say in one line
-how it hangs on another, its joint has its name:
-
-    parameters = { M = "kg", m = "kg", l = "m", g = "m/s^2" }
-    gravity = [0, 0, "-g"]
-    [system.bodies]
-    cart = { mass = "M", slide = "x" }
-    bob = { mass = "m", centre = [0, 0, "-l"], on = "cart", hinge = "y" }
 """
 
 from __future__ import annotations
@@ -60,16 +29,12 @@ from eom.quantities import Quantity
 from eom.scenes import catalogue
 from eom.system import Expr, System
 from eom.typeset.markup import symbol_latex
-from eom.worlds.solutions import Inconsistent, Motion, Restriction
+from eom.worlds.solutions import Inconsistent, Motion, Restriction, rate
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene
 
 import sympy as sp
-
-from eom.mechanics.lagrange import Mechanism, Placed, Spring, lagrange_system, speed
-from eom.quantities import TIME
-from eom.scenes.parse import parse
 
 BUILTIN: dict[str, Callable[[str], System]] = {
     "free-rigid-body": lambda attitude: free_rigid_body(attitude or None),
@@ -102,12 +67,46 @@ LETTERS: tuple[tuple[str, tuple[str, ...]], ...] = (
 
 
 @dataclass(frozen=True)
+class Particular:
+    """A particular motion of a system, by expressions over its symbols.
+
+    ``constant``: what does not change; ``zero``, ``nonzero``: what vanishes, or does not, at its last
+    instant. ``start``: values at its first one; ``until``: vanishes at the last one, None where there is
+    one instant. A blow between both: ``blows``, generalised impulses by coordinate, and ``closing``, gaps
+    that open ``restitution`` times as fast as they closed.
+    """
+
+    constant: tuple[Expr, ...] = ()
+    zero: tuple[Expr, ...] = ()
+    nonzero: tuple[Expr, ...] = ()
+    start: Mapping[Expr, Expr] = field(default_factory=dict)
+    until: Expr | None = None
+    blows: Mapping[Expr, Expr] = field(default_factory=dict)
+    closing: tuple[Expr, ...] = ()
+    restitution: Expr = sp.S.Zero
+
+    @property
+    def is_blow(self) -> bool:
+        """Whether speeds jump."""
+        return bool(self.blows or self.closing)
+
+    @property
+    def symbols(self) -> frozenset[Expr]:
+        """All symbols in it."""
+        parts = (*self.constant, *self.zero, *self.start.values(), *self.blows.values())
+        found = (*parts, *self.closing, self.restitution, self.until or sp.S.Zero)
+        return frozenset().union(*(e.free_symbols for e in found))
+
+
+@dataclass(frozen=True)
 class Model:
     """A system, what is given of its parameters, what may be assumed besides, and where it is from.
 
     ``values``: the scene's numbers of parameters and inputs. ``letters``: how a note writes
-    quantities, by their names, where it writes them its own way. ``drawn``: solutions, kept for later.
-    ``body``: of a solid, about the point from which its elements are measured.
+    quantities, by their names, where it writes them its own way. ``drawn``: what was drawn, for later.
+    ``body``: of a solid, about the point from which its elements are measured. ``coordinates``: of a
+    system by Lagrange, their names; ``vectors``: places of bodies and vectors of its own, in inertial axes;
+    ``particular``: motions by name; ``canonical``: names of functions of coordinates, momenta and time.
     """
 
     system: System
@@ -117,9 +116,11 @@ class Model:
     letters: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, float] = field(default_factory=dict)
     body: MassProperties | None = None
-    drawn: dict[Any, Motion | Inconsistent | None] = field(
-        default_factory=dict, repr=False, compare=False
-    )
+    coordinates: tuple[str, ...] = ()
+    vectors: Mapping[str, tuple[Expr, ...]] = field(default_factory=dict)
+    particular: Mapping[str, Particular] = field(default_factory=dict)
+    canonical: frozenset[str] = frozenset()
+    drawn: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def quantities(self) -> Mapping[str, Quantity]:
@@ -154,15 +155,72 @@ class Model:
         return self.letters.get(name, name)
 
     def symbol(self, name: str) -> Expr:
-        """Return the symbol of a quantity. Raises `InputError` for unknown names."""
+        """Return the symbol of a quantity; ``@`` stands before the motion that it is derived of.
+
+        Raises `InputError` for unknown names.
+        """
+        numbered = _NUMBERED.fullmatch(name)
+        if numbered and int(numbered[2]) <= len(self.coordinates):
+            name = RUNNING[numbered[1]].format(self.coordinates[int(numbered[2]) - 1])
+        if "@" in name:
+            return sp.Symbol(name)
         if name not in self.quantities:
             raise unknown_name("quantity of the system", name, self.quantities)
         return self.quantities[name].symbol
 
+    def vector(self, name: str) -> tuple[Expr, ...]:
+        """Return the components of a vector in inertial axes: ``velocity:bob``. Raises `InputError`."""
+        kind, _, of = name.partition(":")
+        if kind not in VECTORS or of not in self.vectors:
+            raise unknown_name("vector of the system", of, self.vectors)
+        found = self.vectors[of]
+        for _ in range(VECTORS[kind][1]):
+            found = tuple(map(rate, found))
+        return found
+
+    def meaning(self, text: str, where: str = "") -> tuple[str, str]:
+        """Return label and unit of what words mean: a quantity, one at an instant of a motion, a vector.
+
+        Raises `InputError` for all else.
+        """
+        words = text.split()
+        if text in self.quantities:
+            return text, self.quantities[text].unit
+        if words and words[0] in VECTORS and words[-1] in self.vectors and len(words) < 4:
+            kind = words[0]
+            return f"{kind}:{words[-1]}", VECTORS[kind][0]
+        for at, label in INSTANTS.items():
+            what, found, motion = text.partition(f" {at} ")
+            if found and motion in self.particular:
+                return f"{'_'.join(what.split())}@{motion}{label}", self._unit(what, where)
+        known = [*self.quantities, *(f"{k} of {v}" for k in VECTORS for v in self.vectors)]
+        known += [f"frequency at {m}" for m in self.particular]
+        raise unknown_name("quantity of the system", text, known, where)
+
+    def _unit(self, what: str, where: str) -> str:
+        name = what.split(maxsplit=1)[0]
+        if name in DERIVED:
+            return DERIVED[name]
+        if what not in self.quantities:
+            raise unknown_name("quantity of the system", what, [*self.quantities, *DERIVED], where)
+        return self.quantities[what].unit
+
+    @cached_property
+    def starting(self) -> Mapping[Expr, str]:
+        """The parameters that stand in particular motions alone, with the motion of each."""
+        s = self.system
+        named = (*s.rates, *(d.expression for d in (*s.definitions, *s.outputs)))
+        used = frozenset().union(*(e.free_symbols for e in named))
+        own = {q.symbol for q in s.parameters} - used
+        return {p: n for n, m in self.particular.items() for p in m.symbols & own}
+
     def spellings(self) -> Iterator[tuple[str, str]]:
         """Yield LaTeX and name: how each quantity is printed, then its usual spellings."""
         for name, q in self.quantities.items():
-            yield printed(q), name
+            if name not in self.canonical:
+                yield printed(q), name
+        if self.coordinates:
+            yield from ((f"{w}_{{<c>}}", f"{w}_<c>") for w in RUNNING)
         if self.body is not None:
             yield from ((w, n) for n, ws in SPELLINGS.items() if n in self.quantities for w in ws)
         for name in self.quantities:
@@ -179,6 +237,24 @@ class Model:
         if name not in known:
             raise unknown_name("assumption on the system", name, known)
         return known[name]
+
+
+RUNNING: Mapping[str, str] = {"q": "{}", "p": "p_{}", "Q": "Q_{}"}
+"""Letters with a running index: coordinates, momenta, generalised forces, by names of coordinates."""
+_NUMBERED = re.compile(r"([qpQ])_(\d+)")
+VECTORS: Mapping[str, tuple[str, int]] = {
+    "position": ("m", 0), "velocity": ("m/s", 1), "acceleration": ("m/s^2", 2), "vector": ("", 0),
+}  # fmt: skip
+"""Vectors of a system: their units, and how often what is stated is differentiated."""
+DERIVED: Mapping[str, str] = {
+    "t": "s", "frequency": "rad/s", "period": "s", "eigenvalue": "rad/s", "impulse": "",
+}  # fmt: skip
+"""Quantities of particular motions alone, and their units."""
+FIRST = ".start"
+INSTANTS: Mapping[str, str] = {
+    "at start of": FIRST, "before": FIRST, "at end of": "", "after": "", "at": "", "of": "",
+}  # fmt: skip
+"""Words for the first and the last instant of a motion."""
 
 
 def model_of(system: System | AnyScene | Model, assume: Iterable[str] = ()) -> Model:
@@ -299,261 +375,3 @@ def _beside(name: str, folder: Path | None) -> Path:
     if not file.is_relative_to(root):
         raise InputError("a scene file lies outside of the note's folder", got=name)
     return file
-
-
-_OWN: dict[str, type] = {"assume": list, "symbols": dict}
-_KEYS: dict[str, type] = {"is": str, "attitude": str, "point": str, **_OWN}
-
-Row = tuple[str, Any, str]
-"""LaTeX, meaning, and where it stands."""
-
-
-def model_in(given: Any, folder: Path | None, where: str) -> Model:
-    """Return the system that a text or table names. Raises `InputError` for what is neither."""
-    table = _table(given, where)
-    assume = table.get("assume", [])
-    if not all(isinstance(a, str) for a in assume):
-        raise InputError("not a list of assumptions", where=where, got=assume)
-    if is_described(table) and "is" in table:
-        raise InputError(
-            "a system is given twice", where=where, got="is, and a description", expected="one"
-        )
-    if is_described(table):
-        return model_of(described({k: v for k, v in table.items() if k not in _OWN}, where), assume)
-    if "is" not in table:
-        raise InputError(
-            "a system has no name",
-            where=where,
-            expected='is = "heavy-top", or coordinates and bodies',
-        )
-    point = table.get("point", CENTRE)
-    return load_model(table["is"], folder, table.get("attitude", ""), assume, point)
-
-
-def _table(given: Any, where: str) -> Mapping[str, Any]:
-    if isinstance(given, str):
-        return {"is": given}
-    if not isinstance(given, Mapping):
-        raise InputError("not a system", where=where, got=given, expected="a name or a table")
-    for key, value in given.items():
-        if key not in _KEYS and key not in KEYS:
-            raise unknown_name("key", str(key), [*_KEYS, *sorted(KEYS)], where)
-        if key in _KEYS and not isinstance(value, _KEYS[key]):
-            expected = _KEYS[key].__name__
-            raise InputError("wrong type", where=f"{where} > {key}", got=value, expected=expected)
-    return given
-
-
-def symbols_in(given: Any, model: Model, where: str) -> tuple[list[Row], list[Row]]:
-    """Return the rows of the note, and those of the usual spellings. Raises `InputError`."""
-    own = [
-        (latex, _meaning(value, model, f"{where} > {latex}"), f"{where} > {latex}")
-        for latex, value in _table(given, where).get("symbols", {}).items()
-    ]
-    return own, list(_usual(model, where))
-
-
-def _usual(model: Model, where: str) -> Iterator[Row]:
-    for latex, name in model.spellings():
-        yield latex, _spelt(model, name), where
-
-
-def _meaning(value: Any, model: Model, where: str) -> Any:
-    """Return a formula as it is; the name of a quantity as a meaning."""
-    if isinstance(value, Mapping) or (isinstance(value, str) and value.lstrip().startswith("=")):
-        return value
-    if not isinstance(value, str) or value not in model.quantities:
-        raise unknown_name("quantity of the system", str(value), model.quantities, where)
-    return _spelt(model, value)
-
-
-def _spelt(model: Model, name: str) -> Mapping[str, str]:
-    return {"is": f"system {name}", "unit": model.quantities[name].unit}
-
-
-HANGING: Mapping[str, str] = {"hinge": "revolute", "slide": "prismatic"}
-"""Keys of a body in a tree that name the axis of its joint, and the kind of that."""
-_TREE = frozenset("model gravity gravity_gradient bodies joints loads constraints rotors springs points "
-                  "parameters inputs".split())  # fmt: skip
-_PLACED = frozenset(
-    "coordinates given parameters gravity potential forces bodies springs reactions".split()
-)
-KEYS = _TREE | _PLACED
-"""Keys of a table that describes a system."""
-
-
-def is_described(table: Mapping[str, Any]) -> bool:
-    """Tell whether a table describes a system."""
-    return bool(KEYS & set(table))
-
-
-def described(table: Mapping[str, Any], where: str) -> System:
-    """Return the system that a table describes. Raises `InputError` with the place of what is wrong."""
-    if "coordinates" in table:
-        return lagrange_system(_Read(table, where).mechanism)
-    return _tree(table, where)
-
-
-# -- trees ---------------------------------------------------------------------------------------------
-
-
-def _tree(table: Mapping[str, Any], where: str) -> System:
-    from eom.multibody.files.scene import TreeScene  # many bodies are loaded where a scene is
-
-    _known(table, _TREE, where)
-    bodies, joints = {}, dict(_own_table(table, "joints", where))
-    for name, given in _own_table(table, "bodies", where).items():
-        place = f"{where} > bodies > {name}"
-        body = dict(_of_type(given, Mapping, place))
-        axes = [k for k in HANGING if k in body]
-        if len(axes) > 1 or (axes and name in joints):
-            raise InputError("a body hangs on one joint", where=place, got=", ".join(axes))
-        parent, at = body.pop("on", "ground"), body.pop("at", (0, 0, 0))
-        for key in axes:
-            joints[name] = {
-                "kind": HANGING[key],
-                "parent": parent,
-                "child": name,
-                "axis": body.pop(key),
-                "on_parent": {"position": at},
-            }
-        bodies[name] = body
-    parameters = {
-        n: {"value": 1, "unit": u} if isinstance(u, str) else u
-        for n, u in _own_table(table, "parameters", where).items()
-    }
-    data = {**table, "bodies": bodies, "joints": joints, "parameters": parameters}
-    try:
-        return TreeScene(**data).full_system
-    except InputError as error:
-        raise error.at(", ".join(p for p in (where, error.where) if p)) from error
-
-
-# -- coordinates and places ----------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Read:
-    """A table of coordinates and places; ``where``: its place in the lexicon."""
-
-    table: Mapping[str, Any]
-    where: str
-    names: dict[str, Expr] = field(default_factory=dict)
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """What the table describes."""
-        _known(self.table, _PLACED, self.where)
-        coordinates, given = (self._units(k) for k in ("coordinates", "given"))
-        parameters = self._units("parameters")
-        self.names.update({str(s.name): s for s in (*coordinates, *given, *parameters)})
-        self.names.update({f"{s.name}_dot": speed(s) for s in (*coordinates, *given)})
-        self.names["t"] = TIME
-        bodies = self._each("bodies", self._body)
-        if not bodies:
-            raise InputError("a system has no bodies", where=self.where, expected="[system.bodies]")
-        forces = _own_table(self.table, "forces", self.where)
-        _known(forces, {str(q.name) for q in coordinates}, f"{self.where} > forces")
-        return Mechanism(
-            "system",
-            coordinates,
-            given,
-            tuple(Quantity(s, unit) for s, unit in parameters.items()),
-            bodies,
-            self._vector(self.table.get("gravity", (0, 0, 0)), f"{self.where} > gravity"),
-            self._formula(self.table.get("potential", 0), f"{self.where} > potential"),
-            tuple(self._each("springs", lambda g, w: self._spring(g, w, bodies)).values()),
-            {
-                self.names[n]: self._formula(f, f"{self.where} > forces > {n}")
-                for n, f in forces.items()
-            },
-            self._each("reactions", lambda g, w: self._reaction(g, w, bodies)),
-        )
-
-    def _units(self, key: str) -> dict[Expr, str]:
-        found = {}
-        for name, unit in _own_table(self.table, key, self.where).items():
-            place = f"{self.where} > {key} > {name}"
-            found[sp.Symbol(name, real=True)] = _of_type(unit, str, place)
-        return found
-
-    def _each(self, key: str, read: Callable[[Any, str], Any]) -> dict[str, Any]:
-        rows = _own_table(self.table, key, self.where).items()
-        return {n: read(given, f"{self.where} > {key} > {n}") for n, given in rows}
-
-    def _formula(self, given: Any, where: str) -> Expr:
-        if isinstance(given, str):
-            return parse(given, self.names, where)
-        if isinstance(given, bool) or not isinstance(given, int | float):
-            raise InputError("not a formula", where=where, got=given)
-        return sp.nsimplify(given)
-
-    def _vector(self, given: Any, where: str) -> tuple[Expr, ...]:
-        if not isinstance(given, list | tuple) or len(given) != 3:
-            raise InputError("not three components", where=where, got=given)
-        return tuple(self._formula(g, where) for g in given)
-
-    def _listed(self, given: Any, where: str) -> tuple[Expr, ...]:
-        return tuple(
-            self._formula(g, where) for g in (given if isinstance(given, list) else [given])
-        )
-
-    def _body(self, given: Any, where: str) -> Placed:
-        row = _of_type(given, Mapping, where)
-        _known(row, {"mass", "at", "moments", "omega", "force"}, where)
-        moments = self._listed(row.get("moments", []), where)
-        omega = self._listed(row.get("omega", []), where)
-        if len(moments) != len(omega):
-            raise InputError("as many moments as components of omega", where=where, got=len(omega))
-        return Placed(
-            self._formula(row.get("mass", 0), f"{where} > mass"),
-            self._vector(row.get("at", (0, 0, 0)), f"{where} > at"),
-            moments,
-            omega,
-            self._vector(row.get("force", (0, 0, 0)), f"{where} > force"),
-        )
-
-    def _spring(self, given: Any, where: str, bodies: Mapping[str, Placed]) -> Spring:
-        row = _of_type(given, Mapping, where)
-        _known(row, {"between", "stiffness", "length"}, where)
-        ends = row.get("between", [])
-        if not isinstance(ends, list) or len(ends) != 2 or "stiffness" not in row:
-            raise InputError(
-                "a spring is between two ends", where=where, expected="between, stiffness"
-            )
-        names = [e if isinstance(e, str) else "" for e in ends]
-        _known([n for n in names if n], bodies, where)
-        places = [bodies[e].at if isinstance(e, str) else self._vector(e, where) for e in ends]
-        return Spring(
-            (places[0], places[1]),
-            self._formula(row["stiffness"], where),
-            self._formula(row.get("length", 0), where),
-            (names[0], names[1]),
-        )
-
-    def _reaction(
-        self, given: Any, where: str, bodies: Mapping[str, Placed]
-    ) -> tuple[str, tuple[Expr, ...]]:
-        row = _of_type(given, Mapping, where)
-        _known(row, {"on", "along"}, where)
-        if row.get("on") not in bodies:
-            raise unknown_name("body", str(row.get("on")), bodies, where)
-        return str(row["on"]), self._vector(row.get("along"), f"{where} > along")
-
-
-def _own_table(data: Mapping[str, Any], key: str, where: str) -> Mapping[str, Any]:
-    return dict(_of_type(data.get(key, {}), Mapping, f"{where} > {key}"))
-
-
-def _of_type(given: Any, kind: type, where: str) -> Any:
-    if not isinstance(given, kind):
-        expected = "a table" if kind is Mapping else "a text"
-        raise InputError("wrong type", where=where, got=given, expected=expected)
-    return given
-
-
-def _known(given: Iterable[str], known: Iterable[str], where: str) -> None:
-    known = sorted(known)
-    for key in given:
-        if key not in known:
-            raise unknown_name("key", str(key), known, where)

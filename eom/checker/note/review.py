@@ -15,7 +15,16 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge, row_of
+from eom.checker.judge.judge import (
+    HOLDS,
+    UNDECIDED,
+    UNDER,
+    WRONG,
+    Judgement,
+    judge,
+    loosened,
+    row_of,
+)
 from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import Worlds, equations
 from eom.checker.judge.notes import Understood
@@ -83,7 +92,7 @@ def review(
 
     A verdict differs from that on the formula alone where a claim rests on what the note assumes by a
     formula: then it holds under that; and where a wrong claim stands beside words of an approximation:
-    then it is undecided.
+    then it is undecided, or about a system and may hold nearly.
     """
     given = tuple(given)
     first = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
@@ -102,10 +111,11 @@ def review(
         for k, (u, v) in enumerate(zip(understood, alone, strict=True))
     ]
     settled = [v for v, _ in placed]
+    plain = [_loosened(v, loose, at) for v, at in zip(first, context.places, strict=True)]
     lines = [u.formula.piece.line for u in understood]
     about = remarks(settled, lines, context, given)
     final = [
-        _of_system(understood[:k], u, first[k], names[u.headings], _near(free, context.places[k]))
+        _of_system(understood[:k], u, plain[k], names[u.headings], _near(free, context.places[k]))
         if _is_apart(u)
         else settled[k]
         for k, u in enumerate(understood)
@@ -141,6 +151,17 @@ def _of_system(
         if j.verdict != UNDER or says(j.claim)
         else _in_general(j, names, stated, one.lexicon, anyhow)
         for j in found.claims
+    )
+    return _gravest(claims) if claims != found.claims else found
+
+
+def _loosened(found: Verdict, said: Iterable[Said], place: Place) -> Verdict:
+    """Return the verdict on a formula beside words of an approximation: what is wrong may hold nearly."""
+    near = _near(said, place)
+    loose = [loosened(j.claim) if near and j.verdict == WRONG else None for j in found.claims]
+    claims = tuple(
+        j if other is None else _replaced(j, other)
+        for j, other in zip(found.claims, loose, strict=True)
     )
     return _gravest(claims) if claims != found.claims else found
 

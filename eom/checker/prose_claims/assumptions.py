@@ -105,7 +105,8 @@ NOTE, SECTION, PARAGRAPH = "note", "section", "paragraph"
 
 APPROXIMATE: tuple[tuple[str, str], ...] = (
     (r"small[- ](?:angle|displacement|deviation|oscillation|perturbation)s?|lineari[sz]", SECTION),
-    ((r"(?:is|are|remains?) small\b|to (?:the )?first order|first[- ]order (?:in|approx)|"
+    ((r"(?:is|are|remains?) small\b|\bfor (?:\w+ )?small\b|"
+      r"to (?:the )?first order|first[- ]order (?:in|approx)|"
       r"\bapproximat(?:ely|ion|ed?)\b|negligib|neglect|higher[- ]order terms"), PARAGRAPH),
 )  # fmt: skip
 """Words after which an equation need not hold exactly, and how far they reach."""
