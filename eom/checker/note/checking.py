@@ -21,7 +21,7 @@ from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
 from eom.checker.repair.explaining import explain
-from eom.checker.report.findings import Finding, Graded, Remark, Report
+from eom.checker.report.findings import Finding, Graded, Remark, Report, decided_by
 from eom.checker.report.settings import FORMULA_SECONDS, GIVEN, Settings
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
@@ -214,7 +214,7 @@ def finding(one: Understood, judged: Verdict, number: int = 1) -> Finding:
         _sets(gravest) if judged.verdict == UNDER else (),
         reason,
         _place(one, gravest),
-        tuple(r.text for r in one.repairs),
+        (*(r.text for r in one.repairs), *([one.solid.words] if one.solid else [])),
         special=" and ".join(dict.fromkeys(filter(None, (j.judgement.special for j in gravest)))),
     )
 
@@ -261,6 +261,9 @@ def _report(
 ) -> Report:
     draft = known.draft
     sources = list(dict.fromkeys(p.source for p in document.pieces))
+    found = [
+        replace(f, reason=decided_by(f.reason)) if f.verdict == UNDECIDED else f for f in found
+    ]
     return Report(
         document.name,
         tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),

@@ -15,11 +15,22 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge, row_of
+from eom.checker.judge.judge import (
+    HOLDS,
+    LOOSE,
+    UNDECIDED,
+    UNDER,
+    WRONG,
+    Judgement,
+    judge,
+    loosely,
+    row_of,
+)
 from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import Worlds, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import Name, excused, in_letters, named, says
+from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.mean.lexicon import Lexicon
@@ -104,8 +115,14 @@ def review(
     settled = [v for v, _ in placed]
     lines = [u.formula.piece.line for u in understood]
     about = remarks(settled, lines, context, given)
+    loosened = [
+        _small(v) if _is_apart(u) and _near(loose, context.places[k]) else v
+        for k, (u, v) in enumerate(zip(understood, first, strict=True))
+    ]
     final = [
-        _of_system(understood[:k], u, first[k], names[u.headings], _near(free, context.places[k]))
+        _of_system(
+            understood[:k], u, loosened[k], names[u.headings], _near(free, context.places[k])
+        )
         if _is_apart(u)
         else settled[k]
         for k, u in enumerate(understood)
@@ -165,7 +182,24 @@ def _in_general(
 
 def _near(found: Iterable[Said], place: Place) -> bool:
     """Return whether something that is said holds in a place."""
-    return any(s.start <= place and place[0] < s.stop for s in found)
+    return bool(_said_near(found, place))
+
+
+def _said_near(found: Iterable[Said], place: Place) -> list[Said]:
+    return [s for s in found if s.start <= place and place[0] < s.stop]
+
+
+def _small(found: Verdict) -> Verdict:
+    """Return the verdict on a formula about a system where words say that something is small."""
+    wrong = [j for j in found.claims if j.verdict == WRONG and on_solutions(j.claim)]
+    better = {id(j): loosely(j.claim) for j in wrong}
+    claims = tuple(
+        _replaced(j, better[id(j)])
+        if id(j) in better and better[id(j)].verdict in {UNDER, WRONG}
+        else j
+        for j in found.claims
+    )
+    return _gravest(claims) if claims != found.claims else found
 
 
 def _gravest(claims: tuple[Judged, ...]) -> Verdict:
@@ -310,12 +344,13 @@ class _Placed:
 
     def _approximate(self, judged: Judged) -> _Other | None:
         """Leave a claim beside words of an approximation open, unless another factor makes it true."""
-        place = self.context.places[self.number]
-        near = [s for s in self.loose if s.start <= place and place[0] < s.stop]
+        near = _said_near(self.loose, self.context.places[self.number])
+        found = loosely(judged.claim) if near else judged.judgement
+        if found.verdict == UNDER and near:
+            return found, "approximate", near[-1].line
         if not near or slipped(judged.claim, self.given):
             return None
-        why = "not exactly true; the note speaks of an approximation"
-        found = replace(judged.judgement, verdict=UNDECIDED, reason=why)
+        found = replace(judged.judgement, verdict=UNDECIDED, reason=LOOSE)
         return found, "approximate", near[-1].line
 
 
