@@ -22,6 +22,7 @@ from eom.worlds.solutions import rate, real_point
 
 PLACES, MOMENTA = ("rad", "m", "1"), ("kg m/s", "kg m^2/s")
 DIGITS = 30
+_NEARLY = 1e-15
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def derivative(system: System, f: Expr, variable: Expr, held: Collection[Expr] =
     known = chart(system)
     outputs = {d.symbol: d for d in (*system.outputs, *system.invariants)}
     others = f.free_symbols & (outputs.keys() | known.speeds.keys())
-    momenta = {s for s in outputs if _is_momentum(outputs[s].quantity.unit)}
+    momenta = _momenta(system)
     by_momenta = variable in momenta or (variable in known.rates and others <= momenta)
     own = {*held, *(momenta if by_momenta else ())}
     if f.free_symbols & momenta - own:
@@ -88,8 +89,27 @@ def _open(got: str) -> InputError:
     )
 
 
-def _is_momentum(unit: str) -> bool:
-    return dimension(unit) in map(dimension, MOMENTA)
+@lru_cache(maxsize=16)
+def _momenta(system: System) -> frozenset[Expr]:
+    """Return what is the derivative of an energy of the system by a rate."""
+    known, point = chart(system), real_point(system, 0)
+    named = (*system.outputs, *system.invariants)
+    energies = [d for d in named if dimension(d.quantity.unit) == dimension("J")]
+    at_rates = {d: r.evalf(DIGITS, subs=point) for d, r in known.kinematics.items()}
+
+    def value(e: Expr) -> Expr:
+        return e.xreplace(known.speeds).xreplace(at_rates).evalf(DIGITS, subs=point)
+
+    rates = {rate(s): d for s, d in known.rates.items()}
+    full = [_written_out(system, d.expression, ()).xreplace(rates) for d in energies]
+    slopes = [value(e.xreplace(known.speeds).diff(d)) for e in full for d in rates.values()]
+    likely = [d for d in named if dimension(d.quantity.unit) in map(dimension, MOMENTA)]
+    values = {d.symbol: value(_written_out(system, d.expression, ())) for d in likely}
+    return frozenset(s for s, v in values.items() if any(_same(v, w) for w in slopes))
+
+
+def _same(a: Expr, b: Expr) -> bool:
+    return bool((a - b).is_number and abs(a - b) < _NEARLY * (1 + abs(a)))
 
 
 def _written_out(system: System, f: Expr, own: Collection[Expr]) -> Expr:
@@ -115,4 +135,4 @@ def _is_energy(system: System, f: Expr, full: Expr) -> bool:
     at_rates = {d: r.evalf(DIGITS, subs=point) for d, r in known.kinematics.items()}
     values = [full.xreplace(at_rates)] + [_written_out(system, e, ()) for e in energies]
     first, *rest = (v.evalf(DIGITS, subs=point) for v in values)
-    return any((first - v).is_number and abs(first - v) < 10**-15 * (1 + abs(v)) for v in rest)
+    return any(_same(v, first) for v in rest)

@@ -137,13 +137,13 @@ class _Solids:
         return any(not a.fits(b) for row in rows for a in row for b in row)
 
     def most(self) -> Mapping[Group, Taken]:
-        """Return the readings in which most lines of a section hold, two at least, where others do not."""
+        """Return the readings in which most lines of a section hold, two at least."""
         found: dict[Group, Taken] = {}
         for group, lines in self.held.items():
             tried = dict.fromkeys(t for line in lines for t in line)
             holding = {t: sum(any(t.fits(o) for o in line) for line in lines) for t in tried}
             best = max(holding, key=lambda t: holding[t])
-            if max(2, len(lines) / 2 + 0.5) <= holding[best] < len(lines):
+            if max(2, len(lines) / 2 + 0.5) <= holding[best]:
                 found[group] = best
         return found
 
