@@ -19,6 +19,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -210,6 +211,14 @@ class Original:
         assert self.understood.formula.reading is not None
         return self.understood.formula.reading.tree
 
+    @cached_property
+    def confirmed(self) -> bool:
+        """Whether the formula is true by the oracle, which else lacks an assumption and knows no edit."""
+        try:
+            return is_true(self.understood.claims, self)
+        except (oracle.Undefined, InputError, KeyError, ArithmeticError, AttributeError):
+            return False
+
     def edited(self, tree: Node) -> Understood:
         """Return the formula with another tree, at the same place of the note."""
         formula = self.understood.formula
@@ -287,7 +296,7 @@ def outcome(original: Original, tree: Node) -> tuple[str, Verdict | None, Unders
     edited = original.edited(tree)
     ours = verdict(edited, GIVEN)
     whole = not any(c.findings or not c.members for c in edited.claims) and edited.claims
-    if not whole:
+    if not whole or not original.confirmed:
         return f"without a value, {ours.verdict}", ours, edited
     try:
         if is_true(edited.claims, original):

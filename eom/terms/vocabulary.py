@@ -68,6 +68,27 @@ def words(term: Term) -> str:
     return QUANTITIES[term.data[0]].words.format(*(_LABEL_WORDS.get(n, n) for n in term.data[1:]))
 
 
+_HEAD_WORDS = {
+    "der": "a derivative",
+    "integral": "an integral over the body",
+    "sum": "a sum over particles",
+    "column": "a column of components",
+    "cross": "a vector product",
+    "dot": "a product of vectors",
+    "since": "an integral over time",
+    "start": "a value at the beginning",
+    "partial": "a partial derivative",
+}
+"""Terms that are no quantities by themselves."""
+
+
+def described(term: Term) -> str:
+    """Return what a term is in words: a quantity, or how it is made."""
+    kinds = {VECTOR: "a vector", MATRIX: "a matrix", DYADIC: "a dyadic"}
+    made = _HEAD_WORDS.get(term.head) or kinds.get(term.kind, f"a {term.kind}")
+    return words(term) if term.head == "atom" and term.data[0] in QUANTITIES else made
+
+
 _LABEL_WORDS = {
     "body": "the body",
     "system": "the system",

@@ -119,7 +119,7 @@ class _Scalars(Evaluation):
         """Return a power of a square root; raises `Singular` in a world that has none."""
         base, exponent = node.as_base_exp()
         if not exponent.is_Rational or exponent.q != 2 or abs(exponent.p) > MAX_POWER:
-            raise InputError("this power has no exact value in a world", got=node)
+            raise InputError("this power has no exact value", got=node)
         found: Series = self.ring.power(series.root(self.value(base)), int(exponent.p))
         return found
 
@@ -130,7 +130,7 @@ class _Scalars(Evaluation):
 
     def other(self, node: Any) -> Series:
         """Refuse what has no value."""
-        raise InputError("this expression has no value in a world", got=node)
+        raise InputError("no value is known of this function", got=node)
 
     def turns(self, angle: Any) -> Iterator[tuple[Series, Series, int]]:
         """Yield cosine and sine of angles, each an integer or half as often in a sum."""

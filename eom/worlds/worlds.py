@@ -83,7 +83,7 @@ def _turn_angle(world: World, place: str, axes: str, frame: str, base: str) -> A
     count = len(axes_of(axes))
     if not turns or world.axes != axes_of(axes) or place not in ("1", "2", "3")[:count]:
         got = f"angle {place} of {axes} from {base} to {frame}"
-        raise InputError("there is no such angle in this world", got=got)
+        raise InputError("there is no such angle beside the others", got=got)
     return turns[count - int(place) if fixed else int(place) - 1]
 
 

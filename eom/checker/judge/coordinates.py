@@ -22,6 +22,7 @@ from eom.worlds.solutions import rate, real_point
 
 PLACES, MOMENTA = ("rad", "m", "1"), ("kg m/s", "kg m^2/s")
 DIGITS = 30
+_NEARLY = 1e-15
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,25 @@ def derivative(
     return full.diff(by).xreplace({d: rate(s) for s, d in known.rates.items()})
 
 
+@lru_cache(maxsize=16)
+def _conjugate(system: System) -> frozenset[Expr]:
+    """Return what is the derivative of an energy of the system by a rate."""
+    known, point = chart(system), real_point(system, 0)
+    named = (*system.outputs, *system.invariants)
+    energies = [d for d in named if dimension(d.quantity.unit) == dimension("J")]
+    at_rates = {d: r.evalf(DIGITS, subs=point) for d, r in known.kinematics.items()}
+
+    def value(e: Expr) -> Expr:
+        return e.xreplace(known.speeds).xreplace(at_rates).evalf(DIGITS, subs=point)
+
+    rates = {rate(s): d for s, d in known.rates.items()}
+    full = [_written_out(system, d.expression, ()).xreplace(rates) for d in energies]
+    slopes = [value(e.xreplace(known.speeds).diff(d)) for e in full for d in rates.values()]
+    likely = [d for d in named if dimension(d.quantity.unit) in map(dimension, MOMENTA)]
+    values = {d.symbol: value(_written_out(system, d.expression, ())) for d in likely}
+    return frozenset(s for s, v in values.items() if any(_same(v, w) for w in slopes))
+
+
 def _momenta(system: System) -> dict[Expr, tuple[Expr, Expr]]:
     """Return the momenta of coordinates, by the names of both."""
     outputs = {d.quantity.name: d for d in (*system.outputs, *system.invariants)}
@@ -110,7 +130,7 @@ def _momenta(system: System) -> dict[Expr, tuple[Expr, Expr]]:
     return {
         d.symbol: (d.expression, q)
         for d, q in named
-        if d is not None and _is_momentum(d.quantity.unit)
+        if d is not None and d.symbol in _conjugate(system)
     }
 
 
@@ -125,9 +145,8 @@ def _all_momenta(system: System, own: Momenta) -> dict[Expr, tuple[Expr, Expr]]:
 
 
 def _loose(system: System, f: Expr) -> set[Expr]:
-    """Return the momenta in a formula by their unit alone, which belong to no coordinate."""
-    outputs = (d.quantity for d in (*system.outputs, *system.invariants))
-    return {q.symbol for q in outputs if q.symbol in f.free_symbols and _is_momentum(q.unit)}
+    """Return the momenta in a formula, whatever coordinates they belong to."""
+    return set(f.free_symbols & _conjugate(system))
 
 
 def _without_rates(system: System, known: Chart, own: Momenta) -> dict[Expr, Expr]:
@@ -155,8 +174,8 @@ def _open(got: str) -> InputError:
     )
 
 
-def _is_momentum(unit: str) -> bool:
-    return dimension(unit) in map(dimension, MOMENTA)
+def _same(a: Expr, b: Expr) -> bool:
+    return bool((a - b).is_number and abs(a - b) < _NEARLY * (1 + abs(a)))
 
 
 def _written_out(system: System, f: Expr, own: Iterable[Expr]) -> Expr:
@@ -182,4 +201,4 @@ def _is_energy(system: System, f: Expr, full: Expr) -> bool:
     at_rates = {d: r.evalf(DIGITS, subs=point) for d, r in known.kinematics.items()}
     values = [full.xreplace(at_rates)] + [_written_out(system, e, ()) for e in energies]
     first, *rest = (v.evalf(DIGITS, subs=point) for v in values)
-    return any((first - v).is_number and abs(first - v) < 10**-15 * (1 + abs(v)) for v in rest)
+    return any(_same(v, first) for v in rest)

@@ -87,7 +87,7 @@ def sign(term: Term, strict: bool, scalars: Mapping[Any, Term], base: Iterable[s
     values = list(_values(term, scalars, assumed))
     general = [v for v, _, special in values if not special]
     if not general:
-        raise InputError("the claim is undefined in every world that was drawn")
+        raise InputError("it has no value for any body and motion that was tried")
     against = next(((w, s) for v, w, s in values if v < 0), None)
     if against is not None:
         never = not any(v > 0 for v in general) and _proved(-term, scalars)

@@ -32,13 +32,14 @@ from eom.checker.judge.inequalities import (
     sign,
 )
 from eom.checker.judge.members import Members, of_members
-from eom.checker.judge.models import MAX_TESTS, Models, Search, Worlds
+from eom.checker.judge.models import MAX_TESTS, NO_BODY, Models, Search, Worlds
 from eom.checker.judge.scalars import Scalars
 from eom.checker.judge.systems import Solutions, on_solutions, written
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, SAME_POINT, STATEMENT, Claim
 from eom.errors import InputError
 from eom.limits import Overdue
 from eom.terms.terms import SCALAR, Term, nodes
+from eom.terms.vocabulary import described
 from eom.worlds.solutions import rate, real_point, without_rates
 
 HOLDS, UNDER, WRONG, UNDECIDED = "holds", "holds under", "wrong", "undecided"
@@ -110,7 +111,7 @@ def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) 
         chosen = search.models.closed(names)
         context, base = search.base
         if not search.models.said:
-            return Judgement(UNDECIDED, reason="no world has these quantities")
+            return Judgement(UNDECIDED, reason=NO_BODY)
         found = _at_base(search)
         if found is not None:
             return found
@@ -160,22 +161,33 @@ def _beyond(search: Search) -> Judgement:
         return Judgement(UNDECIDED, reason="its roots leave open under what it holds")
     complete = search.tests < MAX_TESTS and not search.stopped
     why = "" if sets else models.why(search)
-    case = models.case() if verdict == WRONG else ""
-    return Judgement(verdict, sets, context, refuted, complete, why, case)
+    return Judgement(verdict, sets, context, refuted, complete, why)
 
 
-def loosened(claim: Claim) -> Judgement | None:
-    """Return that a claim holds nearly which does not exactly, None where it does not, or none is meant."""
-    plain = EQUALITIES.issuperset(claim.relations) and claim.kind == STATEMENT
-    if not on_solutions(claim) or of_members(claim) or not plain or claim.findings:
-        return None
-    found = _nearly(replace(claim, relations=("approx",) * len(claim.relations)), 1)
-    return None if found.verdict == WRONG else found
+def loosely(claim: Claim) -> Judgement:
+    """Return the judgement on equations of which words say that something in them is small.
 
-
-def _nearly(claim: Claim, least: int = 0) -> Judgement:
+    They hold nearly, to the order to which they are written, if they are polynomials in what is small.
+    """
+    plain = (
+        claim.kind == STATEMENT and EQUALITIES.issuperset(claim.relations) and not claim.findings
+    )
+    if not plain or claim.parameters is not None or len(claim.members) < 2:
+        return Judgement(UNDECIDED, reason=LOOSE)
+    signs = tuple(next(iter(NEARLY)) for _ in claim.relations)
     try:
-        holds, reason = nearly(claim, least)
+        holds, reason = nearly(replace(claim, relations=signs), polynomial=True)
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    return Judgement(UNDER if holds else WRONG, reason=reason)
+
+
+LOOSE = "not exactly true; the note speaks of an approximation"
+
+
+def _nearly(claim: Claim) -> Judgement:
+    try:
+        holds, reason = nearly(claim)
     except InputError as error:
         return Judgement(UNDECIDED, reason=str(error))
     return Judgement(HOLDS if holds else WRONG, reason=reason)
@@ -211,13 +223,13 @@ def _of_sign(found: Sign, context: tuple[str, ...]) -> Judgement:
     if found.found == NEVER:
         return Judgement(WRONG, (), context, found.where, True, "the opposite holds")
     if found.found == SOMETIMES:
-        reason = f"a condition: it does not hold in all worlds{special}"
+        reason = f"a condition: it does not hold for all bodies and motions{special}"
         return Judgement(UNDECIDED, (), context, found.where, True, reason)
     if found.found == BARELY and found.proved:
         return Judgement(UNDER, (), context, found.where, True, f"zero in special cases{special}")
     if found.found == ALWAYS and found.proved:
         return Judgement(HOLDS, (), context)
-    reason = f"no counterexample in {found.tried} worlds" + (
+    reason = f"no counterexample among {found.tried} bodies and motions" + (
         f", but equality{special}" if found.found == BARELY else ""
     )
     return Judgement(UNDECIDED, (), context, None, True, reason)
@@ -254,8 +266,10 @@ def is_nearly(claim: Claim) -> bool:
     return plain and (bool(signs & NEARLY) or claim.order is not None)
 
 
-def nearly(claim: Claim, least: int = 0) -> tuple[bool, str]:
-    """Return whether the links of a chain hold nearly, at least to an order, with the reason.
+def nearly(claim: Claim, *, polynomial: bool = False) -> tuple[bool, str]:
+    """Return whether the links of a chain hold nearly, with the reason.
+
+    ``polynomial``: whether both sides have to be polynomials in what is small.
 
     Raises `InputError` where that is open: not all that may be small need be what the writer means.
     """
@@ -265,10 +279,12 @@ def nearly(claim: Claim, least: int = 0) -> tuple[bool, str]:
             raise InputError("only scalars are compared nearly", got=f"{a.shape}, {b.shape}")
         exact = relation in EQUALITIES and claim.order is None
         sides = _sides(claim, a.term, b.term)
+        if polynomial and any(_degree(s, g) is None for g in sides.small for s in sides.shown):
+            raise InputError("what is small here is not known")
         found = [_orders(claim, sides, small) for small in ((),) if exact] or [
             _orders(claim, sides, small) for small in sides.small
         ]
-        best = next((f for f in found if f.apart > f.wanted >= (least if f.small else 0)), None)
+        best = next((f for f in found if f.apart > f.wanted), None)
         if best is None:
             return False, _differs(found)
         reasons.append(
@@ -455,6 +471,6 @@ def _expression(term: Term, scalars: Mapping[Any, Term], found: dict[Term, Expr]
         for _ in range(times):
             term = Term("der", (term,), ("",))
     if inner.head != "atom" or inner.data[0] not in FREELY:
-        raise InputError("this is nothing that may be small or fixed", got=term.head)
+        raise InputError("this is nothing that may be small or fixed", got=described(term))
     name = "_".join(map(str, inner.data[1:2])) + "'" * sum(n.head == "der" for n in nodes(term))
     return found.setdefault(term, sp.Symbol(name, positive=True))

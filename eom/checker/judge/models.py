@@ -42,6 +42,7 @@ from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, OPEN, SEQUENCES, clo
 
 ENOUGH = 3
 """Models in which a claim has to hold."""
+NO_BODY = "no body or motion is known here that has all these quantities"
 TRIALS = 12
 """Worlds that are drawn at most, where a claim is undefined in some."""
 FREELY = frozenset({"coordinate", "free_angle"})
@@ -99,7 +100,7 @@ class Models(ABC):
     scalars: Mapping[Any, Term]
     given: tuple[str, ...] = ()
 
-    undefined: ClassVar[str] = "the claim has no value"
+    undefined: ClassVar[str] = "it has no value"
     """What is said of a claim without a value in all models that were drawn."""
     names_scalars = False
     """Whether the claim is about free scalars alone: it says what they are."""
@@ -152,10 +153,6 @@ class Models(ABC):
 
     def doubt(self) -> str:
         """Say why what does not hold in these models may hold for real numbers, "" for no doubt."""
-        return ""
-
-    def case(self) -> str:
-        """Return the special case in which what does not hold does, as LaTeX or words, "" for none."""
         return ""
 
     def is_open(self) -> bool:
@@ -211,7 +208,7 @@ class Search:
                 why = why or error
                 continue
             return context, names
-        raise why or InputError("no world has these quantities")
+        raise why or InputError(NO_BODY)
 
     def holds(self, names: frozenset[str]) -> bool:
         """Return whether the claim holds in every model drawn under a closed set."""
@@ -372,7 +369,7 @@ class InWorld(Drawn):
 
 def _first(value: Series) -> int:
     if not value.coefficients:
-        raise InputError("more derivatives than a world holds")
+        raise InputError("too many time derivatives")
     return int(value.coefficients[0])
 
 
@@ -380,7 +377,7 @@ def _first(value: Series) -> int:
 class Worlds(Models):
     """Random exact worlds, restricted by named assumptions."""
 
-    undefined: ClassVar[str] = "the claim is undefined in every world that was drawn"
+    undefined: ClassVar[str] = "it has no value for any body and motion that was tried"
     order: ClassVar[Iterable[str]] = tuple(ASSUMPTIONS)
 
     @cached_property
@@ -693,7 +690,7 @@ def equations(claim: Claim) -> tuple[Equation, ...]:
         return (Equation(terms[0], zero(terms[0].kind)),)
     others = [r for r in claim.relations if r not in EQUALITIES]
     if others:
-        raise InputError("only equations are judged in worlds", got=others[0])
+        raise InputError("only equations between these are judged", got=others[0])
     start = 1 if claim.kind == DEFINITION else 0
     pairs = zip(terms[start:], terms[start + 1 :], strict=False)
     return tuple(squared(Equation(a, b)) for a, b in pairs)

@@ -34,7 +34,7 @@ from eom.checker.mean.roles import (
     running,
     says,
 )
-from eom.checker.mean.solid_words import Beside, beside, readings
+from eom.checker.mean.solid_words import Beside, Taken, beside, readings
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
 from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.read.documents import Document
@@ -78,7 +78,7 @@ class Understood:
     """A formula with its claims, the lexicon that holds there, and the headings above it.
 
     ``repairs``: what was read otherwise than it stands; none for the literal reading. ``role``: by the
-    words around it, see `eom.checker.mean.roles`.
+    words around it, see `eom.checker.mean.roles`; ``solid``: what words about a solid were taken to mean.
     """
 
     formula: Formula
@@ -87,6 +87,7 @@ class Understood:
     headings: tuple[str, ...]
     repairs: tuple[Repair, ...] = ()
     role: str = CLAIM
+    solid: Taken | None = None
     around: Around = field(default_factory=Around, compare=False, repr=False)
 
 
@@ -96,8 +97,61 @@ def understand(
     """Return every formula of a document with its claims, in order.
 
     A display may continue the display before; what the note defines holds from there on. What takes
-    more than ``seconds`` claims something undecided.
+    more than ``seconds`` claims something undecided. Words about a solid are read in one way throughout a
+    section: that in which most of its lines hold.
     """
+    solids = _Solids()
+    found = _understood(document, lexicon, seconds, solids)
+    if not solids.disagree:
+        return found
+    every = _Solids(every=True)
+    _understood(document, lexicon, seconds, every)
+    settled = _Solids(settled=every.most())
+    return _understood(document, lexicon, seconds, settled) if settled.settled else found
+
+
+Group = tuple[tuple[str, ...], str]
+"""The headings above, and the pattern of the noun that names a solid."""
+
+
+@dataclass
+class _Solids:
+    """How words about solids were taken in the lines that hold, by section and noun.
+
+    ``every``: whether all readings of a line are looked at, not only the first in which it holds;
+    ``settled``: the reading of a section.
+    """
+
+    every: bool = False
+    settled: Mapping[Group, Taken] = field(default_factory=dict)
+    held: dict[Group, list[list[Taken]]] = field(default_factory=dict)
+
+    def allows(self, group: Group, taken: Taken) -> bool:
+        """Return whether a reading is that of the section, where that is settled."""
+        return group not in self.settled or self.settled[group].fits(taken)
+
+    @property
+    def disagree(self) -> bool:
+        """Whether lines of one section hold in readings that exclude each other."""
+        rows = ([t for line in lines for t in line] for lines in self.held.values())
+        return any(not a.fits(b) for row in rows for a in row for b in row)
+
+    def most(self) -> Mapping[Group, Taken]:
+        """Return the readings in which most lines of a section hold, two at least."""
+        found: dict[Group, Taken] = {}
+        for group, lines in self.held.items():
+            tried = dict.fromkeys(t for line in lines for t in line)
+            holding = {t: sum(any(t.fits(o) for o in line) for line in lines) for t in tried}
+            best = max(holding, key=lambda t: holding[t])
+            if max(2, len(lines) / 2 + 0.5) <= holding[best]:
+                found[group] = best
+        return found
+
+
+def _understood(
+    document: Document, lexicon: Lexicon, seconds: float, taken: _Solids
+) -> tuple[Understood, ...]:
+    """Return the formulas, with words about solids read in the ways that are allowed."""
     found: list[Understood] = []
     headings: list[tuple[int, str]] = []
     scoped = _Scoped(lexicon)
@@ -124,7 +178,8 @@ def understand(
         scalars = Scalars(letters, relations.at(titles), new_names)
         context = _Context(here, known, before if display else (), scalars)
         general = _timely(formula, earlier, context, seconds)
-        new = _of_solid(solids.get(number, ()), general, earlier, context, seconds)
+        said = solids.get(number, ())
+        new = _of_solid(said, general, earlier, context, seconds, taken, titles)
         if display:
             previous, before = new.formula.statements, new.claims
         if new_names:
@@ -267,6 +322,8 @@ def _of_solid(
     previous: tuple[Statement, ...],
     context: _Context,
     seconds: float,
+    solids: _Solids,
+    titles: tuple[str, ...],
 ) -> Understood:
     """Return a formula about the solid that the words beside it name, by the reading that suits it best.
 
@@ -278,16 +335,26 @@ def _of_solid(
         return general
     tree = formula.reading.tree
     for one in (s for s in said if s.concerns(tree)):
-        for lexicon, sure in readings(context.lexicon, one, tree):
+        group, held = (titles, one.noun.pattern.pattern), list[Taken]()
+        for lexicon, sure, taken in readings(context.lexicon, one, tree):
+            if not solids.allows(group, taken):
+                continue
             new = _timely(formula, previous, replace(context, lexicon=lexicon), seconds)
             about = [c for c in new.claims if _decided(c)]
             if not about or _left(new) > _left(general):
                 break
+            new = replace(new, solid=taken)
             count = sum(map(agreeing, about))
             if sure and len(said) == 1 and count > most:
                 best, most = new, count
             if all(agreeing(c) == len(c.members) - 1 for c in about):
-                return new
+                best, most = (best, most) if held else (new, len(formula.piece.body))
+                held.append(taken)
+                if not solids.every:
+                    break
+        if held:
+            solids.held.setdefault(group, []).append(held)
+            return best
     return best
 
 

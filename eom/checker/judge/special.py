@@ -9,17 +9,23 @@ that it writes. Parameters of a system are apart by that.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import combinations_with_replacement, islice
+from typing import Any
+
+import sympy as sp
 
 from eom.checker.judge.judge import Judgement
-from eom.checker.judge.models import terms_of
-from eom.checker.judge.systems import equations, on_solutions
+from eom.checker.judge.models import ENOUGH, Search, Worlds, filled, terms_of
+from eom.checker.judge.systems import Solutions, equations, on_solutions
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.model import Model
+from eom.checker.mean.model import Model, printed
 from eom.errors import InputError
-from eom.terms.terms import Term, nodes
-from eom.worlds.solutions import Restriction
+from eom.fields import RESIDUES, Singular
+from eom.limits import Overdue
+from eom.terms.terms import Term, add, nodes
+from eom.worlds.solutions import Restriction, without_rates
 from eom.worlds.worlds import ANGLES, ASSUMPTIONS, MOMENT
 
 _FRAMED = frozenset({"unit", "angular_velocity", "rotation", "eigenvectors", *ANGLES})
@@ -142,3 +148,114 @@ def _letter(what: str, lexicon: Lexicon) -> str:
     names = lexicon.frames if frame else lexicon.points
     own = ["".join(given) for given, name in names.items() if name == what.removeprefix("frame ")]
     return min(own[::-1], key=lambda t: not t[:1].isupper(), default="").replace("^ast", "^*")
+
+
+# -- the lowest condition ------------------------------------------------------------------------------
+
+Expr = Any
+POSITIVE = frozenset({"kg", "m", "kg m^2", "N/m", "s", "m/s^2", "N m/rad"})
+"""Units of parameters that are never zero."""
+STIFF = frozenset({"inertia", "mass", "total_mass", "position", "scalar", "unit", "identity"})
+"""Quantities whose components alone are no motion that may vanish."""
+USUAL = ("newton_2", "third_law_strong", "body_frame", "principal_axes", "principal_at_O")
+"""What is assumed beyond what is given where a condition of a line in worlds is looked for."""
+MAX_DEGREE = 3
+"""Factors of what a line in worlds leaves over."""
+MAX_LETTERS = 9
+MAX_RATIO = 12
+
+
+def condition(claim: Claim, given: Sequence[str] = ()) -> str:
+    """Return the lowest condition on its own quantities under which a wrong claim holds, "" for none."""
+    try:
+        if on_solutions(claim):
+            return _on_system(Solutions(claim, claim.scalars, tuple(given)))
+        return _in_worlds(claim, given) if claim.parameters is None else ""
+    except (InputError, Singular, Overdue):
+        return ""
+
+
+def _on_system(models: Solutions) -> str:
+    """Return a factor that may vanish of what a line leaves over on the solutions of its system."""
+    left = models.leaves()
+    if left is None:
+        return ""
+    model = models.model
+    above = sp.fraction(sp.together(left))[0]
+    sides = [model.system.expand(without_rates(model.system, s)) for p in models.said for s in p]
+    found = [
+        c
+        for f, _ in sp.factor_list(above)[1]
+        for c in _vanishing(f, model)
+        if any(s.subs(*c) != 0 for s in sides)
+    ]
+    letters = {
+        q.symbol: sp.Symbol(model.letters.get(n, printed(q))) for n, q in model.quantities.items()
+    }
+    angles = {q.symbol for q in model.system.states if q.unit == "rad"}
+
+    def rank(sides: tuple[Expr, Expr]) -> tuple[bool, bool, int, int]:
+        free = sides[0].free_symbols | sides[1].free_symbols
+        size = sum(int(s.count_ops()) for s in sides)
+        return sides[0] in angles, bool(free & angles), len(free), size
+
+    least = min(found, key=rank, default=None)
+    return "" if least is None else f"${_equated(*(e.xreplace(letters) for e in least))}$"
+
+
+def _vanishing(factor: Expr, model: Model) -> Iterator[tuple[Expr, Expr]]:
+    """Yield what has to be equal so that a factor vanishes while no term of it does by itself."""
+    still = {q.symbol: q.unit for q in model.system.parameters}
+    angles = {q.symbol for q in model.system.states if q.unit == "rad"}
+    plain = factor.xreplace({f: sp.Dummy() for f in factor.atoms(sp.sin, sp.cos)})
+    turned = factor.free_symbols <= angles and not plain.free_symbols & angles
+    if factor.is_Symbol and still.get(factor, "") not in POSITIVE:
+        yield factor, sp.Integer(0)
+    elif isinstance(factor, sp.sin | sp.cos) and factor.args[0].is_Symbol:
+        yield factor.args[0], sp.Integer(0) if isinstance(factor, sp.sin) else sp.pi / 2
+    elif factor.is_Add and (factor.free_symbols <= still.keys() or turned):
+        terms = sp.Add.make_args(factor)
+        minus = [t for t in terms if t.could_extract_minus_sign()]
+        if 0 < len(minus) < len(terms):
+            yield sp.Add(*(t for t in terms if t not in minus)), -sp.Add(*minus)
+
+
+def _equated(left: Expr, right: Expr) -> str:
+    return " = ".join(sp.latex(side) for side in sorted((left, right), key=lambda s: s.is_number))
+
+
+def _in_worlds(claim: Claim, given: Sequence[str]) -> str:
+    """Return a letter that vanishes with what a line between components leaves over in all worlds."""
+    (said, *more) = Worlds(claim, claim.scalars).said
+    letters = sorted(claim.scalars, key=str)
+    if more or said.left.kind != "scalar" or not 0 < len(letters) <= MAX_LETTERS:
+        return ""
+    models = Worlds(claim, claim.scalars, tuple(given))
+    points = list(islice(models.draw(filled(Search(models).base[1], USUAL)), ENOUGH))
+    wanted = [p.scalar(add(said.left, -said.right)) for p in points]
+    values = {s: [p.scalar(claim.scalars[s]) for p in points] for s in letters}
+    for degree in range(1, MAX_DEGREE + 1):
+        for chosen in combinations_with_replacement(letters, degree):
+            if _is_multiple(wanted, [values[s] for s in chosen]):
+                free = [s for s in dict.fromkeys(chosen) if _moves(claim.scalars[s])]
+                return f"${sp.latex(free[0])} = 0$" if free else ""
+    return ""
+
+
+def _is_multiple(wanted: Sequence[int | None], factors: Sequence[Sequence[int | None]]) -> bool:
+    """Return whether numbers are a product times one small fraction."""
+    found = set()
+    for n, value in enumerate(wanted):
+        product = 1
+        for f in factors:
+            product = product * (f[n] or 0) % RESIDUES.prime
+        if not value or not product:
+            return False
+        found.add(RESIDUES.reduce(value * RESIDUES.inverse(product)))
+    small = RESIDUES.fraction(found.pop(), MAX_RATIO) if len(found) == 1 else None
+    return small is not None
+
+
+def _moves(term: Term) -> bool:
+    """Return whether a letter stands for a motion or a load, which may vanish."""
+    return any(n.head == "atom" and n.data[0] not in STIFF for n in nodes(term))

@@ -47,6 +47,7 @@ from eom.terms.terms import (
     number,
     partial,
 )
+from eom.terms.vocabulary import described
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
@@ -76,6 +77,8 @@ MAX_OPERATIONS = 1500
 MAX_TERMS = 6
 MAX_SPREAD = 3000
 MAX_WRITTEN = 2
+MAX_TOLD = 60
+"""Operations of what is said to be missing."""
 MAX_NUMBER = 100
 FAR = 14
 """Rank from which on a factor is no slip: the difference is reported as what is missing."""
@@ -144,7 +147,7 @@ def elements(term: Term) -> tuple[Term, ...]:
         each = [elements(a) for a in term.args]
         if len({len(e) for e in each}) == 1:
             return tuple(add(*column) for column in zip(*each, strict=True))
-    raise InputError("this is no quantity of the system", got=term.head)
+    raise InputError("this is no quantity of the system", got=described(term))
 
 
 def _atom_elements(term: Term) -> tuple[Term, ...]:
@@ -152,7 +155,7 @@ def _atom_elements(term: Term) -> tuple[Term, ...]:
     if _is_axis(term):
         return tuple(number(int(str(k) == term.data[2])) for k in (1, 2, 3))
     if not of_system(term):
-        raise InputError("this is no quantity of the system", got=term.head)
+        raise InputError("this is no quantity of the system", got=described(term))
     return tuple(Term("atom", (), (*term.data, str(k))) for k in (1, 2, 3))
 
 
@@ -197,7 +200,7 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
         return _JOINED[term.head](*inside)
     if term.head == "der" and term.kind == SCALAR:
         return inside[0] if inside[0] == 0 else rate(inside[0])
-    raise InputError("this is no quantity of the system", got=term.head)
+    raise InputError("this is no quantity of the system", got=described(term))
 
 
 _JOINED = {"add": sp.Add, "mul": sp.Mul, "since": since, "start": start, "zero": lambda: sp.S.Zero}
@@ -214,7 +217,7 @@ def _plainly(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
 def _quantity(term: Term, _: Mapping[Any, Term], model: Model) -> Expr:
     """Return a quantity of the system, or the component of a vector of it."""
     if not of_system(term):
-        raise InputError("this is no quantity of the system", got=term.head)
+        raise InputError("this is no quantity of the system", got=described(term))
     name, *place = term.data[1:]
     return model.vector(name)[int(place[0]) - 1] if place else model.symbol(name)
 
@@ -255,7 +258,7 @@ def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
     """Return the pairs of expressions that a claim says are equal. Raises `InputError` for others."""
     others = [r for r in claim.relations if r not in EQUALITIES]
     if others or claim.kind == SAME_POINT:
-        raise InputError("only equations are judged on solutions", got=others[0] if others else "")
+        raise InputError("only equations between these are judged", got=others[0] if others else "")
     members = [[written(e, claim.scalars, model) for e in elements(m.term)] for m in claim.members]
     if model.body is not None and any(
         e.free_symbols & set(COORDINATES) for m in members for e in m
@@ -297,7 +300,7 @@ class OnSolution(Drawn):
 class Solutions(Models):
     """Solutions of the system that a claim is about; names are those of restrictions."""
 
-    undefined: ClassVar[str] = "the claim is undefined at every point that was drawn"
+    undefined: ClassVar[str] = "it has no value at any point that was tried"
 
     @property
     def model(self) -> Model:
@@ -412,32 +415,15 @@ class Solutions(Models):
         held = f"it holds if {' and '.join(self.shown(rest))}" if rest else ""
         return "; ".join(filter(None, (self._slip(), held)))
 
-    def case(self) -> str:
-        """Return the simplest special case in which the one equation that fails holds, "" for none.
-
-        It is one of parameters, or of angles.
-        """
+    def leaves(self) -> Expr | None:
+        """Return what the one equation that fails leaves over, None where it is long."""
         failing = [p for p in self.said if next(self._failing(p), None) is not None]
         with suppress(Singular, InputError):
-            one = len(failing) == 1
-            over = residual(self.model.system, failing[0], self.held) if one else None
-            plainly = [] if over is None else [self.model.system.expand(over)]
-            factors = sorted((f for e in plainly for f in _vanishing(e)), key=_size)
-            still = {q.symbol for q in self.model.system.parameters}
-            angles = {q.symbol for q in self.model.system.states if q.unit == "rad"}
-            plain = [f for f in factors if f.free_symbols <= still or f.free_symbols <= angles]
-            least = min(plain, key=lambda f: len(f.free_symbols), default=None)
-            return "" if least is None else f"${self._equated(least)}$"
-        return ""
-
-    def _equated(self, factor: Expr) -> str:
-        """Return that a sum is zero as an equation of its two parts, in the letters of the note."""
-        quantities = self.model.quantities.items()
-        letters = {q.symbol: sp.Symbol(self.model.letter(n)) for n, q in quantities}
-        terms = sp.Add.make_args(factor.xreplace(letters))
-        minus = [t for t in terms if t.could_extract_minus_sign()]
-        sides = (sp.Add(*(t for t in terms if t not in minus)), -sp.Add(*minus))
-        return " = ".join(sp.latex(side) for side in sorted(sides, key=lambda s: s == 0))
+            found = (
+                residual(self.model.system, failing[0], self.held) if len(failing) == 1 else None
+            )
+            return None if found is None else self.model.system.expand(found)
+        return None
 
     def _slip(self) -> str:
         for pair in self.said:
@@ -456,6 +442,8 @@ class Solutions(Models):
                     yield drawn.motion
 
     def _missing(self, found: Leftover) -> str:
+        if _size(found.term) > MAX_TOLD:
+            return ""
         quantities = self.model.quantities.items()
         letters = {q.symbol: sp.Symbol(self.model.letter(n)) for n, q in quantities}
         return found.words.format(str(found.term.xreplace(letters)).replace("**", "^"))
@@ -530,16 +518,6 @@ def _inside(expression: Expr) -> Iterator[Expr]:
 
 
 # -- what is left over --------------------------------------------------------------------------------
-
-
-def _vanishing(residual: Expr) -> Iterator[Expr]:
-    """Yield the factors of a residual that may be zero while no term is: sums of both signs."""
-    above = sp.fraction(sp.together(residual))[0]
-    for factor, _ in sp.factor_list(above)[1]:
-        terms = sp.Add.make_args(factor)
-        signs = {t.could_extract_minus_sign() for t in terms}
-        if len(signs) > 1:
-            yield factor
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ from eom.checker.judge.judge import (
 from eom.checker.judge.laws import free_alone, own
 from eom.checker.judge.models import CHANCE, MODELS, Worlds, addends, equations
 from eom.checker.judge.notes import Understood
+from eom.checker.judge.special import condition
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED
@@ -53,7 +54,7 @@ LAWS = (("newton_2",), ("third_law_weak",), ("third_law_strong",))
 NONE = "no claim"
 """The verdict on a formula that claims nothing: a symbol, an expression, words."""
 
-UNMET = "it does not hold without its condition, which no world is drawn under"
+UNMET = "it does not hold without its condition, and no motion is known here that fulfils that"
 """Why a claim beside a condition of its own is undecided as long as nobody has looked for such worlds."""
 
 ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION, ASSUMPTION)
@@ -93,11 +94,22 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     judged = _of_one_model(judged, given, understood)
     judged = _conditional(judged)
     judged = tuple(
-        replace(j, chain=judge_chain(j.claim, given)) if j.verdict in GRAVE else j for j in judged
+        replace(_with_case(j, given), chain=judge_chain(j.claim, given))
+        if j.verdict in GRAVE
+        else j
+        for j in judged
     )
     found = {j.verdict: j.reason for j in reversed(judged)}
     gravest = next((v for v in ORDER if v in found), NONE)
     return Verdict(gravest, found.get(gravest, ""), judged)
+
+
+def _with_case(judged: Judged, given: tuple[str, ...]) -> Judged:
+    """Return what is wrong with the special case in which it holds."""
+    if judged.verdict != WRONG or judged.claim.findings or judged.judgement.special:
+        return judged
+    case = condition(judged.claim, (*given, *judged.judgement.context))
+    return replace(judged, judgement=replace(judged.judgement, special=case)) if case else judged
 
 
 def _of_one_model(

@@ -502,7 +502,7 @@ def call(e: Elaborator, node: Call) -> Value:
         return limit(e, node)
     argument = e.value(node.argument)
     if node.sub is not None:
-        raise refuse(UNDECIDED, "a label below a function", node.span)
+        raise refuse(UNDECIDED, "what stands below this function has no meaning", node.span)
     if node.function in _MATRIX_FUNCTIONS:
         return _MATRIX_FUNCTIONS[node.function](e, argument, node.span)
     function = _FUNCTIONS.get(node.function)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from itertools import islice, product
 from typing import NamedTuple
@@ -499,21 +499,55 @@ def _about(text: str) -> tuple[int, ...]:
 # -- readings --------------------------------------------------------------------------------------
 
 
-def readings(lexicon: Lexicon, said: Beside, tree: Node) -> Iterator[tuple[Lexicon, bool]]:
+@dataclass(frozen=True)
+class Taken:
+    """What a reading takes words to mean: a solid, how it lies, edges that are equal, point and axis.
+
+    Point and axis are None where the words beside the line name them, so that other lines may have others.
+    """
+
+    solid: str
+    lying: Lying
+    equal: tuple[tuple[str, str], ...]
+    point: str | None
+    axis: int | None
+
+    def fits(self, other: Taken) -> bool:
+        """Return whether lines of one section may be read in both ways."""
+        pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return all(a == b or a is None or b is None for a, b in pairs)
+
+    @property
+    def words(self) -> str:
+        """The reading in words."""
+        axis = [row[2] for row in self.lying.turn]
+        along = next((c for c, part in zip("xyz", axis, strict=True) if part == 1), "")
+        pairs = ", ".join(f"{a} = {b}" for a, b in self.equal)
+        parts = (
+            f"its axis along {along}" if along else "",
+            f"about its {self.point}" if self.point else "",
+            f"with edges {pairs}" if pairs else "",
+        )
+        return ", ".join(filter(None, (f"read as: of a {self.solid}", *parts)))
+
+
+def readings(lexicon: Lexicon, said: Beside, tree: Node) -> Iterator[tuple[Lexicon, bool, Taken]]:
     """Yield a lexicon of the solid for each reading of the words; what the lexicon says stays behind it.
 
     ``tree``: the formula, whose letters and labels are the ones that get a meaning. With each whether the
-    words leave so little open that what holds in no reading is wrong.
+    words leave so little open that what holds in no reading is wrong, and what it takes them to mean.
     """
     name, sizes = said.sizes
     here = tuple(g for n in walk(tree) if (g := seen(n)) is not None)
-    points = _points(name, said.near) or [CENTRE, *SOLIDS[name].points]
+    named = _points(name, said.near)
+    points = named or [CENTRE, *SOLIDS[name].points]
+    axes = _about(said.near)
     text = f"{said.note}\n{said.words}\n{said.near}"
     labelled = _present({**_called(name), **_labels(name, lexicon, text)}, here)
     bodies = {g.sub[-1] for _, looks, _ in _letters(said.words) for g in looks if g.sub}
     unknown = _unexplained(here, labelled, bodies)
     letters = sorted({g.look.name for g in here} & _INERTIAS)
-    ways = product(_equalities(said), _lying(name, said.words), points, _about(said.near))
+    ways = product(_equalities(said), _lying(name, said.words), points, axes)
     for equal, lying, point, axis in islice(ways, MAX_READINGS):
         model = _model(name, _pose(equal, sizes, lying), point)
         known = {label: about or point for label, about in {**unknown, **labelled}.items()}
@@ -530,6 +564,13 @@ def readings(lexicon: Lexicon, said: Beside, tree: Node) -> Iterator[tuple[Lexic
         yield (
             replace(here_alone, system=replace(model, letters=own)),
             not (unknown or said.edges[1]),
+            Taken(
+                name,
+                lying,
+                tuple(equal.items()),
+                None if named else point,
+                axis if len(axes) == len(_BASIS.row(0)) else None,
+            ),
         )
 
 

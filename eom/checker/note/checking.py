@@ -29,6 +29,7 @@ from eom.checker.report.findings import (
     Remark,
     Report,
     Settings,
+    decided_by,
 )
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
@@ -221,7 +222,7 @@ def finding(one: Understood, judged: Verdict, number: int = 1) -> Finding:
         _sets(gravest) if judged.verdict == UNDER else (),
         reason,
         _place(one, gravest),
-        tuple(r.text for r in one.repairs),
+        (*(r.text for r in one.repairs), *([one.solid.words] if one.solid else [])),
         special=" and ".join(dict.fromkeys(filter(None, (j.judgement.special for j in gravest)))),
     )
 
@@ -268,6 +269,9 @@ def _report(
 ) -> Report:
     draft = known.draft
     sources = list(dict.fromkeys(p.source for p in document.pieces))
+    found = [
+        replace(f, reason=decided_by(f.reason)) if f.verdict == UNDECIDED else f for f in found
+    ]
     return Report(
         document.name,
         tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),

@@ -29,7 +29,7 @@ KINDS: dict[str, str] = {
     "not needed": "{what}, stated in line {line}, is not needed here",
     "rests on": "rests on the assumption of line {line}",
     "condition": "is judged under the condition of line {line}",
-    "open by laws": "may follow from the assumption of line {line}, which no world obeys",
+    "open by laws": "may follow from the assumption of line {line}, which no motion in general obeys",
     "contradicts": "contradicts line {line}",
     "contradicts assumption": "cannot stand together with the assumption of line {line}",
     "repeats": "repeats line {line}",

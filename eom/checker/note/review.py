@@ -17,18 +17,20 @@ import sympy as sp
 
 from eom.checker.judge.judge import (
     HOLDS,
+    LOOSE,
     UNDECIDED,
     UNDER,
     WRONG,
     Judgement,
     judge,
-    loosened,
+    loosely,
     row_of,
 )
 from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import Worlds, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import Name, excused, in_letters, named, says
+from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.mean.lexicon import Lexicon
@@ -92,7 +94,7 @@ def review(
 
     A verdict differs from that on the formula alone where a claim rests on what the note assumes by a
     formula: then it holds under that; and where a wrong claim stands beside words of an approximation:
-    then it is undecided, or about a system and may hold nearly.
+    then it may hold nearly, or is undecided.
     """
     given = tuple(given)
     first = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
@@ -111,11 +113,16 @@ def review(
         for k, (u, v) in enumerate(zip(understood, alone, strict=True))
     ]
     settled = [v for v, _ in placed]
-    plain = [_loosened(v, loose, at) for v, at in zip(first, context.places, strict=True)]
     lines = [u.formula.piece.line for u in understood]
     about = remarks(settled, lines, context, given)
+    loosened = [
+        _small(v) if _is_apart(u) and _near(loose, context.places[k]) else v
+        for k, (u, v) in enumerate(zip(understood, first, strict=True))
+    ]
     final = [
-        _of_system(understood[:k], u, plain[k], names[u.headings], _near(free, context.places[k]))
+        _of_system(
+            understood[:k], u, loosened[k], names[u.headings], _near(free, context.places[k])
+        )
         if _is_apart(u)
         else settled[k]
         for k, u in enumerate(understood)
@@ -155,17 +162,6 @@ def _of_system(
     return _gravest(claims) if claims != found.claims else found
 
 
-def _loosened(found: Verdict, said: Iterable[Said], place: Place) -> Verdict:
-    """Return the verdict on a formula beside words of an approximation: what is wrong may hold nearly."""
-    near = _near(said, place)
-    loose = [loosened(j.claim) if near and j.verdict == WRONG else None for j in found.claims]
-    claims = tuple(
-        j if other is None else _replaced(j, other)
-        for j, other in zip(found.claims, loose, strict=True)
-    )
-    return _gravest(claims) if claims != found.claims else found
-
-
 def _in_general(
     judged: Judged,
     names: frozenset[Name],
@@ -186,7 +182,24 @@ def _in_general(
 
 def _near(found: Iterable[Said], place: Place) -> bool:
     """Return whether something that is said holds in a place."""
-    return any(s.start <= place and place[0] < s.stop for s in found)
+    return bool(_said_near(found, place))
+
+
+def _said_near(found: Iterable[Said], place: Place) -> list[Said]:
+    return [s for s in found if s.start <= place and place[0] < s.stop]
+
+
+def _small(found: Verdict) -> Verdict:
+    """Return the verdict on a formula about a system where words say that something is small."""
+    wrong = [j for j in found.claims if j.verdict == WRONG and on_solutions(j.claim)]
+    better = {id(j): loosely(j.claim) for j in wrong}
+    claims = tuple(
+        _replaced(j, better[id(j)])
+        if id(j) in better and better[id(j)].verdict in {UNDER, WRONG}
+        else j
+        for j in found.claims
+    )
+    return _gravest(claims) if claims != found.claims else found
 
 
 def _gravest(claims: tuple[Judged, ...]) -> Verdict:
@@ -331,12 +344,13 @@ class _Placed:
 
     def _approximate(self, judged: Judged) -> _Other | None:
         """Leave a claim beside words of an approximation open, unless another factor makes it true."""
-        place = self.context.places[self.number]
-        near = [s for s in self.loose if s.start <= place and place[0] < s.stop]
+        near = _said_near(self.loose, self.context.places[self.number])
+        found = loosely(judged.claim) if near else judged.judgement
+        if found.verdict == UNDER and near:
+            return found, "approximate", near[-1].line
         if not near or slipped(judged.claim, self.given):
             return None
-        why = "not exactly true; the note speaks of an approximation"
-        found = replace(judged.judgement, verdict=UNDECIDED, reason=why)
+        found = replace(judged.judgement, verdict=UNDECIDED, reason=LOOSE)
         return found, "approximate", near[-1].line
 
 

@@ -104,8 +104,9 @@ PHRASES: tuple[tuple[str, tuple[str, ...]], ...] = (
 NOTE, SECTION, PARAGRAPH = "note", "section", "paragraph"
 
 APPROXIMATE: tuple[tuple[str, str], ...] = (
-    (r"small[- ](?:angle|displacement|deviation|oscillation|perturbation)s?|lineari[sz]", SECTION),
-    ((r"(?:is|are|remains?) small\b|\bfor (?:\w+ )?small\b|"
+    ((r"small[- ](?:angle|displacement|deviation|oscillation|perturbation|motion|vibration)s?|"
+      r"lineari[sz]"), SECTION),
+    ((r"(?:is|are|remains?|stays?|for|with) (?:sufficiently |very )?small\b|"
       r"to (?:the )?first order|first[- ]order (?:in|approx)|"
       r"\bapproximat(?:ely|ion|ed?)\b|negligib|neglect|higher[- ]order terms"), PARAGRAPH),
 )  # fmt: skip

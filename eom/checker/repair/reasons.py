@@ -171,7 +171,8 @@ def _named(place: Place) -> str:
     """Say which quantity is the wrong one of its kind."""
     old, new = (meant(place.lexicon, n) for n in (place.change.old, place.change.new))
     alike = old and old.split("_")[-2:] == new.split("_")[-2:]
-    return f"the wrong {old.replace('_', ' ')}: {{new}}, not {{old}}" if alike else ""
+    kind = "quantity" if old == "system" else old.replace("_", " ")
+    return f"the wrong {kind}: {{new}}, not {{old}}" if alike else ""
 
 
 def _ordered(place: Place) -> str:

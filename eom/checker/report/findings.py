@@ -130,6 +130,100 @@ PROSE = "prose"
 """The kind of a finding on a claim in words."""
 
 
+DECIDES: dict[str, tuple[str, ...]] = {
+    "": (  # says itself what would
+        *("symbol without a meaning", "this mark has no meaning", "its condition", "unknown "),
+        *("not a unit", "not read", "ill-formed if the draft", "a number that is given"),
+        "not exactly true",
+    ),
+    "a meaning of it in the lexicon, or a line above that defines it": (
+        *("this is not defined yet", "no meaning is known", "the meanings of these symbols go"),
+        *("a script on the left", "an accent without", "what stands above", "what stands at this"),
+        *("what is raised here", "an operator without a", "a function without", "a list without"),
+        *("angle brackets", "a table without", "a differential without", "a relation without"),
+        *("what stands below this function", "a derivative by what", "wrong number of labels"),
+        "sine or cosine of what",
+    ),
+    "a line above that defines it, or a system in the lexicon that says how it moves": (
+        *("this is no quantity of the system", "no system says how", "only a system says"),
+        *("it is not known how this depends", "no partial derivative", "this has no value on sol"),
+        *("the coordinates of this system", "speeds that are not linear", "states on an unknown"),
+        *("no body or motion is known", "this rotation was not", "there is no such angle"),
+        *("there are no rotors", "there is no slug"),
+    ),
+    "a range, a sign or a value of what stands in it, as a condition of the line": (
+        *(
+            "this rests on the signs",
+            "its roots leave open",
+            "this power has no exact",
+            "a condition:",
+        ),
+        *("no value is known of this function", "the functions in this", "zero in special cases"),
+        *("a root of higher degree", "a power of a function", "no counterexample among"),
+        *("no bounds are known", "it has no value"),
+    ),
+    "limits, or the range that it runs over": (
+        *(
+            "an integral without its",
+            "not an integral over",
+            "a limit of an integral",
+            "a sum over",
+        ),
+        *(
+            "a sum up to",
+            "not an index",
+            "a function under an integral",
+            "no rule for this integral",
+        ),
+        *("the variable has a meaning", "the place of an element", "what this integral says"),
+        *("a density under", "more than two instants", "a power of a density"),
+    ),
+    'words that say what is small, as "for small theta"': (
+        *("what is small here", "this is nothing that may be small", "this has no value where"),
+        *("the order of the difference", "only scalars are compared nearly"),
+    ),
+    "what is held, as a function of coordinates and rates alone, or of coordinates and momenta alone": (
+        *("whether rates or momenta", "this is not written in the momentum"),
+    ),
+    "a line above that says what these quantities are, or a law of motion that ties them": (
+        *("this may be a law", "it may follow from the laws", "this is no identity"),
+        *("what leaves a body", "a relation continues nothing", "a condition that is no equation"),
+    ),
+    "a condition that more motions fulfil, or a line that says what follows from it": (
+        *("it does not hold without its condition", "under its conditions it holds"),
+        *("no motion is known here that", "assumptions cannot stand", "no generator knows"),
+        *("no solution of the system keeps", "unless more is assumed", "no counterexample in"),
+    ),
+    "the same in components, with their frame": (
+        *("a sum of unit vectors in", "a multiple of unit vectors", "derivatives of unit vectors"),
+        *("the derivative of a matrix", "two sides have different", "tables of other sizes"),
+        *("a diagonal of other", "only scalars are greater"),
+    ),
+    "the same written out, in shorter lines": (
+        *("too long", "this is too large", "a number is too long", "a power is too large"),
+        *("an exponent is too large", "a determinant that is", "too many time", "more derivatives"),
+        *("something is left out", "words within a formula", "the order of a derivative"),
+        *(
+            "only equations between",
+            "the formula is too long",
+            "the meaning of this",
+            "the judgement of this",
+        ),
+    ),
+}
+"""What would decide a line, and how the reasons begin for which it is undecided."""
+SAME = "the same said of quantities that the lexicon or its system knows"
+"""What would decide a line whose reason is none of these."""
+
+
+def decided_by(reason: str) -> str:
+    """Return why a line is undecided, with what would decide it."""
+    if not reason:
+        return f"to decide it: {SAME}"
+    by = next((d for d, begins in DECIDES.items() if reason.startswith(begins)), SAME)
+    return f"{reason}; to decide it: {by}" if by else reason
+
+
 @dataclass(frozen=True)
 class Remark:
     """What a formula has to do with the rest of the note.

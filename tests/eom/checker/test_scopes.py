@@ -245,6 +245,31 @@ def test_a_table_of_solids_and_other_notations():
         assert [f.verdict for f in report.findings] == ["holds", "holds", "wrong"]
 
 
+CYLINDER = "A solid cylinder has mass $m$, radius $R$ and height $h$.\n\n"
+ROUND, ACROSS = r"\frac12 m R^2", r"\frac1{12} m (3R^2 + h^2)"
+READ = {
+    (("zz", ROUND), ("xx", ACROSS), ("yy", ROUND)): ["holds", "holds", "wrong"],
+    (("xx", ROUND), ("yy", ACROSS), ("zz", ACROSS)): ["holds"] * 3,
+    (("xx", ROUND), ("yy", ROUND)): ["holds"] * 2,
+    (("xx", ROUND), ("zz", ACROSS), ("xx", ACROSS), ("zz", ROUND)): ["holds"] * 4,
+}
+
+
+@pytest.mark.parametrize("lines", READ)
+def test_a_section_is_read_in_one_way(lines):
+    """What holds only in a reading that most others refute is wrong; two against two say nothing."""
+    note = CYLINDER + "\n\n".join(f"$$I_{{{axes}}} = {value}$$" for axes, value in lines)
+    assert found(note, notation="physics-bold") == READ[lines]
+
+
+def test_the_report_says_how_words_were_read():
+    note = f"{CYLINDER}$$I_{{xx}} = {ROUND}$$\n\n$$I_{{yy}} = {ACROSS}$$"
+    report = eom.check(note, notation="physics-bold")
+    assert (
+        str(report).count("read as: of a cylinder, its axis along x, about its centre of mass") == 2
+    )
+
+
 def test_what_a_lexicon_names_goes_before_words():
     note = "# A\n\nA disc of radius $R$ has $$I_z = \\frac25 m R^2$$"
     named = 'preset = "physics-bold"\n[[check.scope]]\nheading = "A"\nsystem = "sphere"'

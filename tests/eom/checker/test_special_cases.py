@@ -230,3 +230,51 @@ def test_a_factor_that_vanishes_is_the_special_case(found):
         "wrong",
         r"$\cos{\left(\chi \right)} = \sin{\left(\chi \right)}$",
     )
+
+
+BOB = r"""
+[system]
+coordinates = { theta = "rad", psi = "rad" }
+parameters = { m = "kg", l = "m", g = "m/s^2" }
+gravity = [0, 0, "-g"]
+[system.bodies]
+bob = { mass = "m", at = ["l*sin(theta)*cos(psi)", "l*sin(theta)*sin(psi)", "-l*cos(theta)"] }
+"""
+STATED = {
+    r"$$l\ddot\theta = -g\sin\theta$$": r"$\dot{\psi} = 0$",
+    r"$$l\ddot\theta + l\dot\psi^2\sin\theta\cos\theta = -g\sin\theta$$": r"$\dot{\psi} = 0$",
+    r"$$\ddot\psi\sin\theta = -\dot\psi\dot\theta\cos\theta$$": "",
+}
+
+
+@pytest.mark.parametrize("line", STATED)
+def test_the_lowest_condition_on_the_quantities_of_a_line(found, line):
+    ((last,), report) = found(line, BOB)
+    assert (last.verdict, last.special) == ("wrong", STATED[line])
+    assert ("or state: " in str(report)) is bool(STATED[line])
+
+
+def test_a_condition_of_a_line_between_components(found):
+    line = r"$$J_1\dot p_1 = (J_2 + J_3)p_2p_3 + N_1$$"
+    ((last,), _) = found(LAWS + AXES + line)
+    assert (last.verdict, last.special) == ("wrong", "$p_{2} = 0$")
+
+
+PLANE = BOB.replace('theta = "rad", psi = "rad"', 'theta = "rad"').replace(
+    '["l*sin(theta)*cos(psi)", "l*sin(theta)*sin(psi)", "-l*cos(theta)"]',
+    '["l*sin(theta)", 0, "-l*cos(theta)"]',
+)
+SMALL = {
+    r"For small $\theta$ $$\ddot\theta = -\frac{g}{l}\theta$$": "holds under",
+    r"The motion is small: $$\ddot\theta + \frac{g}{l}\theta = 0$$": "holds under",
+    r"To first order in $\theta$ $$\ddot\theta = -2\frac{g}{l}\theta$$": "wrong",
+    r"Linearised, $$\ddot\theta - \frac{g}{l}\theta = 0$$": "wrong",
+    r"For small $\theta$ $$\ddot\theta = \frac{g}{l}\sin\theta$$": "wrong",
+    r"$$\ddot\theta = -\frac{g}{l}\theta$$": "wrong",
+}
+
+
+@pytest.mark.parametrize("text", SMALL)
+def test_small_angles_in_words(found, text):
+    ((last,), _) = found(text, PLANE)
+    assert last.verdict == SMALL[text]
