@@ -399,9 +399,19 @@ class Worlds(Models):
         sides = (n for q in self.said for t in (q.left, q.right) for n in nodes(t))
         meanings = self.scalars.values()
         plain = all(n.head in {"expr", "add", "mul", "zero"} for n in sides)
-        free = plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
-        pairs = ((atoms_in(s, self.scalars) for s in (q.left, q.right)) for q in self.said)
-        return free and any(a != b for a, b in pairs)
+        rows = [[(s, atoms_in(s, self.scalars)) for s in (q.left, q.right)] for q in self.said]
+        atoms = [a for row in rows for _, side in row for a in side]
+        free = plain and bool(meanings) and all(a.data[0] == "scalar" for a in atoms)
+        if all(m.head == "atom" for m in meanings):
+            return free and any(a != b for (_, a), (_, b) in rows)
+        return free and any(
+            len(own) == 1 and not own & other and self._meaning(side) in own
+            for row in rows
+            for (side, own), (_, other) in (row, row[::-1])
+        )
+
+    def _meaning(self, side: Term) -> Term | None:
+        return self.scalars.get(side.data[0]) if side.head == "expr" else None
 
     def own(self, context: tuple[str, ...]) -> frozenset[str]:
         """Return a model of the body, where the claim is not about frames and angles alone."""
