@@ -81,16 +81,25 @@ def own(claim: Claim) -> frozenset[str]:
 
 
 def free_alone(claim: Claim) -> str:
-    """Return the free scalar that is all of one side of an equation, and is not on its other side."""
+    """Return the free scalar that is one side of an equation, and is not on the other, which moves."""
     if claim.kind != STATEMENT or len(claim.members) != 2 or claim.parameters is not None:
         return ""
     left, right = (m.term for m in claim.members)
     for one, other in ((left, right), (right, left)):
         meaning = claim.scalars.get(one.data[0]) if one.head == "expr" else None
-        known = meaning is not None and meaning.data[:1] == (SCALAR,)
-        if known and meaning not in atoms_in(other, claim.scalars):
+        known = meaning is not None and meaning.data[:1] == (FREE,)
+        atoms = atoms_in(other, claim.scalars)
+        moves = any(a.data[0] not in STILL for a in atoms) or _has_rate(other, claim)
+        if known and moves and meaning not in atoms:
             return str(one.data[0])
     return ""
+
+
+def _has_rate(term: Term, claim: Claim) -> bool:
+    """Return whether a term, or what one of its symbols stands for, is differentiated."""
+    symbols = {s for n in nodes(term) if n.head == "expr" for s in n.data[0].free_symbols}
+    inside = (term, *(claim.scalars[s] for s in symbols if s in claim.scalars))
+    return any(n.head == "der" for t in inside for n in nodes(t))
 
 
 def firsts(found: Iterable[Sequence[Claim]]) -> Iterator[bool]:

@@ -392,13 +392,29 @@ class Worlds(Models):
 
     @property
     def names_scalars(self) -> bool:  # type: ignore[override]
-        """Whether the claim is about free scalars alone, and is no identity in the same ones."""
-        sides = (n for q in self.said for t in (q.left, q.right) for n in nodes(t))
+        """Whether the claim says of a free scalar what it is, by others that are free."""
+        return self._scalars() == "named"
+
+    def _scalars(self) -> str:
+        """Return whether a claim between free scalars names some, or ties angles to others; else ""."""
+        sides = [n for q in self.said for t in (q.left, q.right) for n in nodes(t)]
         meanings = self.scalars.values()
         plain = all(n.head in {"expr", "add", "mul", "zero"} for n in sides)
-        free = plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
-        pairs = ((atoms_in(s, self.scalars) for s in (q.left, q.right)) for q in self.said)
-        return free and any(a != b for a, b in pairs)
+        rows = [[(s, atoms_in(s, self.scalars)) for s in (q.left, q.right)] for q in self.said]
+        atoms = [a for row in rows for _, side in row for a in side]
+        if not plain or not meanings or any(a.data[0] != "scalar" for a in atoms):
+            return ""
+        alone = (
+            len(own) == 1 and not own & other and self._meaning(side) in own
+            for row in rows
+            for (side, own), (_, other) in (row, row[::-1])
+        )
+        tied = any(a != b for (_, a), (_, b) in rows) and all(m.head == "atom" for m in meanings)
+        angles = any(n.head == "expr" and n.data[0].has(sp.sin, sp.cos) for n in sides)
+        return "named" if any(alone) or (tied and not angles) else "tied" if tied else ""
+
+    def _meaning(self, side: Term) -> Term | None:
+        return self.scalars.get(side.data[0]) if side.head == "expr" else None
 
     def own(self, context: tuple[str, ...]) -> frozenset[str]:
         """Return a model of the body, where the claim is not about frames and angles alone."""
@@ -439,6 +455,8 @@ class Worlds(Models):
             return (
                 "what leaves a body whose mass changes, and with which velocity, is not known here"
             )
+        if self._scalars() == "tied":
+            return "nothing here says what these letters are"
         if "expr" not in self._rated_sides and self._of_a_motion():
             return "no system says how these coordinates move"
         if "expr" not in self._rated_sides and self._is_law():

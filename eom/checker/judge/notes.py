@@ -17,7 +17,7 @@ from eom.checker.judge.judge import judge
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import Solutions, agreeing, covered
-from eom.checker.mean.claims import Claim, Relation, claims, defined
+from eom.checker.mean.claims import DEFINITION, Claim, Relation, claims, defined
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import free
 from eom.checker.mean.lexicon import Lexicon
@@ -237,17 +237,21 @@ class _Context:
 
     def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
         """Return the claims of statements; each may use what the others define, those before it first."""
-        statements = tuple(statements)
-        known, index = dict(self.definitions), running(statements)
-        rows = [(s, tuple[Claim, ...]()) for s in statements if not listed(s)]
-        for once in (True, False):
-            for n, (statement, old) in enumerate(rows):
-                if once or (_gaps(old) and len(known) > len(self.definitions)):
-                    before = (*self.before, *(c for _, found in rows[:n] for c in found))
-                    new = self._indexed(statement, known, before, index)
-                    rows[n] = (statement, new if once else min((old, new), key=_gaps))
-                    known |= defined(rows[n][1])
-        return tuple(c for _, found in rows for c in found)
+        given = tuple(statements)
+        statements, index = [s for s in given if not listed(s)], running(given)
+        known = dict(self.definitions)
+        rows: list[tuple[Claim, ...]] = []
+        for statement in statements:
+            before = (*self.before, *(c for found in rows for c in found))
+            rows.append(self._indexed(statement, known, before, index))
+            known |= defined(rows[-1])
+        for n, statement in enumerate(statements):
+            later = defined(c for found in rows[n + 1 :] for c in found if c.kind == DEFINITION)
+            if later and _gaps(rows[n]):
+                before = (*self.before, *(c for found in rows[:n] for c in found))
+                own = {**self.definitions, **defined(c for f in rows[:n] for c in f), **later}
+                rows[n] = min((rows[n], self._indexed(statement, own, before, index)), key=_gaps)
+        return tuple(c for found in rows for c in found)
 
     def _indexed(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...], index: str

@@ -25,7 +25,7 @@ from eom import limits
 from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import bracket_of, called_symbol, elaborator, in_brackets
-from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
+from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, own_look
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import (
     ANY,
@@ -449,7 +449,7 @@ def _new(
     for look in (found.with_label(), found.look):
         entry = e.lexicon.find(look, e.indices) if look is not None else None
         if entry is not None:
-            own = entry.look.numbered(e.indices)
+            own = own_look(entry, e)
             free = entry.meaning.quantity in open_ and own not in e.definitions
             return own if free and (look == found.with_label() or not found.raised) else None
     look = e.lexicon.notation.plain(found.with_label() or found.look).numbered(e.indices)

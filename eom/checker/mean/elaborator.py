@@ -316,6 +316,8 @@ def _resolved(e: Elaborator, look: Look, span: Span) -> Value | None:
     return components(inside, frame)
 
 
+_ARROWS = frozenset({"vec", "underline", "bar", "harpoon"})
+"""Accents over the letters of two points."""
 _PLACES = frozenset("rR")
 """Letters of vectors that lead to the first of two points from the second, with a stroke between them."""
 
@@ -327,7 +329,9 @@ def _between_points(e: Elaborator, look: Look, span: Span) -> Value | None:
     """
     notation, pair = e.lexicon.notation, look.style != "" and len(look.name) > 1
     words = tuple(look.name) if pair else look.sub or look.sup
-    beside = look.accents and not look.name and not look.sup
+    beside = bool(look.accents) and not look.name and not look.sup
+    if beside and not _ARROWS.issuperset(look.accents):
+        return None
     if look.presub or look.presup or (look.sub and (look.sup or pair)):
         return None
     if not pair and not beside and not (look.name in _PLACES and "/" in words):
@@ -359,10 +363,18 @@ def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
 # -- meanings ------------------------------------------------------------------------------------
 
 
+def own_look(found: Found, e: Elaborator) -> Look:
+    """Return by what a note's definitions know a symbol that the lexicon leaves to it, or any vector."""
+    look = found.look.numbered(e.indices)
+    if found.meaning.quantity != "vector":
+        return look
+    return replace(look, accents=(*look.accents, *found.meaning.labels))
+
+
 def meant(e: Elaborator, found: Found, span: Span) -> Value:
     """Return the value of what the lexicon says."""
     meaning = found.meaning
-    look = found.look.numbered(e.indices)
+    look = own_look(found, e)
     tied = e.lexicon.tied.get((meaning.quantity, *meaning.labels, meaning.frame))
     if tied is not None:
         value = replace(_renamed(e, tied), dimension=_dimension(meaning), span=span)

@@ -20,7 +20,7 @@ from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Refusal, Value
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Statement
-from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.symbol_shape import Look, Seen, grown, seen
 from eom.checker.read.syntax import (
     Addition,
     Call,
@@ -108,8 +108,17 @@ def measured(node: Node, known: Known) -> Measure | None:
     return _recalled(node, known) if found is None else found
 
 
-def _recalled(node: Node, known: Known) -> Measure | None:
+def _primed(node: Node) -> Seen | None:
+    """Return the symbol that a node is, with its primes as a label."""
     found = seen(node)
+    label = found.with_label() if found is not None else None
+    if found is None or label is None or set(label.sup) != {"prime"}:
+        return found
+    return replace(found, look=label, raised=found.raised[1:])
+
+
+def _recalled(node: Node, known: Known) -> Measure | None:
+    found = _primed(node)
     if found is None or found.raised:
         return None
     value = known(key(found.look, found.dots))
@@ -126,6 +135,10 @@ def _each(nodes: tuple[Node, ...], known: Known) -> list[Measure] | None:
 def _product(node: Product, known: Known) -> Measure | None:
     if node.operator not in {"", "dot", "cross", "asterisk"}:
         return None
+    changed = [seen(f) for f in node.factors]
+    if len(changed) == 2 and changed[0] == Seen(Look("Delta")) and changed[1] is not None:
+        value = known(key(grown(changed[1]), changed[1].dots))
+        return None if value is None else Measure(value)
     count = len(node.factors)
     while count > 1 and None not in list(_letters(node.factors[count - 1], 1)):
         count -= 1
@@ -337,7 +350,7 @@ def worked(s: Statement, e: Elaborator) -> Worked | None:
 def given(s: Statement) -> Mapping[Look, Value]:
     """Return the number that a symbol is given, as it stands."""
     for symbol, other in (s.members[:2], s.members[1::-1]):
-        found, value = seen(symbol), measured(other, lambda _: None)
+        found, value = _primed(symbol), measured(other, lambda _: None)
         if found is not None and not found.raised and value is not None:
             return kept(found.look, found.dots, value.value, sp.Integer(0))
     return {}
@@ -464,7 +477,7 @@ def _learned(
     last = max(k for k, own in enumerate(literal) if own)
     found: dict[Look, Value] = {}
     for member in s.members:
-        symbol, value = seen(member), pure[last]
+        symbol, value = _primed(member), pure[last]
         if symbol is None or symbol.raised or value is None:
             continue
         if key(symbol.look, symbol.dots) not in data.known:

@@ -627,6 +627,8 @@ def _sum(shop: Workshop, model: Drawn, found: tuple[Member, Member]) -> str:
     if kind is None or (left[0] and right[0] and left[0] != right[0]):
         return ""
     number = (left[1] - right[1]) % PRIME
+    if not number:  # sides that differ later alone
+        return ""
     least: Node | None = None
     for pieces in _told(shop, model, kind, number):
         node = total(pieces)
