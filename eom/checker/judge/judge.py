@@ -86,7 +86,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
     if claim.parameters is None and is_nearly(claim):
-        return _nearly(claim)
+        return _of_derived(claim, given) if of_members(claim) else _nearly(claim)
     given, ordered = tuple(given), ORDERS & set(claim.relations) and row_of(claim) is Worlds
     if ordered and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
@@ -164,11 +164,23 @@ def _beyond(search: Search) -> Judgement:
     return Judgement(verdict, sets, context, refuted, complete, why, case)
 
 
+def _of_derived(claim: Claim, given: Iterable[str]) -> Judgement:
+    """Return whether something nearly equal that is derived of a system is equal, else it is open."""
+    exact = replace(claim, relations=("=",) * len(claim.relations), order=None)
+    found = judge(exact, given)
+    return found if found.verdict != WRONG else Judgement(UNDECIDED, reason=_UNKNOWN)
+
+
+_UNKNOWN = "not exactly true; what is left out here is not known"
+
+
 def loosened(claim: Claim) -> Judgement | None:
     """Return that a claim holds nearly which does not exactly, None where it does not, or none is meant."""
     plain = EQUALITIES.issuperset(claim.relations) and claim.kind == STATEMENT
-    if not on_solutions(claim) or of_members(claim) or not plain or claim.findings:
+    if not on_solutions(claim) or not plain or claim.findings:
         return None
+    if of_members(claim):
+        return Judgement(UNDECIDED, reason=_UNKNOWN)
     found = _nearly(replace(claim, relations=("approx",) * len(claim.relations)), 1)
     return None if found.verdict == WRONG else found
 
@@ -312,12 +324,11 @@ def _names(small: tuple[Expr, ...]) -> str:
 def _orders(claim: Claim, sides: Sides, small: tuple[Expr, ...]) -> Orders:
     left, right = sides.full
     first, second = (_vanishing(sides, (side, sp.Integer(0)), small) for side in (left, right))
-    first, second = (
-        (second, second) if left == 0 else (first, first) if right == 0 else (first, second)
-    )
     degrees = [_degree(s, small) for s in sides.shown if s != 0]
     known = [d for d in degrees if d is not None] or [first]
     agreed = max(min(known), first if first == second else 0)
+    if 0 in (left, right):
+        first = second = min(first, second)
     wanted = agreed if claim.order is None else claim.order[1] - 1
     return Orders(
         small, _vanishing(sides, (left, right), small), wanted if small else 0, (first, second)
@@ -388,7 +399,7 @@ def _centre(state: Expr, shown: Iterable[Expr], every: Iterable[Expr]) -> list[E
     for side in shown:
         alone = sp.expand(side.xreplace(others))
         if alone.is_polynomial(state) and sp.degree(alone, state) == 1:
-            root = -alone.coeff(state, 0) / alone.coeff(state, 1)
+            root = sp.cancel(-alone.coeff(state, 0) / alone.coeff(state, 1))
             if root.is_number and root != 0:
                 return [root]
     return []

@@ -33,21 +33,14 @@ from eom.exact.rings import Row, arguments
 from eom.exact.series import Series
 from eom.fields import Field, Singular
 from eom.system import Expr, System
-from eom.worlds.solutions import (
-    INVERSES,
-    Motion,
-    approached,
-    instant,
-    integrated,
-    rate,
-)
+from eom.worlds.solutions import INVERSES, Motion, approached, instant, integrated, rate, start
 
 DIGITS = 120
 MP = MPContext()
 MP.dps = DIGITS
 STEP, DONE = MP.mpf(10) ** -40, MP.mpf(10) ** -70
 NEAR, EXACT, ROUGH = MP.mpf(10) ** -36, MP.mpf(10) ** -25, MP.mpf(10) ** -9
-SEEDS = 12
+SEEDS, MOST = 12, 12
 LEAST = MP.mpf(10) ** -3
 """What parameters are at least, and expressions that do not vanish."""
 ORDER, STEPS, SLACK = 12, 400, 1e-13
@@ -212,7 +205,7 @@ class Phase:
     done: Number
 
 
-PHASES = (Phase(Double, 30, 1e-6, 1e-9), Phase(Real, 12, STEP, DONE))
+PHASES = (Phase(Double, 16, 1e-6, 1e-9), Phase(Real, 10, STEP, DONE))
 
 
 def onto(point: Point, rule: Rule, free: Sequence[Expr]) -> Point | None:
@@ -263,12 +256,12 @@ def _least(columns: list[list[Number]], wanted: list[Number], sizes: list[Number
 
 @dataclass(frozen=True)
 class Solver:
-    """A particular motion of a system; ``fixed``: symbols whose values stay."""
+    """A particular motion of a system; ``fixed``: symbols whose values stay; ``moved``: near a limit."""
 
     model: Model
     motion: Particular
     fixed: frozenset[Expr] = frozenset()
-    least: Number = LEAST
+    moved: Expr = None
 
     def solutions(self, point: Point) -> Iterator[dict[str, Point]]:
         """Yield the instants of such motions near a point: "" the last, `FIRST` the first one."""
@@ -315,8 +308,9 @@ class Solver:
 
     def _is_proper(self, point: Point) -> bool:
         last = self._last(point).motion(self.model.system)
-        positive = all(v > self.least for v in point.parameters.values())
-        return positive and all(abs(_value(last, e)) > self.least for e in self.motion.nonzero)
+        positive = all(v > LEAST for s, v in point.parameters.items() if s != self.moved)
+        apart = (e for e in self.motion.nonzero if self.moved not in e.free_symbols)
+        return positive and all(abs(_value(last, e)) > LEAST for e in apart)
 
     def _upright(self, point: Point) -> Point:
         """Return the motion with positive values in the place of those that may have either sign."""
@@ -432,6 +426,8 @@ class Member(Drawn):
         def plain(e: Expr) -> Expr:
             if isinstance(e, approached):
                 return put(self._approached(*e.args))
+            if isinstance(e, start) and len(self.models.labels) == 1:
+                return put(self._then(e.args[0], self.models.labels[0] + FIRST))
             if isinstance(e, instant):
                 return put(self._then(e.args[0], str(e.args[1]).partition("@")[2]))
             if e.is_Symbol and "@" in e.name:
@@ -470,7 +466,10 @@ class Member(Drawn):
         return found[max(place - 1, 0)]
 
     def _modes(self, what: str, point: Point) -> Sequence[Number]:
-        values = eigenvalues(self.models.model.system, point)
+        known = self.models.model.drawn
+        if id(point) not in known:
+            known[id(point)] = point, eigenvalues(self.models.model.system, point)
+        values = known[id(point)][1]
         if what == "eigenvalue":
             return sorted(values, key=lambda v: (abs(v), v.real, v.imag))
         turning = sorted(v.imag for v in values if v.imag > EXACT)
@@ -546,6 +545,9 @@ class Members(Models):
 
     def draw(self, names: frozenset[str]) -> Iterator[Member]:
         """Yield members, with all solutions for the motions that are spoken of."""
+        return islice(self._drawn(names), MOST)
+
+    def _drawn(self, names: frozenset[str]) -> Iterator[Member]:
         for seed in range(SEEDS):
             key = (self.labels, seed)
             if key not in self.model.drawn:
@@ -562,17 +564,17 @@ class Members(Models):
         point: Point,
         labels: Sequence[str],
         fixed: frozenset[Expr] = frozenset(),
-        least: Number = LEAST,
+        moved: Expr = None,
     ) -> Iterator[tuple[Point, dict[str, Point]]]:
         """Yield points with the instants of motions, one motion after the other."""
         if not labels:
             yield point, {}
             return
         name, *rest = labels
-        for found in Solver(self.model, self.model.particular[name], fixed, least).solutions(point):
+        for found in Solver(self.model, self.model.particular[name], fixed, moved).solutions(point):
             now = point.moved(found[FIRST].parameters)
             named = {f"{name}{end}": at for end, at in found.items()}
-            for last, others in self._solved(now, rest, fixed | {*point.parameters}, least):
+            for last, others in self._solved(now, rest, fixed | {*point.parameters}, moved):
                 yield last, {**named, **others}
 
     def _here(self, point: Point, instants: Mapping[str, Point]) -> Point:
@@ -580,28 +582,52 @@ class Members(Models):
         if len(self.labels) != 1:
             return point
         (name,) = self.labels
-        motion, first, last = (
-            self.model.particular[name],
-            instants[f"{name}{FIRST}"],
-            instants[name],
-        )
-        if motion.until is None or self.claim.kind == "":
-            return first
+        motion, last = self.model.particular[name], instants[name]
+        if self._changes:
+            return last
+        if motion.until is None:
+            return instants[f"{name}{FIRST}"]
         part = float(last.others[self.model.system.time]) * 0.37
-        return Solver(self.model, motion).until(first, None, part)
+        return Solver(self.model, motion).until(instants[f"{name}{FIRST}"], None, part)
 
     def near(self, member: Member, symbol: Expr, value: Number) -> Member:
-        """Return a member near another where a parameter, or a value in a motion, is given."""
+        """Return a member near another where a parameter, or a value in a motion, is given.
+
+        All else stays that the claim names; what is derived of the motion moves with it.
+        """
         name, _, label = str(symbol).partition("@")
-        start = member.instants.get(label, member.here)
-        own = self.model.symbol(name) if label else symbol
-        fixed = frozenset({own, *start.parameters})
-        point = start.moved({own: value})
+        label = label or "".join(self.labels[:1])
+        first = member.instants.get(label, member.here)
+        own = self.model.symbol(name) if "@" in str(symbol) else symbol
+        point = first.moved({own: value})
         if not self.labels:
             return replace(member, here=point)
-        for moved, instants in self._solved(point, self.labels, fixed, NEAR**3):
+        fixed = frozenset({own, *first.parameters, *(self._named & first.states.keys())})
+        for moved, instants in self._solved(point, self.labels, fixed, own):
             return replace(member, instants=instants, here=self._here(moved, instants))
         raise Singular
+
+    @cached_property
+    def _named(self) -> frozenset[Expr]:
+        """The symbols that stand in the claim, those at instants where no limit is taken."""
+        outside = [_without_limits(e) for pair in self.said for e in pair]
+        derived = (
+            s.name.partition("@")[0] for e in outside for s in e.free_symbols if "@" in s.name
+        )
+        known = (n for n in derived if n in self.model.quantities)
+        plain = (s for pair in self.said for e in pair for s in e.free_symbols)
+        return frozenset({*plain, *map(self.model.symbol, known)})
+
+    @property
+    def _changes(self) -> bool:
+        """Whether the claim has a change between the instants of its motion."""
+        return any(e.has(start) for pair in self.said for e in pair)
+
+    def _powers(self) -> Iterator[Expr]:
+        """Yield powers with rational exponents, and magnitudes."""
+        for e in (e for pair in self.said for e in pair):
+            yield from e.atoms(sp.Abs)
+            yield from (p for p in e.atoms(sp.Pow) if p.exp.is_Rational)
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:  # noqa: ARG002
         """Yield nothing: what is derived of a system holds or does not."""
@@ -609,12 +635,19 @@ class Members(Models):
 
     def doubt(self) -> str:
         """Say that the claim holds in some of the motions that fit what is said of it."""
-        verdicts = set()
-        for member in self.draw(frozenset()):
+        verdicts, turned = set(), set()
+        for member in islice(self.draw(frozenset()), 2 * ENOUGH):
             with suppress(Singular, InputError):
                 verdicts.add(all(map(member.agrees, self.said)))
+                turned.add(all(member.agrees((-a, b)) for a, b in self.said))
+        rooted = any(isinstance(p, sp.Abs) or p.exp.q == 2 for p in self._powers())
         if verdicts == {False}:
-            return ""
+            signs = (
+                "this rests on the sign of a root"
+                if rooted
+                else "whether it grows or shrinks is open"
+            )
+            return signs if (rooted or self._changes) and turned == {True} else ""
         motions = ", ".join(self.labels)
         few = "too few such motions were found"
         return (
@@ -622,6 +655,16 @@ class Members(Models):
             if len(verdicts) > 1
             else few
         )
+
+
+def _without_limits(e: Expr) -> Expr:
+    return (
+        sp.S.Zero
+        if isinstance(e, approached)
+        else e.func(*map(_without_limits, e.args))
+        if e.args
+        else e
+    )
 
 
 def spoken(claim: Claim, model: Model) -> frozenset[str]:
