@@ -2,8 +2,12 @@ r"""What is derived of a system: motions, frequencies, events, blows, running in
 
 import pytest
 
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.note.checking import check
+from eom.checker.read.documents import read_document
+from eom.checker.repair.explaining import explain
 from eom.errors import InputError
 from tests.eom.checker.system_lines import judged
 
@@ -253,3 +257,18 @@ def test_what_is_small_is_judged_to_first_order():
 def test_bad_motions_are_told(old, new, message):
     with pytest.raises(InputError, match=message):
         parse_lexicon(HOOP.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "repaired"),
+    [
+        (HOOP, r"\cos\theta_*=\frac{2g}{a\Omega^2}", r"\cos\theta_*=\frac{g}{a\Omega^2}"),
+        (HOOP, r"\omega_b^2=\frac{g}{a}+\Omega^2", r"\omega_b^2=\frac{g}{a}-\Omega^2"),
+        (IMPACT, r"u'=\frac{mu+Mw-em(u-w)}{m+M}", r"u'=\frac{mu+Mw-eM(u-w)}{m+M}"),
+    ],
+)
+def test_slips_are_repaired_in_a_motion(text, line, repaired):
+    (understood,) = understand(read_document(f"$${line}$$"), parse_lexicon(text))
+    (judged_,) = verdict(understood).claims
+    offered = [c.latex.replace(" ", "") for c in explain(understood, judged_).corrections]
+    assert repaired in offered
