@@ -6,6 +6,8 @@ forming them symbolically. Sines and cosines of sums of angles with integer or h
 from tangents drawn at random; roots are those of the field, and parameters are squares, so that the root
 of the square of a parameter is the parameter. Other functions get a random value and the right derivative.
 
+Solutions through a given point in real numbers, to many digits or in double precision.
+
 Numbers to many digits, for roots and inverse functions, whose branches no finite field has: what differs
 there differs for certain.
 """
@@ -20,6 +22,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import sympy as sp
+from mpmath import MPContext, fp
 
 from eom.errors import InputError
 from eom.exact import series
@@ -230,6 +233,14 @@ class Motion(Evaluation):
                 known = self.given[symbol].coefficients
                 self.given[symbol] = Series(field, (*known, field.reduce(value * step)))
         self.memo.clear()
+
+
+class Placed(Motion):
+    """A solution modulo a prime through a point, ``given`` and ``start``, with known ``tangents``."""
+
+    def begin(self) -> None:
+        """Find the solution through the point."""
+        self.solve()
 
 
 def _named(system: System) -> dict[Expr, Expr]:
@@ -487,3 +498,97 @@ def unit_quaternion(gibbs: list[Expr]) -> tuple[Expr, ...]:
     """Return a rational unit quaternion."""
     square = sum(g**2 for g in gibbs)
     return ((1 - square) / (1 + square), *(2 * g / (1 + square) for g in gibbs))
+
+
+# -- in real numbers -------------------------------------------------------------------------------
+
+
+MANY = 120
+MP = MPContext()
+MP.dps = MANY
+
+Number = Any
+"""A number of mpmath."""
+
+
+@dataclass(frozen=True)
+class Reals(Field):
+    """Numbers of mpmath to the digits of a context, as a field."""
+
+    prime: int = 0
+    context: Any = MP
+
+    @property
+    def is_rational(self) -> bool:
+        """Whether elements are fractions."""
+        return False
+
+    def of(self, numerator: Any, denominator: int = 1) -> Number:
+        """Return a fraction."""
+        return self.context.mpf(numerator) / denominator
+
+    def inverse(self, value: Number) -> Number:
+        """Return the reciprocal; raises `Singular` for zero."""
+        if not value:
+            raise Singular
+        return 1 / self.context.convert(value)
+
+    def root(self, value: Number) -> Number:
+        """Return the square root, imaginary of what is negative; raises `Singular` for zero."""
+        if not value:
+            raise Singular
+        return self.context.sqrt(value)
+
+
+_FUNCTIONS = (*INVERSES, sp.exp, sp.sinh, sp.cosh, sp.tanh)
+
+
+@dataclass
+class Real(Motion):
+    """A solution through a point: states, parameters and inputs are ``start`` and ``given``."""
+
+    numbers: ClassVar[Reals] = Reals()
+
+    def begin(self) -> None:
+        """Find the solution; inputs and parameters are constant."""
+        number = self.numbers.context.convert
+        self.given = {s: self.constant(number(v)) for s, v in self.given.items()}
+        self.start = {s: number(v) for s, v in self.start.items()}
+        time = self.given[self.system.time].coefficients[0]
+        self.given[self.system.time] = Series(
+            self.numbers, (time, 1, *[0] * self.length)[: self.length]
+        )
+        self.solve()
+
+    def circle(self, half: Expr) -> tuple[Number, Number]:
+        """Return cosine and sine at t = 0 of half an angle."""
+        value = self.series(half).coefficients[0] / 2
+        return self.numbers.context.cos(value), self.numbers.context.sin(value)
+
+    def value_of(self, key: Expr) -> Number:
+        """Return the value at t = 0 of a function or a constant."""
+        if not key.args:
+            return self.numbers.context.mpf(str(key.evalf(MANY)))
+        function = getattr(self.numbers.context, type(key).__name__)
+        return function(*(self.series(a).coefficients[0] for a in key.args))
+
+    def root(self, node: Expr) -> Series:
+        """Return any power of a positive number; the square root of any."""
+        base, exponent = node.as_base_exp()
+        if exponent.is_Rational and exponent.q == 2:
+            return super().root(node)
+        return self.series(sp.exp(exponent * sp.log(base)))
+
+
+def _size(_: Motion, __: Expr, values: list[Series]) -> Series:
+    return values[0] if values[0].coefficients[0] >= 0 else -values[0]
+
+
+_ROWS = dict.fromkeys(_FUNCTIONS, Row(arguments, integrated)) | {sp.Abs: Row(arguments, _size)}
+Real.rows = {**Motion.rows, **_ROWS}
+
+
+class Double(Real):
+    """A solution in double precision, for steps in time."""
+
+    numbers: ClassVar[Reals] = Reals(context=fp)

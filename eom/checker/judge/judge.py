@@ -87,7 +87,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
     if claim.parameters is None and is_nearly(claim):
-        return _nearly(claim)
+        return _of_derived(claim, given) if of_members(claim) else _nearly(claim)
     given, ordered = tuple(given), ORDERS & set(claim.relations) and row_of(claim) is Worlds
     if ordered and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
@@ -164,6 +164,13 @@ def _beyond(search: Search) -> Judgement:
     return Judgement(verdict, sets, context, refuted, complete, why)
 
 
+def _of_derived(claim: Claim, given: Iterable[str]) -> Judgement:
+    """Return whether something nearly equal that is derived of a system is equal, else it is open."""
+    exact = replace(claim, relations=("=",) * len(claim.relations), order=None)
+    found = judge(exact, given)
+    return found if found.verdict != WRONG else Judgement(UNDECIDED, reason=LOOSE)
+
+
 def loosely(claim: Claim) -> Judgement:
     """Return the judgement on equations of which words say that something in them is small.
 
@@ -172,7 +179,8 @@ def loosely(claim: Claim) -> Judgement:
     plain = (
         claim.kind == STATEMENT and EQUALITIES.issuperset(claim.relations) and not claim.findings
     )
-    if not plain or claim.parameters is not None or len(claim.members) < 2:
+    open_ = claim.parameters is not None or of_members(claim)
+    if not plain or open_ or len(claim.members) < 2:
         return Judgement(UNDECIDED, reason=LOOSE)
     signs = tuple(next(iter(NEARLY)) for _ in claim.relations)
     try:
@@ -328,12 +336,11 @@ def _names(small: tuple[Expr, ...]) -> str:
 def _orders(claim: Claim, sides: Sides, small: tuple[Expr, ...]) -> Orders:
     left, right = sides.full
     first, second = (_vanishing(sides, (side, sp.Integer(0)), small) for side in (left, right))
-    first, second = (
-        (second, second) if left == 0 else (first, first) if right == 0 else (first, second)
-    )
     degrees = [_degree(s, small) for s in sides.shown if s != 0]
     known = [d for d in degrees if d is not None] or [first]
     agreed = max(min(known), first if first == second else 0)
+    if 0 in (left, right):
+        first = second = min(first, second)
     wanted = agreed if claim.order is None else claim.order[1] - 1
     return Orders(
         small, _vanishing(sides, (left, right), small), wanted if small else 0, (first, second)
@@ -404,7 +411,7 @@ def _centre(state: Expr, shown: Iterable[Expr], every: Iterable[Expr]) -> list[E
     for side in shown:
         alone = sp.expand(side.xreplace(others))
         if alone.is_polynomial(state) and sp.degree(alone, state) == 1:
-            root = -alone.coeff(state, 0) / alone.coeff(state, 1)
+            root = sp.cancel(-alone.coeff(state, 0) / alone.coeff(state, 1))
             if root.is_number and root != 0:
                 return [root]
     return []

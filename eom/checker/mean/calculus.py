@@ -18,7 +18,7 @@ import sympy as sp
 from sympy.simplify.fu import TR8
 
 from eom.checker.mean import dimensions, instants
-from eom.checker.mean.dimensions import LENGTH, MASS, product
+from eom.checker.mean.dimensions import LENGTH, MASS, TIME, product
 from eom.checker.mean.elaborator import Elaborator, number, powered, pure, quotient
 from eom.checker.mean.lexicon import Entry, Meaning
 from eom.checker.mean.values import (
@@ -380,7 +380,7 @@ def by_variables(e: Elaborator, node: Derivative) -> Value:
     if len(variables) != order:
         raise refuse(UNDECIDED, "the order of a derivative", node.span)
     value = e.value(node.operand)
-    for variable in (e.value(v) for v in reversed(variables)):
+    for variable in (_by(e, v) for v in reversed(variables)):
         if variable.shape != SCALAR:
             raise refuse(UNDECIDED, "a derivative by what is no scalar", node.span, variable.words)
         if node.sign == "partial":
@@ -389,6 +389,13 @@ def by_variables(e: Elaborator, node: Derivative) -> Value:
             above, below = (overdot(e.lexicon.notation, v, 1, node.span) for v in (value, variable))
             value = quotient(e, above, below, node.span)
     return value
+
+
+def _by(e: Elaborator, node: Node) -> Value:
+    """Return what is differentiated by; t is the time without an entry."""
+    if labels(node) == ("t",) and e.lexicon.find(Look("t")) is None:
+        return Value(expr(sp.Symbol("t", real=True)), SCALAR, TIME, span=node.span)
+    return e.value(node)
 
 
 def partially(e: Elaborator, value: Value, variable: Value, span: Span) -> Value:

@@ -195,7 +195,7 @@ def _small(found: Verdict) -> Verdict:
     better = {id(j): loosely(j.claim) for j in wrong}
     claims = tuple(
         _replaced(j, better[id(j)])
-        if id(j) in better and better[id(j)].verdict in {UNDER, WRONG}
+        if id(j) in better and (better[id(j)].verdict != UNDECIDED or better[id(j)].reason == LOOSE)
         else j
         for j in found.claims
     )

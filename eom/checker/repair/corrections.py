@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations, permutations
 
-from eom.checker.judge.judge import HOLDS, UNDER, Judgement, judge_within
+from eom.checker.judge.judge import HOLDS, UNDER, Judgement, judge_within, row_of
 from eom.checker.judge.models import Drawn
 from eom.checker.judge.notes import Understood, reread
 from eom.checker.judge.systems import Solutions
@@ -324,7 +324,7 @@ def verified(
     claim = claims[wrong.number]
     if claim.verdict or claim.kind != wrong.claim.kind:
         return None
-    if _tautology(claim, ranked.candidate):
+    if _tautology(claim, ranked.candidate) or row_of(claim) is not row_of(wrong.claim):
         return None
     found = judge_within(claim, ranked.model.names, given)
     cells = (c for c in claims if c.indices and c.span == claim.span and c is not claim)

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eom.typeset.policy import INLINE
 from eom.views.draw import formulas, pages
 from eom.views.draw.depth import TIP, bounds, diagonal
 from eom.views.draw.meshes import Faces, tip
@@ -57,7 +56,7 @@ def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
         "height": f"{made['layout'].get('height', usual) / INCH:g}",
     }
     return pages.page(
-        "picture", parts, made, [library(), pages.web("picture.js")], "data: blob:", INLINE
+        "picture", parts, made, [library(), pages.web("picture.js")], "data: blob:", pages.INLINE
     )
 
 

@@ -1,0 +1,274 @@
+r"""What is derived of a system: motions, frequencies, events, blows, running indices, brackets, limits."""
+
+import pytest
+
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.note.checking import check
+from eom.checker.read.documents import read_document
+from eom.checker.repair.explaining import explain
+from eom.errors import InputError
+from tests.eom.checker.system_lines import judged
+
+HOOP = r"""
+[system]
+coordinates = { theta = "rad" }
+given = { phi = "rad" }
+assume = ["phi_dot constant"]
+parameters = { m = "kg", a = "m", g = "m/s^2" }
+gravity = [0, 0, "-g"]
+[system.motions]
+rest = { constant = ["theta"], nonzero = ["sin(theta)"] }
+any = { constant = ["theta"] }
+bottom = { zero = ["theta"], constant = ["theta"] }
+top = { zero = ["theta - pi"], constant = ["theta"] }
+[system.symbols]
+'\Omega' = "phi_dot"
+'\theta_*' = "theta at rest"
+'\theta_a' = "theta at any"
+'\omega' = "frequency at rest"
+'\omega_b' = "frequency at bottom"
+'\tau' = "period at bottom"
+'\lambda' = "eigenvalue at top"
+[system.bodies]
+bead = { mass = "m", at = ["a*sin(theta)*cos(phi)", "a*sin(theta)*sin(phi)", "-a*cos(theta)"] }
+"""
+OF_HOOP = {
+    r"\cos\theta_*=\frac{g}{a\Omega^2}": "holds",
+    r"\cos\theta_*=\frac{2g}{a\Omega^2}": "wrong",
+    r"\cos\theta_a=\frac{g}{a\Omega^2}": "undecided",  # or the lowest point
+    r"\omega = \Omega\sin\theta_*": "holds",
+    r"\omega = \Omega\cos\theta_*": "wrong",
+    r"\omega_b = \sqrt{\frac{g}{a} - \Omega^2}": "holds",
+    r"\omega_b = \sqrt{\frac{g}{a} + \Omega^2}": "wrong",
+    r"\tau = \frac{2\pi}{\omega_b}": "holds",
+    r"\lambda^2 = \frac{g}{a} + \Omega^2": "holds",
+    r"\lambda^2 = \frac{g}{a} - \Omega^2": "wrong",
+    r"\lim_{g\to0}\cos\theta_* = 0": "holds",
+    r"\lim_{g\to0}\omega = \frac12\Omega": "wrong",
+}
+
+PENDULUM = r"""
+[symbols]
+'\mathbf i' = "unit I 1"
+'\mathbf j' = "unit I 2"
+[system]
+coordinates = { alpha = "rad", beta = "rad" }
+parameters = { m = "kg", l = "m", g = "m/s^2" }
+gravity = [0, "-g", 0]
+functions = { f = "q p t", h = "q p" }
+[system.values]
+e = { is = ["sin(beta)", "-cos(beta)", 0] }
+[system.motions]
+hang = { constant = ["alpha", "beta"], zero = ["alpha", "beta"] }
+[system.symbols]
+'\alpha' = "alpha"
+'\beta' = "beta"
+'H' = "H"
+'f' = "f"
+'h' = "h"
+'\omega_1' = "frequency 1 at hang"
+'\omega_2' = "frequency 2 at hang"
+'\omega' = "frequency at hang"
+'\lambda' = "eigenvalue at hang"
+'\mathbf r_1' = "position of one"
+'\mathbf r_2' = "position of two"
+'\mathbf v_2' = "velocity of two"
+'\mathbf e' = "vector e"
+[system.bodies]
+one = { mass = "m", at = ["l*sin(alpha)", "-l*cos(alpha)", 0] }
+two = { mass = "m", at = ["l*sin(alpha)+l*sin(beta)", "-l*cos(alpha)-l*cos(beta)", 0] }
+"""
+OF_PENDULUM = {
+    r"\omega_1^2 = (2-\sqrt2)\frac gl": "holds",
+    r"\omega_2^2 = (2-\sqrt2)\frac gl": "wrong",
+    r"\omega^2=(2+\sqrt2)\frac gl": "undecided",  # which one?
+    r"\lambda^4 + 4\frac gl\lambda^2 + 2\frac{g^2}{l^2} = 0": "holds",
+    r"\lambda^4 + 3\frac gl\lambda^2 + 2\frac{g^2}{l^2} = 0": "wrong",
+    r"\mathbf r_2 = \mathbf r_1 + l\,\mathbf e": "holds",
+    r"\mathbf v_2 = l(\dot\alpha\cos\alpha+\dot\beta\cos\beta)\mathbf i"
+    r" + l(\dot\alpha\sin\alpha+\dot\beta\sin\beta)\mathbf j": "holds",
+    r"\mathbf v_2 = l(\dot\alpha\cos\alpha+\dot\beta\cos\beta)\mathbf i"
+    r" - l(\dot\alpha\sin\alpha+\dot\beta\sin\beta)\mathbf j": "wrong",
+    r"|\mathbf v_2|^2 = l^2(\dot\alpha^2+\dot\beta^2+2\dot\alpha\dot\beta\cos(\alpha-\beta))": "holds",
+    r"(\mathbf r_2\times\mathbf v_2)\cdot(\mathbf i\times\mathbf j)"
+    r"=l^2(\dot\alpha+\dot\beta)(1+\cos(\alpha-\beta))": "holds",
+    r"\frac{d}{dt}\frac{\partial L}{\partial\dot q_i}-\frac{\partial L}{\partial q_i}=Q_i": "holds",
+    r"p_i\equiv\frac{\partial L}{\partial\dot q_i}": "definition",
+    r"\sum_i p_i\dot q_i = 2T": "holds",
+    r"\sum_i p_i\dot q_i = T": "wrong",
+    r"\dot q_i=\frac{\partial H}{\partial p_i},\qquad\dot p_i=-\frac{\partial H}{\partial q_i}": "holds",
+    r"\dot q_i=\frac{\partial H}{\partial p_i},\qquad\dot p_i=\frac{\partial H}{\partial q_i}": "wrong",
+    r"H=\sum_i p_i\dot q_i-L": "holds",
+    r"\{q_i,p_j\}=\delta_{ij}": "holds",
+    r"\dot f=\{f,H\}+\frac{\partial f}{\partial t}": "holds",
+    r"\dot f=\{f,H\}": "wrong",
+    r"\dot h=\{h,H\}": "holds",
+    r"\dot h=\{H,h\}": "wrong",
+}
+
+SLIDE = r"""
+[symbols]
+'t' = "time"
+[system]
+coordinates = { x = "m", phi = "rad" }
+parameters = { m = "kg", a = "m", g = "m/s^2", mu = "1", v_0 = "m/s" }
+gravity = [0, 0, "-g"]
+forces = { x = "-mu*m*g", phi = "mu*m*g*a" }
+[system.motions]
+slide = { start = { x_dot = "v_0", phi_dot = 0 }, until = "x_dot - a*phi_dot" }
+[system.symbols]
+'v' = "x_dot"
+'\omega' = "phi_dot"
+'\mu' = "mu"
+'t_1' = "t at end of slide"
+'v_1' = "x_dot at end of slide"
+[system.bodies]
+disc = { mass = "m", at = ["x", 0, "a"], moments = ["1/2*m*a^2"], omega = ["phi_dot"] }
+"""
+OF_SLIDE = {
+    r"t_1=\frac{v_0}{3\mu g},\qquad v(t_1)=v_0-\mu g t_1=\tfrac23v_0": "holds",
+    r"t_1=\frac{v_0}{3\mu g},\qquad v(t_1)=v_0-\mu g t_1=\tfrac13v_0": "wrong",
+    r"v_1=\tfrac23v_0": "holds",
+    r"v=v_0-\mu g t": "holds",
+    r"v=v_0+\mu g t": "wrong",
+    r"a\omega=2\mu g t": "holds",
+    r"a\omega=\mu g t": "wrong",
+    r"\dot v=-\mu g": "holds",
+    r"\sqrt{v_1^2}=-v_1": "undecided",  # the sign of a root
+}
+
+IMPACT = r"""
+[system]
+coordinates = { x = "m", y = "m" }
+parameters = { m = "kg", M = "kg", e = "1" }
+[system.motions]
+hit = { closing = ["y - x"], restitution = "e" }
+[system.bodies]
+one = { mass = "m", at = ["x", 0, 0] }
+two = { mass = "M", at = ["y", 0, 0] }
+[system.symbols]
+'u' = "x_dot before hit"
+'w' = "y_dot before hit"
+"u'" = "x_dot after hit"
+"w'" = "y_dot after hit"
+"T'" = "T after hit"
+'J' = "impulse of hit"
+"""
+OF_IMPACT = {
+    r"u'=\frac{mu+Mw-eM(u-w)}{m+M}": "holds",
+    r"u'=\frac{mu+Mw-em(u-w)}{m+M}": "wrong",
+    r"T-T'=\frac{1-e^2}{2}\frac{mM}{m+M}(u-w)^2": "holds",
+    r"T-T'=\frac{(1-e)^2}{2}\frac{mM}{m+M}(u-w)^2": "wrong",
+    r"\Delta T=\frac{1-e^2}{2}\frac{mM}{m+M}(u-w)^2": "undecided",  # what is lost or gained?
+    r"\Delta T=-\frac{1-e^2}{2}\frac{mM}{m+M}(u-w)^2": "holds",
+    r"M(w'-w)=J": "holds",
+    r"m(u'-u)=J": "wrong",
+}
+
+BLOW = r"""
+[system]
+coordinates = { x = "m", phi = "rad" }
+parameters = { m = "kg", a = "m", B = "N*s", H = "m", Theta = "kg*m^2" }
+[system.motions.blow]
+start = { x_dot = 0, phi_dot = 0 }
+impulse = { x = "B", phi = "B*H" }
+zero = ["x_dot - a*phi_dot"]
+[system.bodies]
+ball = { mass = "m", at = ["x", 0, 0], moments = ["Theta"], omega = ["phi_dot"] }
+[system.symbols]
+'\Theta' = "Theta"
+"v'" = "x_dot after blow"
+"""
+OF_BLOW = {
+    r"B=m v'\Rightarrow H=\frac{\Theta}{m a}": "holds",
+    r"BH=\Theta\frac{v'}{a}": "holds",
+    r"BH=2\Theta\frac{v'}{a}": "wrong",
+}
+
+SYSTEMS = (
+    (HOOP, OF_HOOP), (PENDULUM, OF_PENDULUM), (SLIDE, OF_SLIDE), (IMPACT, OF_IMPACT), (BLOW, OF_BLOW),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("system", range(len(SYSTEMS)))
+def test_what_is_derived_of_a_system(system):
+    text, lines = SYSTEMS[system]
+    found = judged(parse_lexicon(text), *lines)
+    assert dict(zip(lines, (v.verdict for v in found), strict=True)) == lines
+
+
+def test_brackets_and_routhians_are_what_the_note_says():
+    lines = {
+        r"\{f,h\}\equiv\sum_i\left(\frac{\partial f}{\partial p_i}\frac{\partial h}{\partial q_i}"
+        r"-\frac{\partial f}{\partial q_i}\frac{\partial h}{\partial p_i}\right)": "definition",
+        r"\{q_i,p_j\}=-\delta_{ij}": "holds",
+        r"\{q_i,p_j\}=\delta_{ij}": "wrong",
+        r"R(\alpha,\dot\alpha,\beta;p_\beta)\equiv p_\beta\dot\beta-L": "definition",
+        r"\frac{d}{dt}\frac{\partial R}{\partial\dot\alpha}=\frac{\partial R}{\partial\alpha}": "holds",
+        r"\dot p_\beta=\frac{\partial R}{\partial\beta}": "wrong",
+        r"\dot\beta=\frac{\partial R}{\partial p_\beta}": "holds",
+    }
+    own = parse_lexicon(PENDULUM.replace("[symbols]", '[symbols]\nR = "defined"', 1))
+    assert [v.verdict for v in judged(own, *lines)] == list(lines.values())
+
+
+SWING = r"""+++
+[check.symbols]
+'\varphi' = "defined"
+'t' = "time"
+[check.system]
+coordinates = { theta = "rad" }
+parameters = { m = "kg", g = "m/s^2", l = "m" }
+gravity = [0, "-g", 0]
+[check.system.bodies]
+bob = { mass = "m", at = ["l*sin(theta)", "-l*cos(theta)", 0] }
++++
+# Pendulum
+
+For small $\theta$ the equation becomes
+$$\ddot\theta+\frac{g}{l}\theta=0$$
+and not, to first order,
+$$\ddot\theta+\frac{2g}{l}\theta=0$$
+From the top, where
+$$\varphi:=\theta-\pi$$
+$$\ddot\varphi\approx\frac{g}{l}\varphi$$
+$$\ddot\varphi\approx-\frac{g}{l}\varphi$$
+# Fall
+$$\dot\theta = -\frac gl\,t$$
+"""
+
+
+def test_what_is_small_is_judged_to_first_order():
+    found = [f.verdict for f in check(SWING).findings if f.kind == "display"]
+    assert found == ["holds", "wrong", "definition", "holds", "wrong", "undecided"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"theta at rest"', '"theta at rst"', "unknown quantity of the system"),
+        ('"theta at rest"', '"thta at rest"', "unknown quantity of the system"),
+        ("nonzero", "nonzer", "unknown key"),
+        ('"sin(theta)"', '"sin(thta)"', "thta"),
+    ],
+)
+def test_bad_motions_are_told(old, new, message):
+    with pytest.raises(InputError, match=message):
+        parse_lexicon(HOOP.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "repaired"),
+    [
+        (HOOP, r"\cos\theta_*=\frac{2g}{a\Omega^2}", r"\cos\theta_*=\frac{g}{a\Omega^2}"),
+        (HOOP, r"\omega_b^2=\frac{g}{a}+\Omega^2", r"\omega_b^2=\frac{g}{a}-\Omega^2"),
+        (IMPACT, r"u'=\frac{mu+Mw-em(u-w)}{m+M}", r"u'=\frac{mu+Mw-eM(u-w)}{m+M}"),
+    ],
+)
+def test_slips_are_repaired_in_a_motion(text, line, repaired):
+    (understood,) = understand(read_document(f"$${line}$$"), parse_lexicon(text))
+    (judged_,) = verdict(understood).claims
+    offered = [c.latex.replace(" ", "") for c in explain(understood, judged_).corrections]
+    assert repaired in offered
