@@ -49,8 +49,7 @@ from eom.checker.note.checking import check_note
 from eom.checker.read.damage import apply
 from eom.checker.read.documents import KINDS, Piece, load
 from eom.checker.read.grammar import read_formula
-from eom.checker.report.findings import UNEXPLAINED, Explanation, Finding
-from eom.checker.report.settings import GIVEN, Settings
+from eom.checker.report.findings import GIVEN, UNEXPLAINED, Explanation, Finding, Settings
 from eom.errors import InputError
 from eom.fields import PRIME
 from eom.worlds.worlds import closure

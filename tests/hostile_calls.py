@@ -14,7 +14,7 @@ import sympy as sp
 import codegen
 import eom
 from eom import multibody
-from eom.checker.report.settings import Settings
+from eom.checker.report.findings import Settings
 from eom.kinematics.frames import vector
 from eom.mechanics.torques import applied
 

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from eom.checker.read.documents import Note
-    from eom.checker.report.findings import Graded, Line
-    from eom.checker.report.settings import Settings
+    from eom.checker.report.findings import Graded, Line, Settings
 
 WRONG, UNUSABLE = 1, 2
 """Exit status where something is wrong, and where a note cannot be used."""
@@ -174,7 +173,7 @@ def _settings(
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
     from eom.checker.read.documents import TEXT_KINDS
-    from eom.checker.report.settings import GIVEN, Settings
+    from eom.checker.report.findings import GIVEN, Settings
     from eom.worlds.worlds import closure
 
     if kind and kind not in TEXT_KINDS:

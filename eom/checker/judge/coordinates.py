@@ -8,7 +8,7 @@ their own, as in Hamilton's equations.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -16,11 +16,14 @@ from typing import Any
 import sympy as sp
 
 from eom.checker.mean.dimensions import dimension
+from eom.checker.mean.model import PLACES, imposed
 from eom.errors import InputError
 from eom.system import Expr, System
+from eom.terms.terms import Term, expr
 from eom.worlds.solutions import rate, real_point
+from eom.worlds.worlds import SLOPE
 
-PLACES, MOMENTA = ("rad", "m", "1"), ("kg m/s", "kg m^2/s")
+MOMENTA = ("kg m/s", "kg m^2/s")
 DIGITS = 30
 
 
@@ -38,8 +41,12 @@ def chart(system: System) -> Chart:
     """Return coordinates and speeds. Raises `InputError` where there are not as many of both."""
     named = zip(system.states, system.rates, strict=True)
     found = {q.symbol: r for q, r in named if q.unit in PLACES}
-    speeds = [q.symbol for q in system.states if q.unit not in PLACES]
-    if len(found) != len(speeds) or system.mass_matrix is not None:
+    given = imposed(system)
+    loads = {q.name for q in system.states if q.name in given and q.unit not in PLACES}
+    held = {*loads, *(f"{n}_dot" for n in loads)}
+    others = (q for q in system.states if q.unit not in PLACES and q.name not in held)
+    speeds = [q.symbol for q in others]
+    if len(found) != len(speeds) or not _plain(system, found):
         raise InputError("the coordinates of this system are no independent ones", got=system.name)
     places = {s: system.expand(r) for s, r in found.items()}
     rates = {s: sp.Dummy(f"{s}_rate", real=True) for s in places}
@@ -51,6 +58,15 @@ def chart(system: System) -> Chart:
     solved = matrix.LUsolve(sp.Matrix(list(rates.values())) - rest)
     spelt = dict(zip(speeds, map(sp.simplify, solved), strict=True))
     return Chart(rates, spelt, {d: places[s] for s, d in rates.items()})
+
+
+def _plain(system: System, coordinates: Collection[Expr]) -> bool:
+    """Return whether rates of coordinates are not solved for together with others."""
+    if system.mass_matrix is None:
+        return True
+    places = [k for k, q in enumerate(system.states) if q.symbol in coordinates]
+    rows = (system.mass_matrix.row(k) for k in places)
+    return all(r[k] == 1 and sum(map(bool, r)) == 1 for k, r in zip(places, rows, strict=True))
 
 
 def derivative(system: System, f: Expr, variable: Expr, held: Collection[Expr] = ()) -> Expr:
@@ -116,3 +132,25 @@ def _is_energy(system: System, f: Expr, full: Expr) -> bool:
     values = [full.xreplace(at_rates)] + [_written_out(system, e, ()) for e in energies]
     first, *rest = (v.evalf(DIGITS, subs=point) for v in values)
     return any((first - v).is_number and abs(first - v) < 10**-15 * (1 + abs(v)) for v in rest)
+
+
+def share(left: Iterable[Term], right: Iterable[Term], free: Collection[str]) -> bool:
+    """Return whether sides have the same coordinates (``free``: their kinds) and a function of these."""
+    sides = [[tuple(map(str, a.data)) for a in side] for side in (left, right)]
+    variables = [
+        {tuple(v.split(" ", 1)) for d in s if d[0] == "function" for v in d[2:]} for s in sides
+    ]
+    moving = [v | {d for d in s if d[0] in free} for v, s in zip(variables, sides, strict=True)]
+    functions = [{d[1].split(SLOPE)[0] for d in s if d[0] == "function"} for s in sides]
+    return moving[0] == moving[1] and bool(functions[0] & functions[1])
+
+
+def addends(term: Term) -> Iterator[Term]:
+    """Yield the terms of a sum, those within an expression as well; none of a zero."""
+    if term.head == "add":
+        for a in term.args:
+            yield from addends(a)
+    elif term.head == "expr":
+        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
+    elif not term.is_zero:
+        yield term

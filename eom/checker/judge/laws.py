@@ -14,8 +14,9 @@ from dataclasses import replace
 import sympy as sp
 
 from eom.checker.judge.consequences import follows
+from eom.checker.judge.coordinates import addends
 from eom.checker.judge.judge import HOLDS, Judgement, judge
-from eom.checker.judge.models import CHANCE, addends, atoms_in
+from eom.checker.judge.models import CHANCE, atoms_in
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim
 from eom.terms.terms import Term, add, mul, number, zero
 from eom.terms.terms import replace as rewritten

@@ -41,7 +41,7 @@ from eom.checker.read.documents import Document
 from eom.checker.read.grammar import Reading
 from eom.checker.read.spans import Source
 from eom.checker.read.statements import Formula, Statement, read_piece, split
-from eom.checker.read.symbol_shape import Look
+from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import Node
 from eom.checker.read.tokens import tokenize
 from eom.errors import InputError
@@ -182,20 +182,36 @@ class _Context:
 
     def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
         """Return the claims of statements, each of which may use what the ones before define."""
-        statements = tuple(statements)
+        statements = self._ordered(tuple(statements))
         known, found, index = dict(self.definitions), list[Claim](), running(statements)
         for statement in (s for s in statements if not listed(s)):
-            before = (*self.before, *found)
-            new = self._claims(statement, known, before)
-            if index and _gaps(new) and labelled(statement, index):
-                axes = tuple({index: k} for k in "123")
-            else:
-                axes = free(statement, self.lexicon) if _gaps(new) else ()
-            if axes:
-                new = min((new, self._each(statement, known, before, axes)), key=_gaps)
+            new = self._run(statement, known, (*self.before, *found), index)
             known |= defined(new)
             found += new
         return tuple(found)
+
+    def _ordered(self, statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
+        """Return statements with those first that say what the lexicon leaves to the note."""
+        if any(s.continues or s.joined for s in statements[1:]):
+            return statements
+        return tuple(sorted(statements, key=lambda s: not self._says_what(s)))
+
+    def _says_what(self, statement: Statement) -> bool:
+        found = seen(statement.members[0]) if statement.members else None
+        entry = None if found is None or found.dots else self.lexicon.find(found.look)
+        left = entry is not None and entry.meaning.quantity == "defined"
+        return left and entry is not None and entry.look not in self.definitions
+
+    def _run(
+        self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...], index: str
+    ) -> tuple[Claim, ...]:
+        """Return what a statement claims; ``index``: a letter that is said to run over the axes."""
+        new = self._claims(statement, known, before)
+        if index and _gaps(new) and labelled(statement, index):
+            axes = tuple({index: k} for k in "123")
+        else:
+            axes = free(statement, self.lexicon) if _gaps(new) else ()
+        return min((new, self._each(statement, known, before, axes)), key=_gaps) if axes else new
 
     def _each(
         self,
@@ -205,10 +221,9 @@ class _Context:
         axes: tuple[Mapping[str, str], ...],
     ) -> tuple[Claim, ...]:
         """Return what a statement claims for each of the axes that its indices run over."""
-        found = [c for a in axes for c in claims(statement, self.lexicon, known, before, a)]
-        for index in axes[0]:
-            found = [unnamed(c, index) for c in found]
-        return tuple(found)
+        return tuple(
+            unnamed(c, a) for a in axes for c in claims(statement, self.lexicon, known, before, a)
+        )
 
     def _claims(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]

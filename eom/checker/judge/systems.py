@@ -14,7 +14,7 @@ given.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -29,15 +29,17 @@ from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search, atoms_
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.mean.model import Model
 from eom.checker.mean.solid_models import COORDINATES, integrated
+from eom.checker.mean.values import inverse_of
 from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.system import Expr, System
-from eom.terms.terms import SCALAR, Term, add, expr, mul
+from eom.terms.terms import MATRIX, SCALAR, Term, expr
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
     Restriction,
+    anything,
     differs,
     inexact,
     order,
@@ -56,6 +58,7 @@ MAX_TESTS = 200
 MAX_SET, MAX_REST = 3, 2
 """Members of a set at most, and of one where something may rest."""
 MAX_ORDER = 6
+SPEEDS = frozenset({"rad/s", "m/s"})
 SPECIAL = 6
 """Restrictions under which repairs are looked for at most, one at a time."""
 MAX_OPERATIONS = 1500
@@ -83,35 +86,20 @@ def on_solutions(claim: Claim) -> bool:
     return claim.model is not None and any(map(of_system, _atoms(claim)))
 
 
+ANYTHING = ("scalar", "coordinate", "free_angle")
+"""Quantities that may stand beside those of a system, in what is true whatever they are."""
+
+
 def covered(claim: Claim) -> bool:
-    """Whether a claim is a relation between scalars of the system alone."""
+    """Whether a claim is a relation between scalars of the system, besides such as are any."""
     atoms = _atoms(claim)
-    return (
-        bool(atoms) and all(map(of_system, atoms)) and all(_listed(m.term) for m in claim.members)
-    )
+    known = all(of_system(a) or a.data[0] in ANYTHING for a in atoms) and any(map(of_system, atoms))
+    return known and all(_listed(m.term) for m in claim.members)
 
 
 def _listed(term: Term) -> bool:
     """Whether a term is a scalar, or its elements are known one by one."""
-    with suppress(InputError):
-        return bool(elements(term))
-    return False
-
-
-def elements(term: Term) -> tuple[Term, ...]:
-    """Return a scalar, or the elements of a column, matrix or table. Raises `InputError` for others."""
-    if term.kind == SCALAR:
-        return (term,)
-    if term.head in {"entries", "table"}:
-        return term.args
-    if term.head == "mul":
-        *factors, last = term.args
-        return tuple(mul(*factors, e) for e in elements(last))
-    if term.head == "add":
-        each = [elements(a) for a in term.args]
-        if len({len(e) for e in each}) == 1:
-            return tuple(add(*column) for column in zip(*each, strict=True))
-    raise InputError("this is no quantity of the system", got=term.head)
+    return term.kind == SCALAR or (term.head in _TABLED and all(map(_listed, term.args)))
 
 
 # -- claims as expressions ----------------------------------------------------------------------------
@@ -124,6 +112,9 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     """
     if term.head == "partial":
         return _partial(term, scalars, model)
+    if term.head == "inner":
+        a, b = (elements(x, scalars, model) for x in term.args)
+        return sp.Add(*(x * y for x, y in zip(a, b, strict=True)))
     inside = tuple(written(a, scalars, model) for a in term.args)
     if term.head == "integral" and model.body is not None:
         return integrated(model.body, inside[0])
@@ -131,8 +122,6 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
         return _JOINED[term.head](*inside)
     if term.head == "zero":
         return sp.Integer(0)
-    if term.head == "der" and term.kind == SCALAR:
-        return inside[0] if inside[0] == 0 else rate(inside[0])
     if term.head == "expr":
         free = term.data[0].free_symbols
         own = {s: written(scalars[s], scalars, model) for s in free if s in scalars}
@@ -140,15 +129,83 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
         return term.data[0].xreplace(own | time)
     if of_system(term):
         return model.symbol(term.data[1])
+    if term.head == "atom" and term.data[0] in ANYTHING:
+        moving = int(term.data[0] != ANYTHING[0])
+        return anything(sp.Symbol(term.data[1], real=True), moving)
     raise InputError("this is no quantity of the system", got=term.head)
 
 
-_JOINED = {"add": sp.Add, "mul": sp.Mul, "since": since, "start": start}
+def _changing(e: Expr) -> Expr:
+    return e if e == 0 else rate(e)
+
+
+_JOINED = {"add": sp.Add, "mul": sp.Mul, "since": since, "start": start, "der": _changing}
+
+Rows = list[list[Expr]]
+
+
+def elements(term: Term, scalars: Mapping[Any, Term], model: Model) -> tuple[Expr, ...]:
+    """Return a scalar, or the elements of a column, matrix or table row by row, as `written` does."""
+    return tuple(e for row in _rows(term, scalars, model) for e in row)
+
+
+def _rows(term: Term, scalars: Mapping[Any, Term], model: Model) -> Rows:
+    if term.kind == SCALAR:
+        return [[written(term, scalars, model)]]
+    if not _listed(term):
+        raise InputError("this is no quantity of the system", got=term.head)
+    return _TABLED[term.head](term, [_rows(a, scalars, model) for a in term.args])
+
+
+def _shaped(term: Term, parts: list[Rows]) -> Rows:
+    """Return scalars in the rows and columns that a term has."""
+    flat = [p[0][0] for p in parts]
+    columns = term.data[1] if term.head == "table" else 3 if term.kind == MATRIX else 1
+    return [flat[k : k + columns] for k in range(0, len(flat), columns)]
+
+
+def _each(rule: Callable[..., Expr], *parts: Rows) -> Rows:
+    return [[rule(*e) for e in zip(*rows, strict=True)] for rows in zip(*parts, strict=True)]
+
+
+def _scaled(_: Term, parts: list[Rows]) -> Rows:
+    *factors, last = parts
+    return _each(lambda e: sp.Mul(*(f[0][0] for f in factors), e), last)
+
+
+def _times(a: Rows, b: Rows) -> Rows:
+    return [[sp.Add(*map(sp.Mul, row, column)) for column in zip(*b, strict=True)] for row in a]
+
+
+def _turned(a: Rows) -> Rows:
+    return [list(row) for row in zip(*a, strict=True)]
+
+
+def _skew(a: Rows) -> Rows:
+    (x,), (y,), (z,) = a
+    return [[sp.S.Zero, -z, y], [z, sp.S.Zero, -x], [-y, x, sp.S.Zero]]
+
+
+_TABLED: dict[str, Callable[[Term, list[Rows]], Rows]] = {
+    "entries": _shaped,
+    "table": _shaped,
+    "rows": lambda _, parts: [_turned(p)[0] for p in parts],
+    "zero": lambda t, _: [[sp.S.Zero] * (3 if t.kind == MATRIX else 1) for _ in range(3)],
+    "add": lambda _, parts: _each(sp.Add, *parts),
+    "mul": _scaled,
+    "matmul": lambda _, parts: _times(*parts),
+    "outer_column": lambda _, parts: _times(parts[0], _turned(parts[1])),
+    "transpose": lambda _, parts: _turned(parts[0]),
+    "inverse": lambda _, parts: inverse_of(parts[0]),
+    "tilde": lambda _, parts: _skew(parts[0]),
+    **{head: lambda t, parts: _each(_JOINED[t.head], *parts) for head in ("der", "since", "start")},
+}
+"""One rule a head of columns, matrices and tables: from the rows of its arguments to its own."""
 
 
 def _partial(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     """Return a partial derivative; symbols that stand for momenta are variables of their own."""
-    momenta = {s: sp.Dummy(s.name, real=True) for s, t in scalars.items() if t.head == "partial"}
+    momenta = {s: sp.Dummy(s.name, real=True) for s, t in scalars.items() if _is_slope(t)}
     own = {**scalars, **{s: expr(d) for s, d in momenta.items()}}
     function, variable = (written(a, own, model) for a in term.args)
     found = derivative(model.system, function, variable, momenta.values())
@@ -156,12 +213,17 @@ def _partial(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     return found.xreplace(back)
 
 
+def _is_slope(term: Term) -> bool:
+    """Whether a term is the slope of an energy along a rate: a momentum."""
+    return term.head == "partial" and term.args[1].head == "der" and term.args[0].head != "partial"
+
+
 def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
     """Return the pairs of expressions that a claim says are equal. Raises `InputError` for others."""
     others = [r for r in claim.relations if r not in EQUALITIES]
     if others or claim.kind == SAME_POINT:
         raise InputError("only equations are judged on solutions", got=others[0] if others else "")
-    members = [[written(e, claim.scalars, model) for e in elements(m.term)] for m in claim.members]
+    members = [elements(m.term, claim.scalars, model) for m in claim.members]
     if model.body is not None and any(
         e.free_symbols & set(COORDINATES) for m in members for e in m
     ):
@@ -192,7 +254,8 @@ class OnSolution(Drawn):
     def values(self, term: Term) -> list[int] | None:
         """Return the values of a scalar, or of all elements, at t = 0."""
         try:
-            found = [self.motion.series(self.models.written(e)) for e in elements(term)]
+            written_out = elements(term, self.models.scalars, self.models.model)
+            found = list(map(self.motion.series, written_out))
         except (InputError, Singular, KeyError):
             return None
         return [int(f.coefficients[0]) for f in found]
@@ -257,8 +320,30 @@ class Solutions(Models):
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield sets without rest, the smallest first."""
-        names = [n for n, r in self.possible.items() if not r.rest]
+        names = [n for n, r in self.possible.items() if not r.rest and self._concerns(r)]
         yield from (base | s for s in self._small(search, names, MAX_SET))
+
+    @cached_property
+    def _symbols(self) -> frozenset[Expr]:
+        """All symbols that the claim rests on; those of the rates where it has accelerations."""
+        system, todo = self.model.system, [e for pair in self.said for e in pair]
+        named = {d.symbol: d.expression for d in (*system.definitions, *system.outputs)}
+        rates = dict(zip((q.symbol for q in system.states), system.rates, strict=True))
+        found = set[Expr]()
+        turning = [e for e in todo if e.has(rate)]
+        todo += [rates[s] for e in turning for s in e.free_symbols if s in rates]
+        todo += [r for e in turning if order(e) > 1 for r in system.rates]
+        while todo:
+            new = todo.pop().free_symbols - found
+            found |= new
+            todo += [named[s] for s in new if s in named and named[s] != s]
+        return frozenset(found)
+
+    def _concerns(self, r: Restriction) -> bool:
+        """Return whether a claim rests on what is restricted; what is held says nothing of places."""
+        speeds = {q.symbol for q in self.model.system.states if q.unit in SPEEDS}
+        mentioned = {*r.zero, *r.held, *(s for pair in r.equal for s in pair)} & self._symbols
+        return bool(mentioned) and (not r.held or bool(speeds & self._symbols))
 
     def _small(self, search: Search, names: Sequence[str], most: int) -> Iterator[frozenset[str]]:
         found: list[frozenset[str]] = []
@@ -303,7 +388,10 @@ class Solutions(Models):
         return any(_zero(special.motion, p) and not _zero(general.motion, p) for p in parts)
 
     def doubt(self) -> str:
-        """Say that what differs in the field may be equal for real numbers."""
+        """Say that what differs may be equal for real numbers, or says what a letter means."""
+        loose = sorted({str(a) for pair in self.said for e in pair for a in e.atoms(anything)})
+        if loose:
+            return f"nothing ties {', '.join(loose)} to the system"
         system = self.model.system
         exact = not any(inexact(system, e) for pair in self.said for e in pair)
         certain = exact or any(differs(system, a, b, self.held) for a, b in self.said)

@@ -25,8 +25,9 @@ from eom import limits
 from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator
-from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
+from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, turned_round
 from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.tables import same
 from eom.checker.mean.values import (
     ANY,
     ROW,
@@ -36,7 +37,6 @@ from eom.checker.mean.values import (
     Value,
     basis,
     overdot,
-    same,
 )
 from eom.checker.read.spans import NOWHERE, Span
 from eom.checker.read.statements import Statement
@@ -438,6 +438,7 @@ def _new(nodes: list[Node], signs: tuple[str, ...], e: Elaborator) -> Look | Non
         entry = e.lexicon.find(look, e.indices) if look is not None else None
         if entry is not None:
             free = entry.meaning.quantity == "defined" and entry.look not in e.definitions
+            free = free and not turned_round(e, entry)
             return entry.look if free and (look == found.with_label() or not found.raised) else None
     look = e.lexicon.notation.plain(found.with_label() or found.look)
     return look if signs[0] == ":=" and not _values(e, [inner])[0] else None

@@ -14,7 +14,7 @@ An index is a letter below symbols that have no meaning with it, and one with th
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -24,11 +24,14 @@ import sympy as sp
 from eom.checker.mean import calculus, instants
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborator import (
+    FUNCTIONS,
     TRANSPOSED,
     Elaborator,
     Rule,
+    dressed,
     marked,
     number,
+    of_columns,
     of_meaning,
     pure,
     quotient,
@@ -36,27 +39,33 @@ from eom.checker.mean.elaborator import (
     symbol_value,
     without_meaning,
 )
-from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
+from eom.checker.mean.lexicon import AXES, MATRICES, Lexicon, Meaning
+from eom.checker.mean.tables import (
+    DUAL,
+    cell,
+    crossed,
+    is_quaternion,
+    skew,
+    spatial_cross,
+    tensored,
+    unstarred,
+)
 from eom.checker.mean.values import (
     AMBIGUOUS,
     ANY,
     ILL_FORMED,
-    ROW,
     UNDECIDED,
     Refusal,
     Value,
     beside,
     components,
-    crossed,
     determinant,
     dotted,
     is_square,
     negative,
     overdot,
     refuse,
-    skew,
     square,
-    tensored,
     total,
 )
 from eom.checker.read.spans import Span
@@ -93,7 +102,7 @@ from eom.checker.read.syntax import (
     children,
 )
 from eom.kinematics.coordinates import elementary
-from eom.terms.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, entries, expr, inner
+from eom.terms.terms import MATRIX, SCALAR, TABLE, VECTOR, entries, expr, inner
 from eom.terms.terms import dot as dot_product
 from eom.terms.vocabulary import quantity
 from eom.worlds.worlds import ANGLES
@@ -271,11 +280,13 @@ def _product(e: Elaborator, node: Product) -> Value:
     if repeated:
         values = [e.bound(**axes).value(node) for axes in repeated]
         return total(e.lexicon.notation, values)
-    rule = _OPERATORS.get(node.operator)
+    rule, node = _OPERATORS.get(node.operator), unstarred(node)
     if rule is None:
         raise refuse(UNDECIDED, "an operator without a meaning", node.span, node.operator)
     if node.operator:
         values = [e.value(f) for f in node.factors]
+        if node.operator == DUAL:
+            return spatial_cross(e.lexicon.notation, *values, dual=True)
         if rule is crossed and len(values) > 2 and any(v.shape != SCALAR for v in values):
             raise refuse(
                 AMBIGUOUS,
@@ -299,7 +310,12 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
         following = nodes[k + 1] if k + 1 < len(nodes) else None
         argument, above = _argument(following)
         if argument is not None:
-            applied = _applied(e, nodes[k], argument, above)
+            one = nodes[k]
+            if isinstance(one, Call) and not isinstance(one.argument, Group):
+                within = _applied(e, one.argument, argument, above)
+                applied = None if within is None else calculus.called_on(e, one, within)
+            else:
+                applied = _applied(e, one, argument, above)
             if applied is not None:
                 values.append(
                     applied if above is None else raised(e, applied, above, argument.span)
@@ -355,18 +371,40 @@ def _applied(e: Elaborator, node: Node, argument: Group, above: Node | None) -> 
     if called is not None:
         return of_meaning(e, called, given, node.span)
     entry = e.lexicon.find(given.look, e.indices)
-    if entry is not None and entry.meaning.quantity == "skew":
-        return skew(e.lexicon.notation, e.value(argument.body), node.span.join(argument.span))
-    if entry is not None and entry.meaning.quantity in TURNS:
-        return turn(e, entry.meaning, e.value(argument.body), node.span.join(argument.span))
+    if entry is not None and entry.meaning.quantity in FUNCTIONS:
+        span = node.span.join(argument.span)
+        return dressed(
+            e, _function_value(e, entry.meaning, e.value(argument.body), span), given, span
+        )
     if instants.key(e, argument.body):
         return instants.at(e, e.value(node), argument.body)
     if entry is None:
         return None
     body = argument.body
-    variables = above is None and isinstance(body, Sequence) and all(map(seen, body.items))
-    function = entry.meaning.function or (variables and entry.meaning.quantity in _OF_VARIABLES)
-    return e.value(node) if function else None
+    listed = above is None and isinstance(body, Sequence) and all(map(seen, body.items))
+    function = entry.meaning.function or (listed and entry.meaning.quantity in _OF_VARIABLES)
+    return e.value(node) if function or _of_coordinates(entry.meaning, body) else None
+
+
+def _call(e: Elaborator, node: Call) -> Value:
+    """Return a function of the lexicon, else one that is known."""
+    entry = e.lexicon.find(Look(node.function))
+    if entry is None or entry.meaning.quantity not in FUNCTIONS or (node.sub or node.sup):
+        return calculus.call(e, node)
+    return _function_value(e, entry.meaning, e.value(node.argument), node.span)
+
+
+def _function_value(e: Elaborator, meaning: Meaning, argument: Value, span: Span) -> Value:
+    if meaning.quantity in TURNS:
+        return turn(e, meaning, argument, span)
+    return of_columns(e, meaning.quantity, argument, span)
+
+
+def _of_coordinates(meaning: Meaning, body: Node) -> bool:
+    """Return whether what stands in brackets are the variables of a matrix, letters alone."""
+    inside = [seen(n) for n in (body.items if isinstance(body, Sequence) else (body,))]
+    plain = all(i is not None and not i.raised for i in inside)
+    return plain and (bool(meaning.of) or meaning.quantity in MATRICES)
 
 
 _OF_VARIABLES = frozenset({"equals", "defined"})
@@ -378,8 +416,10 @@ _OPERATORS: dict[str, Callable[..., Value]] = {
     "dot": dotted,
     "cross": crossed,
     "wedge": crossed,
-    "asterisk": beside,
-    "tensor": lambda _, a, b: tensored(a, b),
+    "tensor": tensored,
+    "circle": tensored,
+    "circledot": tensored,
+    "asterisk": lambda n, a, b: (tensored if is_quaternion(n, a) else beside)(n, a, b),
 }
 
 
@@ -453,7 +493,7 @@ def _crossing(e: Elaborator, node: Section) -> Value:
 
 
 def _upright(e: Elaborator, node: Scripts) -> Value | None:
-    """Return the column of a transposed list of three numbers, parted by commas or by space alone.
+    """Return the column of a transposed list, parted by commas, or numbers parted by space alone.
 
     Whatever the brackets, what lies on the line is a row, and its transpose a column.
     """
@@ -462,16 +502,16 @@ def _upright(e: Elaborator, node: Scripts) -> Value | None:
         return None
     if not isinstance(above, Symbol) or above.name not in TRANSPOSED:
         return None
-    if isinstance(group.body, Sequence):
-        row = calculus.tuple_value(e, group, group.body)
-        return replace(row, shape=COLUMN, span=node.span) if row.shape in {COLUMN, ROW} else None
     body = group.body
-    if not isinstance(body, Product) or body.operator or len(body.factors) != 3:
+    values: list[Value] = []
+    if isinstance(body, Sequence):
+        values = [e.value(i) for i in body.items]
+    elif isinstance(body, Product) and not body.operator:
+        values = [v for v in _factors(e, body.factors) if v.shape == SCALAR]
+        values = values if len(values) == len(body.factors) else []
+    if len(values) < 2:
         return None
-    values = _factors(e, body.factors)
-    if len(values) != 3 or any(v.shape != SCALAR for v in values):
-        return None
-    return calculus.line(e, values, node.span, COLUMN)
+    return calculus.column_of(e, values, node.span)
 
 
 def _scripts(e: Elaborator, node: Scripts) -> Value:
@@ -543,6 +583,119 @@ def _body(e: Elaborator, node: Any) -> Value:
     return e.value(node.body)
 
 
+LETTERS = frozenset("ijklmn")
+COUNTS = tuple("123456")
+MAX_DUMMIES, MAX_FREE = 4, 4
+UNIT = ("delta", 2)
+ALTERNATING = (("epsilon", 3), ("varepsilon", 3), ("e", 3))
+Known = Callable[[Look, Mapping[str, str]], bool]
+
+
+def numbered(look: Look, indices: Mapping[str, str]) -> Any:
+    """Return the number that Kronecker's or Levi-Civita's symbol is; None for anything else."""
+    axes = [AXES.get(indices.get(w, w)) for w in look.sub]
+    shape = (look.name, len(axes))
+    if None in axes or look.accents or look.sup or shape not in {UNIT, *ALTERNATING}:
+        return None
+    values = [int(a) for a in axes if a is not None]
+    return sp.KroneckerDelta(*values) if shape == UNIT else sp.LeviCivita(*values)
+
+
+def _indices(look: Look, known: Known) -> list[str]:
+    """Return the letters below a symbol that are indices: it has a meaning with numbers in their places."""
+    letters = [w for w in look.sub if w in LETTERS]
+    whole = letters and not known(look, {}) and known(look, dict.fromkeys(letters, "1"))
+    return letters if whole else []
+
+
+def _letters(node: Node, known: Known) -> Iterator[str]:
+    """Yield the indices of a term as often as they stand there, of a sum those of its terms once."""
+    found = seen(node)
+    if found is not None:
+        yield from _indices(found.look, known)
+    elif isinstance(node, Addition):
+        yield from frozenset[str]().union(*(_once(t, known) for t in node.terms))
+    else:
+        for part in children(node):
+            yield from _letters(part, known)
+
+
+def _looks(node: Node) -> Iterator[Look]:
+    """Yield the looks of all symbols."""
+    found = seen(node)
+    if found is not None:
+        yield found.look
+    else:
+        for part in children(node):
+            yield from _looks(part)
+
+
+def _numbers(parts: Iterable[Node], letter: str, known: Known) -> tuple[str, ...]:
+    """Return what an index runs over: the numbers with which all that carry it have a meaning."""
+    looks = {k for n in parts for k in _looks(n) if letter in _indices(k, known)}
+    ones = [(k, dict.fromkeys(_indices(k, known), "1")) for k in looks]
+    return tuple(c for c in COUNTS if ones and all(known(k, {**o, letter: c}) for k, o in ones))
+
+
+def _knows(lexicon: Lexicon, bound: Mapping[str, str]) -> Known:
+    def known(look: Look, more: Mapping[str, str]) -> bool:
+        indices = {**bound, **more}
+        return (
+            numbered(look, indices) is not None
+            or lexicon.find(look, indices) is not None
+            or cell(lexicon, look.numbered(indices)) is not None
+        )
+
+    return known
+
+
+def _runs(parts: Iterable[Node], letters: Iterable[str], known: Known) -> Iterator[dict[str, str]]:
+    """Yield all values of some indices."""
+    letters, parts = tuple(letters), tuple(parts)
+    ranges = (_numbers(parts, w, known) for w in letters)
+    yield from (dict(zip(letters, axes, strict=True)) for axes in product(*ranges))
+
+
+def summed(node: Node, lexicon: Lexicon, bound: Mapping[str, str]) -> Iterator[dict[str, str]]:
+    """Yield the values of letters that stand twice in a term, one summand each; nothing for no sum."""
+    if isinstance(node, Addition | BigOperator):
+        return
+    known = _knows(lexicon, bound)
+    counts = Counter(w for w in _letters(node, known) if w not in bound)
+    twice = sorted(w for w, n in counts.items() if n == 2)
+    if 0 < len(twice) <= MAX_DUMMIES:
+        yield from _runs([node], twice, known)
+
+
+def _summation(e: Elaborator, node: BigOperator) -> Value:
+    """Return a sum over the numbers of entries, which a sign of summation says; any other as it is."""
+    known = _knows(e.lexicon, e.indices)
+    letters = calculus.run_over(node)
+    values = [e.bound(**axes).value(node.body) for axes in _runs([node.body], letters, known)]
+    return (
+        total(e.lexicon.notation, values) if letters and values else calculus.big_operator(e, node)
+    )
+
+
+def free(statement: Statement, lexicon: Lexicon) -> tuple[dict[str, str], ...]:
+    """Return all values of the letters that stand once in each term of a statement; none for no such."""
+    known = _knows(lexicon, {})
+    once = [_once(m, known) for m in statement.members]
+    shared = frozenset[str]().union(*once)
+    return (
+        tuple(_runs(statement.members, sorted(shared), known))
+        if 0 < len(shared) <= MAX_FREE
+        else ()
+    )
+
+
+def _once(node: Node, known: Known) -> frozenset[str]:
+    """Return the letters that stand once in a term, or in the terms of a sum."""
+    if isinstance(node, BigOperator):
+        return _once(node.body, known) - frozenset(calculus.run_over(node))
+    return frozenset(w for w, n in Counter(_letters(node, known)).items() if n == 1)
+
+
 RULES: dict[type, Rule] = {
     Number: _number,
     Symbol: _symbol,
@@ -562,81 +715,11 @@ RULES: dict[type, Rule] = {
     Boxed: _body,
     Struck: _body,
     Root: calculus.root,
-    Call: calculus.call,
-    BigOperator: calculus.big_operator,
+    Call: _call,
+    BigOperator: _summation,
     Integral: calculus.integral_value,
     Differential: calculus.differential,
     Derivative: calculus.derivative,
     Matrix: _matrix,
 }
 """One rule a kind of node; what is not here has no value."""
-
-
-LETTERS = frozenset("ijklmn")
-COUNTS = ("1", "2", "3")
-MAX_DUMMIES, MAX_FREE = 4, 4
-UNIT = ("delta", 2)
-ALTERNATING = (("epsilon", 3), ("varepsilon", 3), ("e", 3))
-
-
-def numbered(look: Look, indices: Mapping[str, str]) -> Any:
-    """Return the number that Kronecker's or Levi-Civita's symbol is; None for anything else."""
-    axes = [AXES.get(indices.get(w, w)) for w in look.sub]
-    shape = (look.name, len(axes))
-    if None in axes or look.accents or look.sup or shape not in {UNIT, *ALTERNATING}:
-        return None
-    values = [int(a) for a in axes if a is not None]
-    return sp.KroneckerDelta(*values) if shape == UNIT else sp.LeviCivita(*values)
-
-
-def _letters(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> Iterator[str]:
-    """Yield the indices of a term as often as they stand there, of a sum those of its terms once."""
-    found = seen(node)
-    if found is not None:
-        look = found.look
-        letters = [w for w in look.sub if w in LETTERS]
-        if letters and not known(look, {}) and known(look, dict.fromkeys(letters, "1")):
-            yield from letters
-    elif isinstance(node, Addition):
-        yield from frozenset[str]().union(*(_once(t, known) for t in node.terms))
-    else:
-        for part in children(node):
-            yield from _letters(part, known)
-
-
-def _knows(lexicon: Lexicon, bound: Mapping[str, str]) -> Callable[[Look, Mapping[str, str]], bool]:
-    def known(look: Look, more: Mapping[str, str]) -> bool:
-        indices = {**bound, **more}
-        return numbered(look, indices) is not None or lexicon.find(look, indices) is not None
-
-    return known
-
-
-def summed(node: Node, lexicon: Lexicon, bound: Mapping[str, str]) -> Iterator[dict[str, str]]:
-    """Yield the values of letters that stand twice in a term, one summand each; nothing for no sum."""
-    if isinstance(node, Addition | BigOperator):
-        return
-    counts = Counter(w for w in _letters(node, _knows(lexicon, bound)) if w not in bound)
-    twice = sorted(w for w, n in counts.items() if n == 2)
-    if 0 < len(twice) <= MAX_DUMMIES:
-        yield from (
-            dict(zip(twice, axes, strict=True)) for axes in product(COUNTS, repeat=len(twice))
-        )
-
-
-def free(statement: Statement, lexicon: Lexicon) -> tuple[dict[str, str], ...]:
-    """Return all values of the letters that stand once in each term of a statement; none for no such."""
-    known = _knows(lexicon, {})
-    once = [_once(m, known) for m in statement.members]
-    shared = frozenset[str]().union(*once)
-    if not 0 < len(shared) <= MAX_FREE:
-        return ()
-    letters = sorted(shared)
-    return tuple(
-        dict(zip(letters, axes, strict=True)) for axes in product(COUNTS, repeat=len(letters))
-    )
-
-
-def _once(node: Node, known: Callable[[Look, Mapping[str, str]], bool]) -> frozenset[str]:
-    """Return the letters that stand once in a term, or in the terms of a sum."""
-    return frozenset(w for w, n in Counter(_letters(node, known)).items() if n == 1)

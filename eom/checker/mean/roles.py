@@ -11,7 +11,7 @@ formula lets run over the three axes: (r = 1, 2, 3), for i = 1, 2, 3, i = x, y, 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from eom.checker.mean.claims import Claim, defined
@@ -287,11 +287,11 @@ def labelled(statement: Statement, letter: str) -> bool:
     )
 
 
-def unnamed(claim: Claim, letter: str) -> Claim:
-    """Return a claim that defines no symbol with the letter as a label: it is three of them."""
-    look = claim.defines
-    named = look is not None and any(letter in c for c in look.corners)
-    return replace(claim, defines=None) if named else claim
+def unnamed(claim: Claim, indices: Mapping[str, str]) -> Claim:
+    """Return a claim that defines the symbol with numbers in the place of indices, no other with them."""
+    look = None if claim.defines is None else claim.defines.numbered(indices)
+    left = look is not None and any(w in c for c in look.corners for w in indices)
+    return replace(claim, defines=None if left else look)
 
 
 _BRINGS = re.compile(r"\b(?:let|with (?:the|an?) [A-Za-z -]{2,40})\s*\$*$", re.IGNORECASE)

@@ -21,8 +21,15 @@ from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
 from eom.checker.repair.explaining import explain
-from eom.checker.report.findings import Finding, Graded, Remark, Report
-from eom.checker.report.settings import FORMULA_SECONDS, GIVEN, Settings
+from eom.checker.report.findings import (
+    FORMULA_SECONDS,
+    GIVEN,
+    Finding,
+    Graded,
+    Remark,
+    Report,
+    Settings,
+)
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds.worlds import closure

@@ -18,8 +18,7 @@ from typing import Any
 
 from eom.checker.read.documents import Note, name_of, note_of, notes_of
 from eom.checker.read.spans import printable
-from eom.checker.report.findings import Graded
-from eom.checker.report.settings import Settings
+from eom.checker.report.findings import Graded, Settings
 from eom.errors import InputError, typed
 from eom.interrupts import not_interrupted
 from eom.worlds.worlds import closure

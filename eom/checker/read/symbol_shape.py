@@ -7,7 +7,7 @@ is raised and no label, act on the symbol: they are kept apart (`Seen`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -55,6 +55,10 @@ class Look:
     def corners(self) -> tuple[Labels, Labels, Labels, Labels]:
         """The labels: below, above, below on the left, above on the left."""
         return self.sub, self.sup, self.presub, self.presup
+
+    def numbered(self, indices: Mapping[str, str]) -> Look:
+        """Return the look with numbers in the place of indices below."""
+        return replace(self, sub=tuple(indices.get(w, w) for w in self.sub))
 
     @property
     def text(self) -> str:

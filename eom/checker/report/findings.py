@@ -1,5 +1,7 @@
 """The report on a note: what was found of every formula, in order, and the same as lines of text.
 
+How notes are checked.
+
 Of a wrong line: what is left over, what would make it right, and where it fails. Of a note among many: its
 report, or the error that left none. Lines of text have parts with a style that a terminal may show by
 colour.
@@ -15,11 +17,41 @@ import json
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from eom.checker.judge.judge import UNDER
 from eom.checker.read.spans import NOWHERE, Source, Span, printable
 from eom.worlds.worlds import ASSUMPTIONS
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
+    from eom.system import System
+
+
+GIVEN = ("constant_mass",)
+"""What is assumed without being said, unless something else is given."""
+FORMULA_SECONDS = 10.0
+NOTE_SECONDS = 300.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How notes are checked.
+
+    ``notation``: a preset, ``lexicon``: a TOML file, "" for neither; ``given``: assumptions made without
+    being said; ``kind``: of texts that are no files, see `read_document`, "" for what they look like;
+    ``system``: what scalar lines are about, a name, a scene file or an object, None for what the note says;
+    ``seconds`` of processor time: for the meaning of a formula, and again for its judgement;
+    ``note_seconds``: for a note.
+    """
+
+    notation: str = ""
+    lexicon: str = ""
+    given: tuple[str, ...] = GIVEN
+    kind: str = ""
+    system: str | System | AnyScene | None = None
+    seconds: float = FORMULA_SECONDS
+    note_seconds: float = NOTE_SECONDS
 
 
 @dataclass(frozen=True)

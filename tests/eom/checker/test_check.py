@@ -14,8 +14,7 @@ from eom.checker.note import checking
 from eom.checker.note.checking import check_note
 from eom.checker.read.documents import Text, is_file, looks_like, note_of, notes_of, read_document
 from eom.checker.read.spans import NOWHERE
-from eom.checker.report.findings import FAULTS, ORDER, UNEXPLAINED, Explanation
-from eom.checker.report.settings import Settings
+from eom.checker.report.findings import FAULTS, ORDER, UNEXPLAINED, Explanation, Settings
 from eom.errors import InputError
 from eom.limits import Overdue, check, deadline
 from tests.clock import growth_in_calls

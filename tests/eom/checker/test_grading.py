@@ -26,6 +26,7 @@ from eom.checker.report.findings import (
     Graded,
     Remark,
     Report,
+    Settings,
     report_lines,
     shown,
     text,
@@ -34,7 +35,6 @@ from eom.checker.report.findings import (
     to_table_json,
     total,
 )
-from eom.checker.report.settings import Settings
 from eom.errors import InputError
 from tests.eom.rows import only
 
