@@ -328,11 +328,8 @@ class Solutions(Models):
         """All symbols that the claim rests on; those of the rates where it has accelerations."""
         system, todo = self.model.system, [e for pair in self.said for e in pair]
         named = {d.symbol: d.expression for d in (*system.definitions, *system.outputs)}
-        rates = dict(zip((q.symbol for q in system.states), system.rates, strict=True))
         found = set[Expr]()
-        turning = [e for e in todo if e.has(rate)]
-        todo += [rates[s] for e in turning for s in e.free_symbols if s in rates]
-        todo += [r for e in turning if order(e) > 1 for r in system.rates]
+        todo += system.rates if any(e.has(rate) for e in todo) else ()
         while todo:
             new = todo.pop().free_symbols - found
             found |= new

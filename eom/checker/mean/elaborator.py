@@ -344,16 +344,19 @@ def _accented(e: Elaborator, look: Look, span: Span) -> Value | None:
     notation = e.lexicon.notation
     for stands in look.accents:
         mark = _ALIKE.get(stands, stands) if stands not in notation.marks else stands
-        if mark in {*notation.skew, *notation.marks, "bar"}:
+        bar = bool(notation.quaternions) and stands == "bar"
+        if mark in notation.skew or mark in notation.marks or bar:
             left = list(look.accents)
             left.remove(stands)
             below = replace(look, accents=tuple(left))
             inside = _look(e, below, span) or _resolved(e, below, span)
-            if inside is not None and is_quaternion(notation, inside):
-                return conjugate(notation, inside, span)
+            if inside is not None and bar:
+                return (
+                    conjugate(notation, inside, span) if is_quaternion(notation, inside) else None
+                )
             if inside is None or mark in notation.skew:
                 return inside and skew(notation, inside, span)
-            return marked(e, inside, mark, span) if mark in notation.marks else None
+            return marked(e, inside, mark, span)
     return None
 
 
@@ -563,6 +566,8 @@ def raised(e: Elaborator, value: Value, above: Node, span: Span) -> Value:
 def marked(e: Elaborator, value: Value, mark: str, span: Span) -> Value:
     """Apply a raised mark: a derivative, or a cross."""
     frame = e.lexicon.notation.marks.get(mark)
+    if mark == "circ" and value.shape == SCALAR and value.term.is_plain:
+        return replace(value, term=mul(expr(sp.pi / 180), value.term), span=span)
     if mark == "times":
         return skew(e.lexicon.notation, value, span)
     if frame is None:

@@ -8,6 +8,7 @@ from eom.checker.judge.notes import understand
 from eom.checker.judge.verdicts import verdict
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.read.documents import read_document
+from eom.checker.repair.explaining import explain
 from eom.errors import InputError
 
 POLAR = r"""
@@ -188,6 +189,7 @@ LINES = [
     (ANY, r"\frac{d}{dt} M^{-1} = -M^{-1}\dot M M^{-1}", HOLDS),
     (ANY, r"\frac{d}{dt} A^{-1} = A^{-1}\dot A A^{-1}", WRONG),
     (ANY, r"x^T N x = 0", HOLDS),
+    (ANY, r"\cos(60^\circ)\,K_p = \tfrac12 K_p", HOLDS),
     (ANY, r"M(q)\ddot q + G(q) = \tau", OPEN),
     (HAMILTON, r"\dot q = \tfrac12 q\otimes\omega", HOLDS),
     (HAMILTON, r"\dot q = \tfrac12 \omega\otimes q", WRONG),
@@ -246,6 +248,47 @@ def test_what_is_defined_for_two_frames_holds_for_others():
     found = _verdicts(POSES, POSE, right, inverse, slip)
     assert found[:3] == [NEW, HOLDS, HOLDS]
     assert found[3] in {WRONG, "ill-formed"}
+
+
+CHAIN_OF_LINKS = r"""
+[symbols]
+'\theta_1' = "free_angle a"
+'\theta_2' = "free_angle b"
+'c_{<k>}' = '= \cos\theta_{<k>}'
+'s_{<k>}' = '= \sin\theta_{<k>}'
+'c_{12}' = '= \cos(\theta_1+\theta_2)'
+'s_{12}' = '= \sin(\theta_1+\theta_2)'
+'a_{<k>}' = "scalar a<k>"
+'A_1' = "defined"
+'A_2' = "defined"
+"""
+
+
+def test_transformations_of_links_multiply():
+    one, two = (
+        rf"A_{k} = \begin{{bmatrix}}c_{k}&-s_{k}&0&a_{k}c_{k}\\s_{k}&c_{k}&0&a_{k}s_{k}\\"
+        r"0&0&1&0\\0&0&0&1\end{bmatrix}"
+        for k in (1, 2)
+    )
+    both = (
+        r"A_1A_2 = \begin{bmatrix}c_{12}&-s_{12}&0&a_1c_1+a_2c_{12}\\s_{12}&c_{12}&0&a_1s_1+a_2s_{12}"
+        r"\\0&0&1&0\\0&0&0&1\end{bmatrix}"
+    )
+    slip = both.replace("a_1s_1", "a_1c_1")
+    assert _verdicts(CHAIN_OF_LINKS, one, two, both, slip) == [NEW, NEW, HOLDS, WRONG]
+
+
+def test_a_sine_for_short_that_should_be_a_cosine_is_corrected():
+    short = POLAR.replace("[system]", "'c_1' = '= \\cos\\phi'\n's_1' = '= \\sin\\phi'\n[system]")
+    claims = understand(
+        read_document(
+            r"$$\mathbf g(q) = \begin{bmatrix}m\gamma r c_1\\ m\gamma c_1\end{bmatrix}$$"
+        ),
+        parse_lexicon(short),
+    )
+    (judged,) = verdict(claims[0], ("constant_mass",)).claims
+    found = explain(claims[0], judged)
+    assert found.corrections[0].text == "s_{1}"
 
 
 def test_a_letter_may_be_explained_behind_its_use():
