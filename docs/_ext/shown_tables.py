@@ -119,13 +119,32 @@ OWN_ENTRIES = {
         "acceleration P OI I",
     ),
     "quaternion_last": (r"\bar{q}", "the same, scalar last", "quaternion_last B I"),
+    "quaternion_left": ("L", "function: matrix of a product from the left, L(p) q = p q", ""),
+    "quaternion_right": ("R", "function: matrix of a product from the right, R(q) p = p q", ""),
+    "omega_matrix": (r"\Omega", "function: 2 dq/dt = Omega(w) q", ""),
+    "xi_matrix": (r"\Xi", "function: 2 dq/dt = Xi(q) w", ""),
+    "spatial_cross": ("S", "function: matrix of the cross product of spatial motions", ""),
+    "spatial_cross_dual": ("S", "function: matrix of the cross product with a spatial force", ""),
+    "coordinates": ("q", "column of the coordinates of the note's system", ""),
+    "mass_matrix": ("M", "mass matrix of its kinetic energy", ""),
+    "coriolis_matrix": ("C", "matrix of velocities by Christoffel's symbols", ""),
+    "gravity_column": ("g", "slopes of its potential energy", ""),
+    "force_column": (r"\tau", "its generalised forces", ""),
+    "place": ("p", "place of its body (1), by components", "place tip component 1 2"),
+    "jacobian": ("J", "slopes of the place of its body (1)", "jacobian tip component 1 2"),
+    "column": ("a", "any column (1) of (2) numbers; constant", "column a 2 constant"),
+    "matrix": (
+        "K",
+        "any matrix (1), (2) x (3), constant, symmetric, skew, diagonal, identity",
+        "matrix K 2 2 symmetric of q",
+    ),
 }
 """Entries, LaTeX, words and meaning, of what the checker alone knows; no meaning: the name."""
 
 
 def entries() -> dict[str, tuple[str, str, str]]:
     """Return LaTeX, words and meaning of an entry for every quantity: from a preset, or typeset."""
-    from eom.checker.mean.lexicon import OWN
+    from eom.checker.mean.lexicon import OWN, TABLED
     from eom.checker.mean.lexicon_files import PRESETS
     from eom.terms.vocabulary import QUANTITIES, quantity
     from eom.typeset.letters import ROLES
@@ -146,7 +165,9 @@ def entries() -> dict[str, tuple[str, str, str]]:
         latex, meaning = known.get(name, made)
         found[name] = (latex, row.words.format("(1)", "(2)", "(3)", "(4)"), meaning)
     return found | {
-        n: (latex, words, meaning or n) for n in OWN for latex, words, meaning in [OWN_ENTRIES[n]]
+        n: (latex, words, meaning or n)
+        for n in [*OWN, *sorted(TABLED - {*QUANTITIES})]
+        for latex, words, meaning in [OWN_ENTRIES[n]]
     }
 
 

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Any
 
 import sympy as sp
+from sympy.simplify.fu import TR8
 
 from eom.errors import InputError
 from eom.quantities import TIME, Definition, Quantity
@@ -110,7 +111,7 @@ class Mechanism:
             v = [self.rate(x) for x in body.at]
             parts += [body.mass * x**2 / 2 for x in v]
             parts += [j * w**2 / 2 for j, w in zip(body.moments, body.omega, strict=True)]
-        return sp.trigsimp(sp.expand(sp.Add(*parts)))
+        return _simplified(sp.Add(*parts))
 
     @cached_property
     def stored(self) -> Expr:
@@ -167,6 +168,15 @@ class Mechanism:
         )
 
 
+def _simplified(expression: Expr) -> Expr:
+    """Return a sum with fewer sines and cosines: products as sums where these cancel, else by search."""
+    plain = sp.expand(expression)
+    summed = sp.expand(TR8(plain))
+    if len(summed.atoms(sp.sin, sp.cos)) < len(plain.atoms(sp.sin, sp.cos)):
+        return summed
+    return sp.trigsimp(plain) if plain.has(sp.sin, sp.cos) else plain
+
+
 def speed(q: Expr) -> Expr:
     """Return the symbol of the rate of a coordinate."""
     return sp.Symbol(f"{q.name}_dot", real=True)
@@ -182,13 +192,14 @@ def lagrange_system(m: Mechanism) -> System:
 
     States: coordinates and rates, ``NAME`` and ``NAME_dot``, then given motions, whose second rates,
     ``NAME_ddot``, are inputs. Outputs: ``T``, ``V``, ``L``, ``E`` = T + V, momenta ``p_NAME``, generalised
-    forces ``Q_NAME``, the Hamiltonian ``H`` = sum of p q' - L, reactions. Raises `InputError` where a
+    forces ``Q_NAME``, the Hamiltonian ``H`` = sum of p q' - L, places ``BODY_x``, ``BODY_y``, ``BODY_z``,
+    reactions. Raises `InputError` where a
     coordinate moves nothing.
     """
     free, forced = list(m.coordinates), list(m.given)
     equations = sp.Matrix([m.equation(q) for q in free])
     wanted = [acceleration(q) for q in free]
-    M = equations.jacobian(wanted).applyfunc(sp.trigsimp)
+    M = equations.jacobian(wanted).applyfunc(_simplified)
     rest = -equations.xreplace(dict.fromkeys(wanted, sp.S.Zero))
     for k, q in enumerate(free):
         if M.row(k).is_zero_matrix:
@@ -234,6 +245,9 @@ def _outputs(m: Mechanism, found: Mapping[Expr, Expr]) -> Iterator[Definition]:
     by_speeds = sp.Add(*(speed(q) * T.diff(speed(q)) for q in m.coordinates))
     if "H" not in {str(q.name) for q in (*m.parameters, *m.moving)}:
         yield _output("H", "J", by_speeds - T + V)
+    for name, placed in m.bodies.items():
+        for axis, x in zip("xyz", placed.at, strict=True):
+            yield _output(f"{name}_{axis}", "m", sp.sympify(x))
     for name, (body, along) in m.reactions.items():
         force = sum(f * e for f, e in zip(m.reaction(body), along, strict=True))
         yield _output(name, "N", sp.sympify(force).xreplace(dict(found)))

@@ -358,7 +358,7 @@ _TIDY: dict[str, Callable[[Term, tuple[Term, ...]], Term]] = {
 }
 
 
-NAMED = frozenset({"scalar", "coordinate", "vector", "fixed_vector", "dyadic", "angle"})
+NAMED = frozenset({"scalar", "coordinate", "function", "vector", "fixed_vector", "dyadic", "angle"})
 """Quantities whose first label is a name of their own, even where it looks like an index."""
 
 

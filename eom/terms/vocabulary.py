@@ -58,7 +58,9 @@ def quantity(name: str, *labels: str) -> Term:
 
 
 def definition(term: Term) -> Term | None:
-    """Return what defines an atom, or None for a primitive quantity."""
+    """Return what defines an atom, or None for a primitive quantity. Raises `InputError` for others."""
+    if term.data[0] not in QUANTITIES:
+        raise InputError("no world has this quantity", got=" ".join(map(str, term.data)))
     row = QUANTITIES[term.data[0]]
     return row.definition(*term.data[1:]) if row.definition else None
 
@@ -217,6 +219,7 @@ QUANTITIES: dict[str, Quantity] = {
     "gravity": Quantity(VECTOR, "acceleration of uniform gravity"),
     "scalar": Quantity(SCALAR, "any number {0}"),
     "coordinate": Quantity(SCALAR, "any coordinate {0}, which changes with time"),
+    "function": Quantity(SCALAR, "any function {0} of coordinates"),
     "vector": Quantity(VECTOR, "any vector {0}"),
     "fixed_vector": Quantity(VECTOR, "any vector {0} that is fixed in frame {1}"),
     "dyadic": Quantity(DYADIC, "any dyadic {0}"),

@@ -56,6 +56,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     "angle": ("letter",),
     "scalar": ("letter",),
     "coordinate": ("letter",),
+    "function": ("letter",),
     "vector": ("letter",),
     "fixed_vector": ("letter", ""),
     "dyadic": ("letter",),

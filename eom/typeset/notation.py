@@ -89,6 +89,7 @@ LETTERS: dict[str, str] = {
     "shadow_rodrigues": "sigma^S sigma^S sigma^S sigma^S sigma^S",
     "scalar": "s s s s s",
     "coordinate": "q q q q q",
+    "function": "f f f f f",
     "vector": "v v v v v",
     "fixed_vector": "v v v v v",
     "dyadic": "D D D D D",

@@ -83,6 +83,15 @@ class approached(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it 
     nargs = 4
 
 
+class anything(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is printed
+    """What the system knows nothing of, by its name: a number, or (1 behind it) any function of time."""
+
+    nargs = 2
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer._print(self.args[0]))
+
+
 def order(expression: Expr) -> int:
     """Return how often time derivatives are nested."""
     below = max((order(a) for a in expression.args), default=0)
@@ -188,6 +197,13 @@ class Motion(Evaluation):
         if half not in self.tangents:
             self.tangents[half] = 0 if self.series(half).is_zero else self.drawn()
         return RESIDUES.circle(self.tangents[half])
+
+    def anything(self, node: Expr) -> Series:
+        """Return random coefficients, of a number but the first zeros."""
+        generator = random.Random(f"{self.seed} {node}")  # noqa: S311 - reproducible, no secret
+        drawn = (generator.randrange(1, PRIME) for _ in range(self.length))
+        moving = int(node.args[1])
+        return Series(RESIDUES, tuple(c if moving or not k else 0 for k, c in enumerate(drawn)))
 
     def turns(self, angle: Expr) -> Iterator[tuple[Series, Series, int]]:
         """Yield cosines and sines of half of each angle of a sum, and how often they are there."""
@@ -408,6 +424,7 @@ Motion.rows = (
     | TRIGONOMETRY
     | {sp.NumberSymbol: Row(none, lambda m, n, _: m.constant(m.value_of(n)))}
     | {rate: Row(arguments, _rate), since: Row(arguments, lambda _, __, v: v[0].primitive())}
+    | {anything: Row(none, lambda m, n, _: m.anything(n))}
     | {start: Row(arguments, lambda m, _, v: m.constant(v[0].coefficients[0]))}
     | dict.fromkeys(INVERSES, Row(arguments, integrated))
 )
@@ -431,6 +448,8 @@ def without_rates(system: System, expression: Expr) -> Expr:
     named = {s: e for s, e in named.items() if s not in own and s != e}
 
     def plain(e: Expr) -> Expr:
+        if isinstance(e, anything):
+            raise InputError("nothing ties this to the system", got=e)
         if isinstance(e, rate):
             return system.rate_of(plain(e.args[0]))
         if not e.args:

@@ -21,12 +21,14 @@ Values of attitude coordinates in a world: angles of turns, principal axes, Eule
 from __future__ import annotations
 
 import dataclasses
+import operator
 import random
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, reduce
+from itertools import product
 from typing import Any
 
 from eom.errors import InputError, unknown_name
@@ -44,6 +46,11 @@ from eom.worlds.turning import (
     reversed_,
     turned,
 )
+
+SLOPE = "|"
+"""What parts the name of a function from the coordinates by which it is differentiated."""
+DEGREE = 3
+"""Degree of functions at most, and how many powers of one coordinate they have."""
 
 
 def _named_angle(world: World, name: str) -> Angle:
@@ -632,6 +639,30 @@ def _gravity(world: World) -> Vector:
     return (x, y, z)
 
 
+def _function(world: World, name: str, *variables: str) -> Series:
+    """Return the value of a random polynomial of coordinates ("kind name"), or of one of its slopes.
+
+    ``name``: with the variables behind strokes by which it is differentiated.
+    """
+    whole, *by = name.split(SLOPE)
+    values = [
+        world.primitive(kind, (label,)) for kind, label in (v.split(" ", 1) for v in variables)
+    ]
+    generator, ring = world.free("function", whole), series.Ring(world.field, LENGTH)
+    total = world.constant(0)
+    for exponents in product(range(DEGREE), repeat=len(values)):
+        if sum(exponents) > DEGREE:
+            continue
+        factor, left = world.field.draw(generator), list(exponents)
+        for place in map(variables.index, by):
+            factor *= left[place]
+            left[place] -= 1
+        if factor:
+            powers = (ring.power(x, n) for x, n in zip(values, left, strict=True) if n)
+            total = total + reduce(operator.mul, powers, world.constant(factor))
+    return total
+
+
 def _fixed_vector(world: World, name: str, frame: str) -> Vector:
     generator = world.free("fixed", name)
     x, y, z = (world.constant(world.field.draw(generator)) for _ in range(3))
@@ -706,6 +737,7 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     **PRIMITIVES,
     "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
     "coordinate": lambda w, name: _random_series(w.field, w.free("coordinate", name)),
+    "function": _function,
     "vector": _free_vector,
     "gravity": _gravity,
     "fixed_vector": _fixed_vector,

@@ -8,7 +8,7 @@ the rate that belongs to it, as in Hamilton's equations with all of them, and in
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -16,11 +16,14 @@ from typing import Any
 import sympy as sp
 
 from eom.checker.mean.dimensions import dimension
+from eom.checker.mean.model import PLACES
 from eom.errors import InputError
 from eom.system import Expr, System
+from eom.terms.terms import Term, expr
 from eom.worlds.solutions import rate, real_point
+from eom.worlds.worlds import SLOPE
 
-PLACES, MOMENTA = ("rad", "m", "1"), ("kg m/s", "kg m^2/s")
+MOMENTA = ("kg m/s", "kg m^2/s")
 DIGITS = 30
 _NEARLY = 1e-15
 
@@ -202,3 +205,25 @@ def _is_energy(system: System, f: Expr, full: Expr) -> bool:
     values = [full.xreplace(at_rates)] + [_written_out(system, e, ()) for e in energies]
     first, *rest = (v.evalf(DIGITS, subs=point) for v in values)
     return any(_same(v, first) for v in rest)
+
+
+def share(left: Iterable[Term], right: Iterable[Term], free: Collection[str]) -> bool:
+    """Return whether sides have the same coordinates (``free``: their kinds) and a function of these."""
+    sides = [[tuple(map(str, a.data)) for a in side] for side in (left, right)]
+    variables = [
+        {tuple(v.split(" ", 1)) for d in s if d[0] == "function" for v in d[2:]} for s in sides
+    ]
+    moving = [v | {d for d in s if d[0] in free} for v, s in zip(variables, sides, strict=True)]
+    functions = [{d[1].split(SLOPE)[0] for d in s if d[0] == "function"} for s in sides]
+    return moving[0] == moving[1] and bool(functions[0] & functions[1])
+
+
+def addends(term: Term) -> Iterator[Term]:
+    """Yield the terms of a sum, those within an expression as well; none of a zero."""
+    if term.head == "add":
+        for a in term.args:
+            yield from addends(a)
+    elif term.head == "expr":
+        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
+    elif not term.is_zero:
+        yield term

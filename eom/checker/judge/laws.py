@@ -24,13 +24,13 @@ from typing import Any
 import sympy as sp
 
 from eom.checker.judge.consequences import follows
+from eom.checker.judge.coordinates import addends
 from eom.checker.judge.judge import HOLDS, Judgement, judge
 from eom.checker.judge.models import (
     CHANCE,
     ENOUGH,
     InWorld,
     Worlds,
-    addends,
     atoms_in,
     equations,
     terms_of,

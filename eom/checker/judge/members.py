@@ -31,7 +31,7 @@ from eom.checker.judge.particular import (
     struck,
     value_at,
 )
-from eom.checker.judge.systems import Pair, elements, equations, tells_time, written
+from eom.checker.judge.systems import Pair, elements, equations, tells_time
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.model import DERIVED, FIRST, Model, Particular
 from eom.errors import InputError
@@ -134,7 +134,7 @@ class InField(AtInstants):
         """Return the values of a scalar, or of all elements."""
         models = self.models
         try:
-            found = [written(e, models.scalars, models.model) for e in elements(term)]
+            found = elements(term, models.scalars, models.model)
             return [self.value(e) for e in found]
         except (InputError, Singular, KeyError):
             return None

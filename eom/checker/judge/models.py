@@ -29,6 +29,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
+from eom.checker.judge.coordinates import share
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.errors import InputError
 from eom.exact.series import Series
@@ -491,13 +492,16 @@ class Worlds(Models):
 
     def _is_law(self) -> bool:
         """Return whether rates of quantities that are any are tied to one that stands on one side alone."""
-        rates = any(
-            n.head == "der" for t in (*self.terms, *self.scalars.values()) for n in nodes(t)
-        )
+        rates = any(n.head == "der" for t in self.terms for n in nodes(t))
         for q in self.said:
             left, right = (atoms_in(side, self.scalars) for side in (q.left, q.right))
             kinds = {a.data[0] for a in left | right}
-            if rates and left != right and kinds <= FREELY | {"scalar", "vector"}:
+            tied = left == right or ("function" in kinds and share(left, right, FREELY))
+            if (
+                (rates or "function" in kinds)
+                and not tied
+                and kinds <= FREELY | {"scalar", "vector", "function"}
+            ):
                 return True
         return False
 
@@ -658,17 +662,6 @@ def atoms_in(term: Term, scalars: Mapping[Any, Term]) -> frozenset[Term]:
             inside = (scalars.get(s) for s in node.data[0].free_symbols)
             found.update(a for t in inside if t is not None for a in atoms_in(t, scalars))
     return frozenset(found)
-
-
-def addends(term: Term) -> Iterator[Term]:
-    """Yield the terms of a sum, those within an expression as well; none of a zero."""
-    if term.head == "add":
-        for a in term.args:
-            yield from addends(a)
-    elif term.head == "expr":
-        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
-    elif not term.is_zero:
-        yield term
 
 
 def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:

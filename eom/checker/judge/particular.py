@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from eom.checker.judge.coordinates import PLACES
-from eom.checker.mean.model import FIRST, Model, Particular
+from eom.checker.mean.model import FIRST, PLACES, Model, Particular
 from eom.errors import InputError
 from eom.fields import PRIME, RESIDUES, Singular
 from eom.system import Expr, System

@@ -29,12 +29,14 @@ from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search, atoms_
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.mean.model import Model
 from eom.checker.mean.solid_models import COORDINATES, integrated
+from eom.checker.mean.values import inverse_of
 from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.system import Expr, System
 from eom.terms.terms import (
     INERTIAL,
+    MATRIX,
     SCALAR,
     VECTOR,
     Term,
@@ -52,6 +54,7 @@ from eom.worlds.solutions import (
     Inconsistent,
     Motion,
     Restriction,
+    anything,
     differs,
     inexact,
     instant,
@@ -71,6 +74,7 @@ MAX_TESTS = 200
 MAX_SET, MAX_REST = 3, 2
 """Members of a set at most, and of one where something may rest."""
 MAX_ORDER = 6
+SPEEDS = frozenset({"rad/s", "m/s"})
 SPECIAL = 6
 """Restrictions under which repairs are looked for at most, one at a time."""
 MAX_OPERATIONS = 1500
@@ -100,11 +104,15 @@ def on_solutions(claim: Claim) -> bool:
     return claim.model is not None and any(map(of_system, _atoms(claim)))
 
 
+ANYTHING = ("scalar", "coordinate", "free_angle")
+"""Quantities that may stand beside those of a system, in what is true whatever they are."""
+
+
 def covered(claim: Claim) -> bool:
-    """Whether a claim is a relation between quantities of the system alone."""
+    """Whether a claim is a relation between quantities of the system, besides scalars that are any."""
     atoms = _atoms(claim)
-    own = any(map(of_system, atoms)) and all(of_system(a) or _is_axis(a) for a in atoms)
-    return own and all(_listed(m.term) for m in claim.members)
+    known = all(of_system(a) or _is_axis(a) or a.data[0] in ANYTHING for a in atoms)
+    return known and any(map(of_system, atoms)) and all(_listed(m.term) for m in claim.members)
 
 
 def _is_axis(term: Term) -> bool:
@@ -122,35 +130,24 @@ def tells_time(claim: Claim, model: Model) -> bool:
 
 def _listed(term: Term) -> bool:
     """Whether a term is a scalar, or its elements are known one by one."""
-    with suppress(InputError):
-        return bool(elements(term))
-    return False
+    if term.kind == VECTOR:
+        with suppress(InputError):
+            return bool(components(term))
+        return False
+    inertial = term.head != "column" or term.data == (INERTIAL,)
+    return term.kind == SCALAR or (
+        term.head in _TABLED and inertial and all(map(_listed, term.args))
+    )
 
 
-def elements(term: Term) -> tuple[Term, ...]:
-    """Return a scalar, or the elements of a column, matrix or table, of a vector those in inertial axes.
-
-    Raises `InputError` for others.
-    """
-    if term.kind == SCALAR:
-        return (term,)
+def components(term: Term) -> tuple[Term, ...]:
+    """Return the components of a vector in inertial axes. Raises `InputError` where they are not known."""
     if term.kind == VECTOR and term.head in _VECTORS:
         return _VECTORS[term.head](term)
-    if term.head == "column" and term.data == (INERTIAL,):
-        return elements(term.args[0])
-    if term.head in {"entries", "table"}:
-        return term.args
-    if term.head == "mul":
-        *factors, last = term.args
-        return tuple(mul(*factors, e) for e in elements(last))
-    if term.head == "add":
-        each = [elements(a) for a in term.args]
-        if len({len(e) for e in each}) == 1:
-            return tuple(add(*column) for column in zip(*each, strict=True))
     raise InputError("this is no quantity of the system", got=described(term))
 
 
-def _atom_elements(term: Term) -> tuple[Term, ...]:
+def _atom_components(term: Term) -> tuple[Term, ...]:
     """Return the components of a unit vector, or of a vector of the system, as atoms with a number."""
     if _is_axis(term):
         return tuple(number(int(str(k) == term.data[2])) for k in (1, 2, 3))
@@ -160,7 +157,7 @@ def _atom_elements(term: Term) -> tuple[Term, ...]:
 
 
 def _crossed(term: Term) -> tuple[Term, ...]:
-    (a, b, c), (x, y, z) = map(elements, term.args)
+    (a, b, c), (x, y, z) = map(components, term.args)
     pairs = ((b, z, c, y), (c, x, a, z), (a, y, b, x))
     return tuple(add(mul(p, q), mul(number(-1), r, s)) for p, q, r, s in pairs)
 
@@ -168,18 +165,20 @@ def _crossed(term: Term) -> tuple[Term, ...]:
 def _differentiated(term: Term) -> tuple[Term, ...]:
     if term.data != (INERTIAL,):
         raise InputError("a derivative in another frame than the inertial one", got=term.data[0])
-    return tuple(map(der, elements(term.args[0])))
+    return tuple(map(der, components(term.args[0])))
 
 
 _VECTORS: Mapping[str, Callable[[Term], tuple[Term, ...]]] = {
-    "atom": _atom_elements,
+    "atom": _atom_components,
     "cross": _crossed,
     "der": _differentiated,
+    "mul": lambda t: tuple(mul(*t.args[:-1], e) for e in components(t.args[-1])),
+    "add": lambda t: tuple(add(*row) for row in zip(*map(components, t.args), strict=True)),
     "zero": lambda _: (number(0),) * 3,
-    "at": lambda t: tuple(at(e, *t.data) for e in elements(t.args[0])),
-    "partial": lambda t: tuple(partial(e, t.args[1]) for e in elements(t.args[0])),
+    "at": lambda t: tuple(at(e, *t.data) for e in components(t.args[0])),
+    "partial": lambda t: tuple(partial(e, t.args[1]) for e in components(t.args[0])),
 }
-"""Components of vectors in inertial axes, by head; sums and products are as of columns."""
+"""Components of vectors in inertial axes, by head."""
 
 
 # -- claims as expressions ----------------------------------------------------------------------------
@@ -198,12 +197,7 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
         return integrated(model.body, inside[0])
     if term.head in _JOINED:
         return _JOINED[term.head](*inside)
-    if term.head == "der" and term.kind == SCALAR:
-        return inside[0] if inside[0] == 0 else rate(inside[0])
     raise InputError("this is no quantity of the system", got=described(term))
-
-
-_JOINED = {"add": sp.Add, "mul": sp.Mul, "since": since, "start": start, "zero": lambda: sp.S.Zero}
 
 
 def _plainly(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
@@ -215,7 +209,10 @@ def _plainly(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
 
 
 def _quantity(term: Term, _: Mapping[Any, Term], model: Model) -> Expr:
-    """Return a quantity of the system, or the component of a vector of it."""
+    """Return a quantity of the system, the component of a vector of it, or a letter that is any."""
+    if term.data[0] in ANYTHING:
+        moving = int(term.data[0] != ANYTHING[0])
+        return anything(sp.Symbol(term.data[1], real=True), moving)
     if not of_system(term):
         raise InputError("this is no quantity of the system", got=described(term))
     name, *place = term.data[1:]
@@ -223,17 +220,95 @@ def _quantity(term: Term, _: Mapping[Any, Term], model: Model) -> Expr:
 
 
 def _inner(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
-    pairs = zip(*map(elements, term.args), strict=True)
-    return written(add(*(mul(a, b) for a, b in pairs)), scalars, model)
+    a, b = (elements(x, scalars, model) for x in term.args)
+    return sp.Add(*map(sp.Mul, a, b))
 
 
 def _then(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     return instant(written(term.args[0], scalars, model), sp.Symbol(term.data[0]))
 
 
+def _changing(e: Expr) -> Expr:
+    return e if e == 0 else rate(e)
+
+
+_JOINED = {
+    "add": sp.Add,
+    "mul": sp.Mul,
+    "since": since,
+    "start": start,
+    "der": _changing,
+    "zero": lambda: sp.S.Zero,
+}
+
+Rows = list[list[Expr]]
+
+
+def elements(term: Term, scalars: Mapping[Any, Term], model: Model) -> tuple[Expr, ...]:
+    """Return a scalar, the elements of a column, matrix or table row by row, or inertial components."""
+    return tuple(e for row in _rows(term, scalars, model) for e in row)
+
+
+def _rows(term: Term, scalars: Mapping[Any, Term], model: Model) -> Rows:
+    if term.kind == SCALAR:
+        return [[written(term, scalars, model)]]
+    if term.kind == VECTOR:
+        return [[written(c, scalars, model)] for c in components(term)]
+    if not _listed(term):
+        raise InputError("this is no quantity of the system", got=described(term))
+    return _TABLED[term.head](term, [_rows(a, scalars, model) for a in term.args])
+
+
+def _shaped(term: Term, parts: list[Rows]) -> Rows:
+    """Return scalars in the rows and columns that a term has."""
+    flat = [p[0][0] for p in parts]
+    columns = term.data[1] if term.head == "table" else 3 if term.kind == MATRIX else 1
+    return [flat[k : k + columns] for k in range(0, len(flat), columns)]
+
+
+def _each(rule: Callable[..., Expr], *parts: Rows) -> Rows:
+    return [[rule(*e) for e in zip(*rows, strict=True)] for rows in zip(*parts, strict=True)]
+
+
+def _scaled(_: Term, parts: list[Rows]) -> Rows:
+    *factors, last = parts
+    return _each(lambda e: sp.Mul(*(f[0][0] for f in factors), e), last)
+
+
+def _times(a: Rows, b: Rows) -> Rows:
+    return [[sp.Add(*map(sp.Mul, row, column)) for column in zip(*b, strict=True)] for row in a]
+
+
+def _turned(a: Rows) -> Rows:
+    return [list(row) for row in zip(*a, strict=True)]
+
+
+def _skew(a: Rows) -> Rows:
+    (x,), (y,), (z,) = a
+    return [[sp.S.Zero, -z, y], [z, sp.S.Zero, -x], [-y, x, sp.S.Zero]]
+
+
+_TABLED: dict[str, Callable[[Term, list[Rows]], Rows]] = {
+    "column": lambda _, parts: parts[0],
+    "entries": _shaped,
+    "table": _shaped,
+    "rows": lambda _, parts: [_turned(p)[0] for p in parts],
+    "zero": lambda t, _: [[sp.S.Zero] * (3 if t.kind == MATRIX else 1) for _ in range(3)],
+    "add": lambda _, parts: _each(sp.Add, *parts),
+    "mul": _scaled,
+    "matmul": lambda _, parts: _times(*parts),
+    "outer_column": lambda _, parts: _times(parts[0], _turned(parts[1])),
+    "transpose": lambda _, parts: _turned(parts[0]),
+    "inverse": lambda _, parts: inverse_of(parts[0]),
+    "tilde": lambda _, parts: _skew(parts[0]),
+    **{head: lambda t, parts: _each(_JOINED[t.head], *parts) for head in ("der", "since", "start")},
+}
+"""One rule a head of columns, matrices and tables: from the rows of its arguments to its own."""
+
+
 def _partial(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     """Return a partial derivative; symbols that stand for momenta are variables of their own."""
-    momenta = {s: sp.Dummy(s.name, real=True) for s, t in scalars.items() if t.head == "partial"}
+    momenta = {s: sp.Dummy(s.name, real=True) for s, t in scalars.items() if _is_slope(t)}
     own = {**scalars, **{s: expr(d) for s, d in momenta.items()}}
     function, variable = (written(a, own, model) for a in term.args)
     used = {s: d for s, d in momenta.items() if function.has(d) or variable == d}
@@ -254,12 +329,17 @@ _WRITTEN: Mapping[str, Callable[[Term, Mapping[Any, Term], Model], Expr]] = {
 }
 
 
+def _is_slope(term: Term) -> bool:
+    """Whether a term is the slope of an energy along a rate: a momentum."""
+    return term.head == "partial" and term.args[1].head == "der" and term.args[0].head != "partial"
+
+
 def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
     """Return the pairs of expressions that a claim says are equal. Raises `InputError` for others."""
     others = [r for r in claim.relations if r not in EQUALITIES]
     if others or claim.kind == SAME_POINT:
         raise InputError("only equations between these are judged", got=others[0] if others else "")
-    members = [[written(e, claim.scalars, model) for e in elements(m.term)] for m in claim.members]
+    members = [elements(m.term, claim.scalars, model) for m in claim.members]
     if model.body is not None and any(
         e.free_symbols & set(COORDINATES) for m in members for e in m
     ):
@@ -290,7 +370,8 @@ class OnSolution(Drawn):
     def values(self, term: Term) -> list[int] | None:
         """Return the values of a scalar, or of all elements, at t = 0."""
         try:
-            found = [self.motion.series(self.models.written(e)) for e in elements(term)]
+            written_out = elements(term, self.models.scalars, self.models.model)
+            found = list(map(self.motion.series, written_out))
         except (InputError, Singular, KeyError):
             return None
         return [int(f.coefficients[0]) for f in found]
@@ -355,8 +436,27 @@ class Solutions(Models):
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield sets without rest, the smallest first."""
-        names = [n for n, r in self.possible.items() if not r.rest]
+        names = [n for n, r in self.possible.items() if not r.rest and self._concerns(r)]
         yield from (base | s for s in self._small(search, names, MAX_SET))
+
+    @cached_property
+    def _symbols(self) -> frozenset[Expr]:
+        """All symbols that the claim rests on; those of the rates where it has accelerations."""
+        system, todo = self.model.system, [e for pair in self.said for e in pair]
+        named = {d.symbol: d.expression for d in (*system.definitions, *system.outputs)}
+        found = set[Expr]()
+        todo += system.rates if any(e.has(rate) for e in todo) else ()
+        while todo:
+            new = todo.pop().free_symbols - found
+            found |= new
+            todo += [named[s] for s in new if s in named and named[s] != s]
+        return frozenset(found)
+
+    def _concerns(self, r: Restriction) -> bool:
+        """Return whether a claim rests on what is restricted; what is held says nothing of places."""
+        speeds = {q.symbol for q in self.model.system.states if q.unit in SPEEDS}
+        mentioned = {*r.zero, *r.held, *(s for pair in r.equal for s in pair)} & self._symbols
+        return bool(mentioned) and (not r.held or bool(speeds & self._symbols))
 
     def _small(self, search: Search, names: Sequence[str], most: int) -> Iterator[frozenset[str]]:
         found: list[frozenset[str]] = []
@@ -401,7 +501,10 @@ class Solutions(Models):
         return any(_zero(special.motion, p) and not _zero(general.motion, p) for p in parts)
 
     def doubt(self) -> str:
-        """Say that what differs in the field may be equal for real numbers, or in one motion alone."""
+        """Say that what differs may be equal for real numbers or in one motion, or defines a letter."""
+        loose = sorted({str(a) for pair in self.said for e in pair for a in e.atoms(anything)})
+        if loose:
+            return f"nothing ties {', '.join(loose)} to the system"
         system = self.model.system
         if tells_time(self.claim, self.model):
             return "how the motion starts is not known here"

@@ -20,6 +20,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
+from eom.checker.judge.coordinates import addends
 from eom.checker.judge.judge import (
     HOLDS,
     UNDECIDED,
@@ -31,7 +32,7 @@ from eom.checker.judge.judge import (
     row_of,
 )
 from eom.checker.judge.laws import free_alone, own
-from eom.checker.judge.models import CHANCE, MODELS, Worlds, addends, equations
+from eom.checker.judge.models import CHANCE, MODELS, Worlds, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import condition
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim

@@ -19,8 +19,9 @@ from sympy.simplify.fu import TR8
 
 from eom.checker.mean import dimensions, instants
 from eom.checker.mean.dimensions import LENGTH, MASS, TIME, product
-from eom.checker.mean.elaborator import Elaborator, number, powered, pure, quotient
+from eom.checker.mean.elaborator import Elaborator, indices_of, number, powered, pure, quotient
 from eom.checker.mean.lexicon import Entry, Meaning
+from eom.checker.mean.tables import skew
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,
@@ -29,13 +30,14 @@ from eom.checker.mean.values import (
     UNDECIDED,
     Value,
     assembled,
+    cells,
     determinant,
+    made,
     mixed,
     negative,
     overdot,
     rate,
     refuse,
-    skew,
     total,
     trace,
     transpose_of,
@@ -65,9 +67,12 @@ from eom.terms import terms
 from eom.terms.terms import COLUMN, INDICES, INERTIAL, MATRIX, SCALAR, Term, dot, expr, nodes
 from eom.terms.vocabulary import mass, position, unit
 from eom.worlds.solutions import approached
+from eom.worlds.worlds import SLOPE
 
 Expr = Any
 
+ANY_VECTOR = 3
+"""Components of vectors."""
 MAX_POWER = 12
 MAX_TERMS = 60
 STEADY = frozenset({"scalar", "mass", "total_mass"})
@@ -297,23 +302,6 @@ def _summed(value: Value, indices: tuple[str, ...], span: Span) -> Value:
     return replace(value, term=term, span=span)
 
 
-def indices_of(node: BigOperator) -> tuple[tuple[str, ...], str]:
-    """Return the indices of a sum, and the label that its only index does not take."""
-    lower = node.lower
-    if isinstance(lower, Relation) and len(lower.members) == 2:
-        first, second = (labels(m) for m in lower.members)
-        start = lower.signs[0].name == "=" and second == ("1",)
-        if len(first) == 1 and start:
-            return first, ""
-        if len(first) == len(second) == 1 and lower.signs[0].name == "!=":
-            return first, second[0]
-    elif lower is not None:
-        found = tuple(w for w in labels(lower) if w != ",")
-        if found and all(len(w) == 1 and w.isalpha() for w in found):
-            return found, ""
-    raise refuse(UNDECIDED, "a sum over something unknown", node.span, expected="such as i = 1")
-
-
 def _numbered(e: Elaborator, node: BigOperator, indices: tuple[str, ...]) -> Value:
     upper = node.upper.text if isinstance(node.upper, Number) else ""
     if upper not in {"1", "2", "3"} or len(indices) != 1:
@@ -381,6 +369,9 @@ def by_variables(e: Elaborator, node: Derivative) -> Value:
         raise refuse(UNDECIDED, "the order of a derivative", node.span)
     value = e.value(node.operand)
     for variable in (_by(e, v) for v in reversed(variables)):
+        if node.sign == "partial" and variable.shape in TABLES and len(cells(variable)[0]) == 1:
+            value = _slopes(e, value, variable, node.span)
+            continue
         if variable.shape != SCALAR:
             raise refuse(UNDECIDED, "a derivative by what is no scalar", node.span, variable.words)
         if node.sign == "partial":
@@ -398,6 +389,17 @@ def _by(e: Elaborator, node: Node) -> Value:
     return e.value(node)
 
 
+def _slopes(e: Elaborator, value: Value, column: Value, span: Span) -> Value:
+    """Return the slopes along the entries of a column: of a scalar a column, of a column a row for each."""
+    along = [replace(column, term=c, shape=SCALAR) for (c,) in cells(column)]
+    if value.shape != SCALAR and (value.shape not in TABLES or len(cells(value)[0]) > 1):
+        raise refuse(UNDECIDED, "the slopes of what is no column", span, value.words)
+    parts = [replace(value, term=c, shape=SCALAR) for (c,) in cells(value)]
+    rows = [[partially(e, p, x, span) for x in along] for p in parts]
+    turned = [[x] for x in rows[0]] if value.shape == SCALAR else rows
+    return made([[x.term for x in row] for row in turned], rows[0][0])
+
+
 def partially(e: Elaborator, value: Value, variable: Value, span: Span) -> Value:
     """Return the partial derivative by a scalar: of what the system knows, or by the formula itself."""
     dimension = product(value.dimension, dimensions.power(variable.dimension, -1))
@@ -405,6 +407,9 @@ def partially(e: Elaborator, value: Value, variable: Value, span: Span) -> Value
         term = terms.partial(value.term, variable.term)
     else:
         x = e.expression(variable.term)
+        if e.lexicon.system is not None and value.shape in TABLES:
+            each = [[terms.partial(c, variable.term) for c in row] for row in cells(value)]
+            return made(each, replace(value, dimension=dimension, span=span))
         if not x.is_Symbol:
             raise refuse(UNDECIDED, "a derivative by what is no variable", span)
         term = _slope(e, value.term, x, span)
@@ -413,13 +418,11 @@ def partially(e: Elaborator, value: Value, variable: Value, span: Span) -> Value
 
 def _slope(e: Elaborator, term: Term, x: Expr, span: Span) -> Term:
     """Return the derivative of a formula by one of its symbols."""
-    if term.kind == SCALAR and (found := e.expression(term)) not in e.scalars:
-        others = found.free_symbols - {x}
-        if all(_independent(e, e.scalars.get(s)) for s in others):
-            return expr(found.diff(x))
-    elif term.kind == SCALAR and (e.expression(term) == x or _independent(e, term)):
-        return expr(sp.Integer(int(e.expression(term) == x)))
-    elif term.head in _MULTILINEAR:
+    if term.kind == SCALAR and term.head not in _MULTILINEAR - {"add", "mul"}:
+        found = e.expression(term)
+        own = {s: _symbol_slope(e, e.scalars.get(s), x, span) for s in found.free_symbols - {x}}
+        return expr(found.diff(x) + sp.Add(*(found.diff(s) * d for s, d in own.items())))
+    if term.head in _MULTILINEAR:
         each = [_slope(e, a, x, span) for a in term.args]
         if term.head in {"add", "entries", "table", "rows"}:
             return terms.rebuild(term, each)
@@ -428,9 +431,33 @@ def _slope(e: Elaborator, term: Term, x: Expr, span: Span) -> Term:
             for k, d in enumerate(each)
         )
         return terms.add(*one_each)
-    elif _stays(e, term, x):
+    if _stays(e, term, x):
         return terms.zero(term.kind)
     raise refuse(UNDECIDED, "it is not known how this depends on the variable", span)
+
+
+def _symbol_slope(e: Elaborator, meaning: Term | None, x: Expr, span: Span) -> Expr:
+    """Return the slope of what a symbol stands for."""
+    if meaning is not None and meaning.data[:1] == ("function",):
+        return _function_slope(e, meaning, x)
+    if meaning is None or _independent(e, meaning):
+        return sp.Integer(0)
+    inside = meaning.head == "expr" or meaning.head in _MULTILINEAR
+    if not inside:
+        raise refuse(UNDECIDED, "it is not known how this depends on the variable", span)
+    return e.expression(_slope(e, meaning, x, span))
+
+
+def _function_slope(e: Elaborator, function: Term, x: Expr) -> Expr:
+    """Return the slope of a function of coordinates along one of them; none along anything else."""
+    variable = e.scalars.get(x)
+    _, name, *of = function.data
+    along = " ".join(map(str, variable.data)) if variable is not None else ""
+    if along not in of:
+        return sp.Integer(0)
+    whole, *by = name.split(SLOPE)
+    label = SLOPE.join((whole, *sorted([*by, along])))
+    return e.name(label, terms.atom("function", label, *of, kind=SCALAR))
 
 
 _MULTILINEAR = frozenset(
@@ -507,7 +534,11 @@ def call(e: Elaborator, node: Call) -> Value:
         return _diagonal(e, node)
     if node.function == "lim":
         return limit(e, node)
-    argument = e.value(node.argument)
+    return called_on(e, node, e.value(node.argument))
+
+
+def called_on(e: Elaborator, node: Call, argument: Value) -> Value:
+    """Return what a function makes of a value."""
     if node.sub is not None:
         raise refuse(UNDECIDED, "what stands below this function has no meaning", node.span)
     if node.function in _MATRIX_FUNCTIONS:
@@ -585,6 +616,13 @@ def tuple_value(e: Elaborator, node: Group, body: Sequence) -> Value:
     return line(e, values, node.span, COLUMN if node.open == "(" else ROW)
 
 
+def column_of(e: Elaborator, values: list[Value], span: Span) -> Value:
+    """Return numbers or columns one below the other."""
+    if len(values) == ANY_VECTOR and all(v.shape == SCALAR for v in values):
+        return line(e, values, span, COLUMN)
+    return _blocks(e, [[v] for v in values], span)
+
+
 def line(e: Elaborator, values: list[Value], span: Span, shape: str) -> Value:
     """Return scalars as a column or row."""
     common = _common(e, values)
@@ -593,9 +631,15 @@ def line(e: Elaborator, values: list[Value], span: Span, shape: str) -> Value:
 
 
 def _common(e: Elaborator, values: list[Value]) -> Value:
-    """Return the sum of all, which has their dimension; zeros have any."""
+    """Return the sum of all, which has their dimension; zeros have any.
+
+    In the coordinates of a system lengths may stand beside angles: their column has none.
+    """
     known = [v for v in values if not v.is_zero] or values[:1]
-    return total(e.lexicon.notation, known)
+    mixed = e.lexicon.system is not None and len({v.dimension for v in known}) > 1
+    return total(
+        e.lexicon.notation, [replace(v, dimension=None) for v in known] if mixed else known
+    )
 
 
 def _diagonal(e: Elaborator, node: Call) -> Value:

@@ -25,8 +25,9 @@ from eom import limits
 from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import bracket_of, called_symbol, elaborator, in_brackets
-from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, own_look
+from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, own_look, turned_round
 from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.tables import same
 from eom.checker.mean.values import (
     ANY,
     ROW,
@@ -36,7 +37,6 @@ from eom.checker.mean.values import (
     Value,
     basis,
     overdot,
-    same,
 )
 from eom.checker.read.spans import NOWHERE, Span
 from eom.checker.read.statements import Statement
@@ -451,6 +451,7 @@ def _new(
         if entry is not None:
             own = own_look(entry, e)
             free = entry.meaning.quantity in open_ and own not in e.definitions
+            free = free and not turned_round(e, entry)
             return own if free and (look == found.with_label() or not found.raised) else None
     look = e.lexicon.notation.plain(found.with_label() or found.look).numbered(e.indices)
     return look if signs[0] == ":=" and not _values(e, [inner])[0] else None

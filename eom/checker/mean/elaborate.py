@@ -19,17 +19,21 @@ import sympy as sp
 from eom.checker.mean import calculus, instants
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborator import (
+    FUNCTIONS,
     LETTERS,
     TRANSPOSED,
     Elaborator,
     Rule,
+    dressed,
     indexed,
+    indices_of,
     is_known,
     knows,
     marked,
     number,
     numbered,
     numberings,
+    of_columns,
     of_meaning,
     pure,
     quotient,
@@ -38,27 +42,32 @@ from eom.checker.mean.elaborator import (
     symbol_value,
     without_meaning,
 )
-from eom.checker.mean.lexicon import Lexicon, Meaning
+from eom.checker.mean.lexicon import MATRICES, Lexicon, Meaning
+from eom.checker.mean.tables import (
+    DUAL,
+    crossed,
+    is_quaternion,
+    skew,
+    spatial_cross,
+    tensored,
+    unstarred,
+)
 from eom.checker.mean.values import (
     AMBIGUOUS,
     ANY,
     ILL_FORMED,
-    ROW,
     UNDECIDED,
     Refusal,
     Value,
     beside,
     components,
-    crossed,
     determinant,
     dotted,
     is_square,
     negative,
     overdot,
     refuse,
-    skew,
     square,
-    tensored,
     total,
 )
 from eom.checker.read.spans import Span
@@ -94,7 +103,7 @@ from eom.checker.read.syntax import (
     walk,
 )
 from eom.kinematics.coordinates import elementary
-from eom.terms.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, Term, atom, entries, expr, inner
+from eom.terms.terms import MATRIX, SCALAR, TABLE, VECTOR, Term, atom, entries, expr, inner
 from eom.terms.terms import dot as dot_product
 from eom.terms.terms import replace as rewritten
 from eom.terms.vocabulary import quantity
@@ -266,7 +275,7 @@ def _addition(e: Elaborator, node: Addition) -> Value:
 
 def _big_operator(e: Elaborator, node: BigOperator) -> Value:
     """Return a sum over the coordinates of a system, or over what else it may be."""
-    letters = calculus.indices_of(node)[0] if not isinstance(node.upper, Number) else ()
+    letters = indices_of(node)[0] if not isinstance(node.upper, Number) else ()
     known = knows(e)
     inside = {w for _, words in indexed(node.body, known) for w in words}
     if node.sign != "sum" or not letters or not inside.issuperset(letters):
@@ -280,11 +289,13 @@ def _product(e: Elaborator, node: Product) -> Value:
     if repeated:
         values = [e.bound(**axes).value(node) for axes in repeated]
         return total(e.lexicon.notation, values)
-    rule = _OPERATORS.get(node.operator)
+    rule, node = _OPERATORS.get(node.operator), unstarred(node)
     if rule is None:
         raise refuse(UNDECIDED, "an operator without a meaning", node.span, node.operator)
     if node.operator:
         values = [e.value(f) for f in node.factors]
+        if node.operator == DUAL:
+            return spatial_cross(e.lexicon.notation, *values, dual=True)
         if rule is crossed and len(values) > 2 and any(v.shape != SCALAR for v in values):
             raise refuse(
                 AMBIGUOUS,
@@ -308,7 +319,12 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
         following = nodes[k + 1] if k + 1 < len(nodes) else None
         argument, above = _argument(following)
         if argument is not None:
-            applied = _applied(e, nodes[k], argument, above)
+            one = nodes[k]
+            if isinstance(one, Call) and not isinstance(one.argument, Group):
+                within = _applied(e, one.argument, argument, above)
+                applied = None if within is None else calculus.called_on(e, one, within)
+            else:
+                applied = _applied(e, one, argument, above)
             if applied is not None:
                 values.append(
                     applied if above is None else raised(e, applied, above, argument.span)
@@ -373,18 +389,40 @@ def _applied(e: Elaborator, node: Node, argument: Group, above: Node | None) -> 
     if called is not None:
         return of_meaning(e, called, given, node.span)
     entry = e.lexicon.find(given.look, e.indices)
-    if entry is not None and entry.meaning.quantity == "skew":
-        return skew(e.lexicon.notation, e.value(argument.body), node.span.join(argument.span))
-    if entry is not None and entry.meaning.quantity in TURNS:
-        return turn(e, entry.meaning, e.value(argument.body), node.span.join(argument.span))
+    if entry is not None and entry.meaning.quantity in FUNCTIONS:
+        span = node.span.join(argument.span)
+        return dressed(
+            e, _function_value(e, entry.meaning, e.value(argument.body), span), given, span
+        )
     if instants.key(e, argument.body):
         return instants.at(e, e.value(node), argument.body)
     if entry is None:
         return None
     body = argument.body
-    variables = above is None and isinstance(body, Sequence) and all(map(seen, body.items))
-    function = entry.meaning.function or (variables and entry.meaning.quantity in _OF_VARIABLES)
-    return e.value(node) if function else None
+    listed = above is None and isinstance(body, Sequence) and all(map(seen, body.items))
+    function = entry.meaning.function or (listed and entry.meaning.quantity in _OF_VARIABLES)
+    return e.value(node) if function or _of_coordinates(entry.meaning, body) else None
+
+
+def _call(e: Elaborator, node: Call) -> Value:
+    """Return a function of the lexicon, else one that is known."""
+    entry = e.lexicon.find(Look(node.function))
+    if entry is None or entry.meaning.quantity not in FUNCTIONS or (node.sub or node.sup):
+        return calculus.call(e, node)
+    return _function_value(e, entry.meaning, e.value(node.argument), node.span)
+
+
+def _function_value(e: Elaborator, meaning: Meaning, argument: Value, span: Span) -> Value:
+    if meaning.quantity in TURNS:
+        return turn(e, meaning, argument, span)
+    return of_columns(e, meaning.quantity, argument, span)
+
+
+def _of_coordinates(meaning: Meaning, body: Node) -> bool:
+    """Return whether what stands in brackets are the variables of a matrix, letters alone."""
+    inside = [seen(n) for n in (body.items if isinstance(body, Sequence) else (body,))]
+    plain = all(i is not None and not i.raised for i in inside)
+    return plain and (bool(meaning.of) or meaning.quantity in MATRICES)
 
 
 _OF_VARIABLES = frozenset({"equals", "defined", "system"})
@@ -396,8 +434,10 @@ _OPERATORS: dict[str, Callable[..., Value]] = {
     "dot": dotted,
     "cross": crossed,
     "wedge": crossed,
-    "asterisk": beside,
-    "tensor": lambda _, a, b: tensored(a, b),
+    "tensor": tensored,
+    "circle": tensored,
+    "circledot": tensored,
+    "asterisk": lambda n, a, b: (tensored if is_quaternion(n, a) else beside)(n, a, b),
 }
 
 
@@ -555,7 +595,7 @@ def _crossing(e: Elaborator, node: Section) -> Value:
 
 
 def _upright(e: Elaborator, node: Scripts) -> Value | None:
-    """Return the column of a transposed list of three numbers, parted by commas or by space alone.
+    """Return the column of a transposed list, parted by commas, or numbers parted by space alone.
 
     Whatever the brackets, what lies on the line is a row, and its transpose a column.
     """
@@ -564,16 +604,16 @@ def _upright(e: Elaborator, node: Scripts) -> Value | None:
         return None
     if not isinstance(above, Symbol) or above.name not in TRANSPOSED:
         return None
-    if isinstance(group.body, Sequence):
-        row = calculus.tuple_value(e, group, group.body)
-        return replace(row, shape=COLUMN, span=node.span) if row.shape in {COLUMN, ROW} else None
     body = group.body
-    if not isinstance(body, Product) or body.operator or len(body.factors) != 3:
+    values: list[Value] = []
+    if isinstance(body, Sequence):
+        values = [e.value(i) for i in body.items]
+    elif isinstance(body, Product) and not body.operator:
+        values = [v for v in _factors(e, body.factors) if v.shape == SCALAR]
+        values = values if len(values) == len(body.factors) else []
+    if len(values) < 2:
         return None
-    values = _factors(e, body.factors)
-    if len(values) != 3 or any(v.shape != SCALAR for v in values):
-        return None
-    return calculus.line(e, values, node.span, COLUMN)
+    return calculus.column_of(e, values, node.span)
 
 
 def _scripts(e: Elaborator, node: Scripts) -> Value:
@@ -664,7 +704,7 @@ RULES: dict[type, Rule] = {
     Boxed: _body,
     Struck: _body,
     Root: calculus.root,
-    Call: calculus.call,
+    Call: _call,
     BigOperator: _big_operator,
     Integral: calculus.integral_value,
     Differential: calculus.differential,

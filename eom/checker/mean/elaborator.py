@@ -21,25 +21,43 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
-from eom.checker.mean.lexicon import AXES, RATES, Found, Lexicon, Meaning
+from eom.checker.mean.lexicon import AXES, FREE, RATES, TABLED, Found, Lexicon, Meaning
+from eom.checker.mean.tables import (
+    any_rows,
+    cell,
+    columns_of,
+    conjugate,
+    is_quaternion,
+    is_spatial,
+    measure_of,
+    quaternion_matrix,
+    skew,
+    spatial_cross,
+    system_rows,
+)
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,
+    MAX_SQUARE,
     UNDECIDED,
     VECTRIX,
     WRONG,
     Refusal,
     Value,
     basis,
+    cells,
     components,
+    inverse_of,
+    is_square,
     made,
     overdot,
     rate,
     refuse,
     scalar,
-    skew,
     transpose_of,
 )
+from eom.checker.mean.values import size as size_of
+from eom.checker.mean.values import square as squared_size
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import Span
 from eom.checker.read.statements import Statement
@@ -51,6 +69,7 @@ from eom.checker.read.syntax import (
     Marks,
     Node,
     Product,
+    Relation,
     Symbol,
     children,
 )
@@ -60,6 +79,7 @@ from eom.terms.terms import (
     DYADIC,
     MATRIX,
     SCALAR,
+    TABLE,
     VECTOR,
     Term,
     atom,
@@ -69,6 +89,9 @@ from eom.terms.terms import (
     inner,
     inverse,
     matmul,
+    mul,
+    relabel,
+    table,
 )
 from eom.terms.terms import replace as rewritten
 from eom.terms.vocabulary import position, quantity, unit
@@ -194,6 +217,8 @@ PER_VOLUME = LENGTH.power(-3)
 MAX_POWER = 12
 MAX_EXPONENT = 64
 MAX_BITS = 2000
+CONJUGATES = frozenset((n,) for n in ("*", "ast", "asterisk", "star", "dagger", "bar"))
+"""Marks of conjugates."""
 TRANSPOSED = frozenset({"T", "top", "intercal", "t", "mathsf T"})
 
 ALIKE = frozenset(
@@ -201,7 +226,12 @@ ALIKE = frozenset(
 )
 """Vectors along the axis of a rotation: their components before and after it are the same."""
 
-FUNCTIONS = frozenset({"skew", "turn", "active_turn"})
+QUATERNION_MATRICES = frozenset(
+    {"quaternion_left", "quaternion_right", "omega_matrix", "xi_matrix"}
+)
+"""Matrices of a quaternion or a column, see `eom.checker.mean.tables.quaternion_matrix`."""
+SPATIAL_MATRICES = frozenset({"spatial_cross", "spatial_cross_dual"})
+FUNCTIONS = frozenset({"skew", "turn", "active_turn"}) | QUATERNION_MATRICES | SPATIAL_MATRICES
 """Meanings that take an argument in brackets."""
 
 QUATERNIONS: dict[str, tuple[str, ...]] = {
@@ -219,18 +249,18 @@ def symbol_value(e: Elaborator, node: Node) -> Value:
     found = seen(node)
     assert found is not None
     value, rest = _found(e, found, node.span)
-    return _dressed(e, value, found.dots, rest, node.span)
+    return dressed(e, value, replace(found, raised=rest), node.span)
 
 
 def of_meaning(e: Elaborator, found: Found, given: Seen, span: Span) -> Value:
     """Return the value of a meaning that has been found, with dots and what is raised."""
-    return _dressed(e, meant(e, found, span), given.dots, given.raised, span)
+    return dressed(e, meant(e, found, span), given, span)
 
 
-def _dressed(e: Elaborator, value: Value, dots: int, above: Iterable[Node], span: Span) -> Value:
-    """Return a value with dots and what is raised."""
-    value = overdot(e.lexicon.notation, value, dots, span) if dots else value
-    for node in above:
+def dressed(e: Elaborator, value: Value, given: Seen, span: Span) -> Value:
+    """Return a value with the dots of a symbol and what is raised at it."""
+    value = overdot(e.lexicon.notation, value, given.dots, span) if given.dots else value
+    for node in given.raised:
         value = raised(e, value, node, span)
     return value
 
@@ -258,11 +288,14 @@ def _found(e: Elaborator, given: Seen, span: Span) -> tuple[Value, tuple[Node, .
 
 def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
     found = e.lexicon.find(look, e.indices)
-    if found is not None:
+    if found is not None and not (e.indices and _is_numbered(e, found)):
         return meant(e, found, span)
-    plain = look.numbered(e.indices)
-    if e.lexicon.notation.plain(plain) in e.definitions:
-        return _recalled(e, e.lexicon.notation.plain(plain), span)
+    plain = e.lexicon.notation.plain(look).numbered(e.indices)
+    if plain in e.definitions:
+        return _recalled(e, plain, span)
+    entry = _entry(e, plain, span)
+    if entry is not None:
+        return entry
     if look.name == "0" and not any(look.corners):
         return Value(expr(sp.Integer(0)), SCALAR, None, span=span)
     return number(sp.pi, span) if look == Look("pi") else None
@@ -285,6 +318,54 @@ def _renamed(e: Elaborator, found: Value) -> Value:
     return replace(found, term=rewritten(found.term, renamed), scalars={})
 
 
+def _is_numbered(e: Elaborator, found: Found) -> bool:
+    """Return whether the note has defined what has numbers in the place of indices."""
+    return found.meaning.quantity == "defined" and found.look.numbered(e.indices) in e.definitions
+
+
+def turned_round(e: Elaborator, wanted: Found) -> bool:
+    """Return whether the note has defined this for the same frames or points in another order."""
+    known = (e.lexicon.find(look) for look in e.definitions if look.name == wanted.look.name)
+    return any(
+        k.entry is wanted.entry and sorted(k.bound.values()) == sorted(wanted.bound.values())
+        for k in known
+        if k is not None
+    )
+
+
+def _alike_defined(e: Elaborator, wanted: Found, span: Span) -> Value | None:
+    """Return what the note has defined for other frames or points, with these in their places."""
+    for look in e.definitions:
+        known = e.lexicon.find(look) if look.name == wanted.look.name else None
+        if known is not None and known.entry is wanted.entry and wanted.bound:
+            names = e.lexicon.renamed(known.bound, wanted.bound)
+            value = _recalled(e, look, span)
+            rows, columns = (names.get(f, f) for f in value.frames)
+            return replace(value, term=_with_names(e, value.term, names), frames=(rows, columns))
+    return None
+
+
+def _with_names(e: Elaborator, term: Term, names: Mapping[str, str]) -> Term:
+    """Return a term with other frames and points in all quantities, and in what its symbols stand for."""
+
+    def rule(node: Term) -> Term:
+        if node.head == "atom":
+            return relabel(node, names)
+        if node.head == "expr":
+            free = [s for s in node.data[0].free_symbols if s in e.scalars]
+            new = {s: e.name(str(s), _with_names(e, e.scalars[s], names)) for s in free}
+            return expr(node.data[0].xreplace(new))
+        return (
+            replace(node, data=tuple(names.get(d, d) for d in node.data))
+            if node.head in _FRAMED
+            else node
+        )
+
+    return rewritten(term, rule)
+
+
+_FRAMED = frozenset({"column", "der"})
+"""Heads that name a frame."""
 _ALIKE = {"circle": "ring"}
 """Accents that look the same."""
 
@@ -294,11 +375,16 @@ def _accented(e: Elaborator, look: Look, span: Span) -> Value | None:
     notation = e.lexicon.notation
     for stands in look.accents:
         mark = _ALIKE.get(stands, stands) if stands not in notation.marks else stands
-        if mark in notation.skew or mark in notation.marks:
+        bar = bool(notation.quaternions) and stands == "bar"
+        if mark in notation.skew or mark in notation.marks or bar:
             left = list(look.accents)
             left.remove(stands)
             below = replace(look, accents=tuple(left))
             inside = _look(e, below, span) or _resolved(e, below, span)
+            if inside is not None and bar:
+                return (
+                    conjugate(notation, inside, span) if is_quaternion(notation, inside) else None
+                )
             if inside is None or mark in notation.skew:
                 return inside and skew(notation, inside, span)
             return marked(e, inside, mark, span)
@@ -371,6 +457,16 @@ def own_look(found: Found, e: Elaborator) -> Look:
     return replace(look, accents=(*look.accents, *found.meaning.labels))
 
 
+def _defined(e: Elaborator, found: Found, look: Look, span: Span) -> Value:
+    """Return what the note has defined, for these or for other frames and points."""
+    if look in e.definitions:
+        return _recalled(e, look, span)
+    other = _alike_defined(e, found, span)
+    if other is None:
+        raise refuse(UNDECIDED, "this is not defined yet", span, found.look.text)
+    return other
+
+
 def meant(e: Elaborator, found: Found, span: Span) -> Value:
     """Return the value of what the lexicon says."""
     meaning = found.meaning
@@ -381,9 +477,7 @@ def meant(e: Elaborator, found: Found, span: Span) -> Value:
         named = value.shape != SCALAR
         return value if named else replace(value, term=expr(e.name(found.look.text, value.term)))
     if meaning.quantity == "defined" or (meaning.quantity == "vector" and look in e.definitions):
-        if look not in e.definitions:
-            raise refuse(UNDECIDED, "this is not defined yet", span, found.look.text)
-        return _recalled(e, look, span)
+        return _defined(e, found, look, span)
     if meaning.quantity == "equals":
         return _formula(e, found, span)
     if meaning.quantity == "vectrix":
@@ -392,6 +486,8 @@ def meant(e: Elaborator, found: Found, span: Span) -> Value:
         return Value(expr(sp.Symbol("t", real=True)), SCALAR, TIME, span=span)
     if meaning.quantity in QUATERNIONS:
         return quaternion(e, meaning, span)
+    if meaning.quantity in TABLED:
+        return _tabled(e, found, span)
     if meaning.quantity in FUNCTIONS:
         raise refuse(UNDECIDED, "a function without an argument", span, found.look.text)
     return _quantity(e, found, span)
@@ -405,6 +501,47 @@ def quaternion(e: Elaborator, meaning: Meaning, span: Span) -> Value:
 
 def _parameter(e: Elaborator, k: str, meaning: Meaning) -> Term:
     return expr(e.name(f"q_{k}", quantity("euler_parameter", k, *meaning.labels)))
+
+
+# -- matrices of a system, and any ones ----------------------------------------------------------
+
+
+def _entry(e: Elaborator, look: Look, span: Span) -> Value | None:
+    """Return the entry of a matrix that numbers below its letter name; None for no such."""
+    found = cell(e.lexicon, look)
+    if found is not None:
+        return _at_place(meant(e, found[0], span), *found[1])
+    numbers = [int(w) for w in look.sub[-2:] if w.isdecimal() and len(w) == 1]
+    whole = e.definitions.get(replace(look, sub=look.sub[:-2]))
+    if len(numbers) != 2 or whole is None or whole.shape != TABLE:
+        return None
+    value = _recalled(e, replace(look, sub=look.sub[:-2]), span)
+    (rows, columns), (row, column) = size_of(value), numbers
+    return (
+        _at_place(value, row - 1, column - 1) if 0 < row <= rows and 0 < column <= columns else None
+    )
+
+
+def _at_place(value: Value, row: int, column: int) -> Value:
+    return replace(value, term=cells(value)[row][column], shape=SCALAR, frames=ANY)
+
+
+def _tabled(e: Elaborator, found: Found, span: Span) -> Value:
+    """Return a column or matrix of the note's system, or one that is any."""
+    free = found.meaning.quantity in FREE
+    rows = (any_rows if free else system_rows)(e.lexicon, found.meaning, span)
+    text = found.look.text
+    named = [
+        [_cell_term(e, f"{text}_{r}{c}", t) for c, t in enumerate(row, 1)]
+        for r, row in enumerate(rows, 1)
+    ]
+    unit = dimension(found.meaning.unit) if found.meaning.unit else None
+    measure = unit if free or unit else measure_of(e.lexicon, found.meaning)
+    return made(named, Value(named[0][0], SCALAR, measure, span=span))
+
+
+def _cell_term(e: Elaborator, name: str, term: Term) -> Term:
+    return term if term.head == "expr" else expr(e.name(name, term))
 
 
 def _formula(e: Elaborator, found: Found, span: Span) -> Value:
@@ -471,6 +608,23 @@ def _component(term: Term, meaning: Meaning) -> Term:
     return dot(axes[0], dot(term, axes[1]))
 
 
+def of_columns(e: Elaborator, what: str, value: Value, span: Span) -> Value:
+    """Return a matrix of a column, a quaternion or a spatial vector, by what the notation says of these."""
+    notation = e.lexicon.notation
+    if what == "skew":
+        return skew(notation, value, span)
+    if what in SPATIAL_MATRICES:
+        if not is_spatial(notation, value):
+            expected = "six numbers, and spatial in [notation], such as angular first"
+            raise refuse(UNDECIDED, "no spatial vector", span, value.words, expected)
+        dual = what == "spatial_cross_dual"
+        return columns_of(value, lambda m: spatial_cross(notation, value, m, dual=dual), 6)
+    if not e.lexicon.notation.quaternions:
+        expected = "quaternions in [notation], such as hamilton first"
+        raise refuse(UNDECIDED, "what a product of quaternions is", span, expected=expected)
+    return replace(quaternion_matrix(e.lexicon.notation, value, what), span=span)
+
+
 # -- what is raised ------------------------------------------------------------------------------
 
 
@@ -478,6 +632,8 @@ def raised(e: Elaborator, value: Value, above: Node, span: Span) -> Value:
     """Apply what stands above a symbol or bracket: a transpose, an inverse, a power, marks."""
     if isinstance(above, Group) and above.open == "":
         return raised(e, value, above.body, span)
+    if is_quaternion(e.lexicon.notation, value) and labels(above) in CONJUGATES:
+        return conjugate(e.lexicon.notation, value, span)
     if isinstance(above, Marks):
         for mark in above.names:
             value = marked(e, value, mark, span)
@@ -500,6 +656,8 @@ def raised(e: Elaborator, value: Value, above: Node, span: Span) -> Value:
 def marked(e: Elaborator, value: Value, mark: str, span: Span) -> Value:
     """Apply a raised mark: a derivative, or a cross."""
     frame = e.lexicon.notation.marks.get(mark)
+    if mark == "circ" and value.shape == SCALAR and value.term.is_plain:
+        return replace(value, term=mul(expr(sp.pi / 180), value.term), span=span)
     if mark == "times":
         return skew(e.lexicon.notation, value, span)
     if frame is None:
@@ -562,12 +720,28 @@ def inverted(e: Elaborator, value: Value, span: Span) -> Value:
     """Return the inverse of a matrix; of a scalar, one over it."""
     if value.shape == SCALAR:
         return powered(e, value, Fraction(-1), span)
-    if value.shape != MATRIX:
+    if is_quaternion(e.lexicon.notation, value):
+        whole = e.expression(squared_size(value))
+        turned = conjugate(e.lexicon.notation, value, span)
+        below = dimensions.power(value.dimension, -1)
+        return replace(turned, term=mul(expr(1 / whole), turned.term), dimension=below)
+    square = value.shape == TABLE and is_square(value)
+    if value.shape != MATRIX and not square:
         verdict = UNDECIDED if value.shape == DYADIC else ILL_FORMED
         raise refuse(verdict, "this has no inverse here", span, value.words)
+    if square:
+        return _table_inverse(e, value, span)
     frames = (value.frames[1], value.frames[0])
     below = dimensions.power(value.dimension, -1)
     return replace(value, term=inverse(value.term), frames=frames, dimension=below, span=span)
+
+
+def _table_inverse(e: Elaborator, value: Value, span: Span) -> Value:
+    rows = [[e.expression(c) for c in row] for row in cells(value)]
+    if len(rows) > MAX_SQUARE - 2:
+        raise refuse(UNDECIDED, "a matrix that is too large to be inverted here", span)
+    term = table([[expr(c) for c in row] for row in inverse_of(rows)])
+    return replace(value, term=term, dimension=dimensions.power(value.dimension, -1), span=span)
 
 
 def pure(value: Value, span: Span) -> None:
@@ -590,6 +764,32 @@ AXIAL = 3
 MAX_DUMMIES, MAX_FREE = 4, 4
 UNIT = ("delta", 2)
 ALTERNATING = (("epsilon", 3), ("varepsilon", 3), ("e", 3))
+
+
+def run_over(node: BigOperator) -> tuple[str, ...]:
+    """Return the letters over which a sum runs; none of a sum that leaves one out, and of no sum."""
+    try:
+        found, excluded = indices_of(node)
+    except Refusal:
+        return ()
+    return () if excluded or node.sign != "sum" else found
+
+
+def indices_of(node: BigOperator) -> tuple[tuple[str, ...], str]:
+    """Return the indices of a sum, and the label that its only index does not take."""
+    lower = node.lower
+    if isinstance(lower, Relation) and len(lower.members) == 2:
+        first, second = (labels(m) for m in lower.members)
+        start = lower.signs[0].name == "=" and second == ("1",)
+        if len(first) == 1 and start:
+            return first, ""
+        if len(first) == len(second) == 1 and lower.signs[0].name == "!=":
+            return first, second[0]
+    elif lower is not None:
+        found = tuple(w for w in labels(lower) if w != ",")
+        if found and all(len(w) == 1 and w.isalpha() for w in found):
+            return found, ""
+    raise refuse(UNDECIDED, "a sum over something unknown", node.span, expected="such as i = 1")
 
 
 def numbered(look: Look, indices: Mapping[str, str]) -> Any:
@@ -647,7 +847,9 @@ def numberings(
 
 def is_known(e: Elaborator, look: Look) -> bool:
     """Return whether a symbol has a meaning, or is defined."""
-    return e.lexicon.find(look, e.indices) is not None or look.numbered(e.indices) in e.definitions
+    own = look.numbered(e.indices)
+    found = e.lexicon.find(look, e.indices) is not None or own in e.definitions
+    return found or cell(e.lexicon, own) is not None
 
 
 def knows(e: Elaborator) -> Known:
@@ -682,4 +884,6 @@ def free(statement: Statement, e: Elaborator) -> tuple[dict[str, str], ...]:
 
 def once(node: Node, known: Known) -> frozenset[str]:
     """Return the letters that stand once in a term, or in the terms of a sum."""
+    if isinstance(node, BigOperator):
+        return once(node.body, known) - frozenset(run_over(node))
     return frozenset(w for w, n in Counter(letters_of(node, known)).items() if n == 1)

@@ -61,8 +61,14 @@ OWN: dict[str, int] = {
     "quaternion_last": 2,
     "velocity": 3,
     "acceleration": 3,
+    "quaternion_left": 0,
+    "quaternion_right": 0,
+    "omega_matrix": 0,
+    "xi_matrix": 0,
+    "spatial_cross": 0,
+    "spatial_cross_dual": 0,
 }
-"""Meanings of the checker alone, with their number of labels.
+"""Meanings of the checker alone, with their number of labels; see `TABLED` for matrices.
 
 ``defined``: by the first equation of the note that has it alone on one side; ``equals``: what a
 formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: a function, S(a);
@@ -70,14 +76,43 @@ formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: 
 ``turn``: a function, the rotation of components that turning the frame about an axis brings,
 ``active_turn``: its inverse; ``quaternion``, ``quaternion_last``: the column of the Euler parameters of
 a frame in another one, the scalar first or last; ``velocity``, ``acceleration``: of a point relative to
-another one, as seen in a frame.
+another one, as seen in a frame; functions, where the notation says what a product of
+quaternions is: ``quaternion_left``, ``quaternion_right``, the matrices by which L(p) q = R(q) p is that,
+``omega_matrix``, ``xi_matrix``, those of 2 q' = Omega(w) q = Xi(q) w; the matrices of the cross products of
+spatial vectors: ``spatial_cross``, ``spatial_cross_dual``.
 """
 RATES: dict[str, int] = {"velocity": 1, "acceleration": 2}
 """Meanings that are derivatives of a position, with their order."""
 
+MATRICES: dict[str, tuple[int, ...]] = {
+    "coordinates": (),
+    "mass_matrix": (),
+    "coriolis_matrix": (),
+    "gravity_column": (),
+    "force_column": (),
+    "place": (1,),
+    "jacobian": (1,),
+}
+"""Columns and matrices of the note's system, with their number of labels.
+
+Its coordinates q; M(q) of its kinetic energy; C(q, q') by Christoffel's symbols; the slopes of its
+potential energy; its generalised forces; the place of a body by components, and the slopes of that
+(``jacobian tip component 1 2``).
+"""
+
+FREE: dict[str, tuple[int, ...]] = {"function": (1,), "column": (2,), "matrix": (3,)}
+"""What is any: name and size, ``column q 2``, ``matrix K 2 2 constant``.
+
+With ``of q`` functions of the entries of a column, or of coordinates by their names: ``function V of q``.
+"""
+TRAITS = frozenset({"constant", "symmetric", "skew", "diagonal", "identity"})
+"""What may be said of them behind their size."""
+TABLED = frozenset({*MATRICES, *FREE})
+MAX_ROWS = 6
+
 MAX_FORMULA = 1000
 SLOT = re.compile(r"<([A-Za-z])>")
-_KEYWORDS = ("in", "component", "per", "unit")
+_KEYWORDS = ("in", "component", "per", "unit", "of")
 
 
 @dataclass(frozen=True)
@@ -86,7 +121,7 @@ class Meaning:
 
     ``frame``: components in it; ``component``: their numbers; ``density``: for each unit of volume;
     ``formula``: the LaTeX of ``equals``; ``function``: an argument in brackets may follow; ``unit``:
-    of what has none of its own.
+    of what has none of its own; ``of``: what a matrix is a function of.
     """
 
     quantity: str
@@ -97,6 +132,7 @@ class Meaning:
     formula: str = ""
     function: bool = False
     unit: str = ""
+    of: tuple[str, ...] = ()
 
     def filled(self, bound: Mapping[str, str], written: Mapping[str, str] | None = None) -> Meaning:
         """Return the meaning with every slot replaced by what is bound to it.
@@ -182,6 +218,7 @@ def _worded(text: str, where: str) -> Meaning:
         component=tuple(parts["component"]),
         density=parts["per"] == ["volume"],
         unit=" ".join(parts["unit"]),
+        of=tuple(parts["of"]),
     )
     _check(found, parts, where)
     return found
@@ -205,8 +242,11 @@ def _parted(words: list[str], where: str) -> dict[str, list[str]]:
 
 def _check(found: Meaning, parts: Mapping[str, list[str]], where: str) -> None:
     name = found.quantity
+    if name in TABLED:
+        _check_table(found, where)
+        return
     if name not in QUANTITIES and name not in OWN:
-        raise unknown_name("quantity", name, [*QUANTITIES, *OWN], where)
+        raise unknown_name("quantity", name, [*QUANTITIES, *OWN, *sorted(TABLED)], where)
     wanted = QUANTITIES[name].words.count("{") if name in QUANTITIES else OWN[name]
     if len(found.labels) != wanted:
         says = (
@@ -228,6 +268,32 @@ def _check(found: Meaning, parts: Mapping[str, list[str]], where: str) -> None:
     _check_components(found, found.kind, where)
     if found.unit:
         dimension(found.unit, where)
+
+
+def _check_table(found: Meaning, where: str) -> None:
+    """Raise `InputError` for a matrix without a size, with other traits, or more components than three."""
+    wanted = {**MATRICES, **FREE}[found.quantity] or (0,)
+    count, traits = wanted[0], found.labels[wanted[0] :]
+    sizes = found.labels[1:count]
+    named = len(found.labels) >= count and (found.quantity in FREE or not traits)
+    sized = all(n.isdecimal() and 0 < int(n) <= MAX_ROWS for n in sizes)
+    numbered = set(found.component) <= set(AXES) and not found.frame
+    if not (named and sized and numbered and TRAITS.issuperset(traits)):
+        got = " ".join((*found.labels, *found.component))
+        raise InputError(
+            f"not a {found.quantity}", where=where, got=got, expected=_SHOWN[found.quantity]
+        )
+    if found.unit:
+        dimension(found.unit, where)
+
+
+_SHOWN = {
+    **{name: name for name in MATRICES},
+    **{name: f"{name} BODY component 1 2" for name in ("place", "jacobian")},
+    "function": "function V of q",
+    "column": "column q 2, or column a 2 constant",
+    "matrix": "matrix M 2 2, and some of constant, symmetric, skew, diagonal, identity",
+}
 
 
 def _check_components(found: Meaning, kind: str, where: str) -> None:
@@ -253,6 +319,12 @@ PLACED = "placed"
 AXES = {"1": "1", "2": "2", "3": "3", "x": "1", "y": "2", "z": "3"}
 
 
+QUATERNION_PRODUCTS = ("hamilton first", "hamilton last", "shuster first", "shuster last")
+"""Products of quaternions: Hamilton's, i j = k, or the one in the other order; with the scalar's place."""
+SPATIAL_ORDERS = ("angular first", "linear first")
+"""Halves of spatial vectors: of motions, with the moment of forces in the place of the angular one."""
+
+
 @dataclass(frozen=True)
 class Notation:
     """How a note writes operations.
@@ -263,7 +335,9 @@ class Notation:
     acts on a vector beside it without a dot; ``resolved``: a frame as last label below a vector is
     that of its components; ``bracketed``: two frames in square brackets are the rotation of components
     from the second to the first; ``marks``: raised marks that are derivatives, with their frames;
-    ``alike``: (style, accents) that mean the same, the first stands for all.
+    ``alike``: (style, accents) that mean the same, the first stands for all; ``quaternions``: how they
+    are multiplied, and where the scalar stands ("hamilton first"), see `QUATERNION_PRODUCTS`;
+    ``spatial``: which half of spatial vectors stands on top, see `SPATIAL_ORDERS`.
     """
 
     dot: str = INERTIAL
@@ -273,6 +347,8 @@ class Notation:
     juxtaposed: bool = True
     resolved: bool = False
     bracketed: bool = False
+    quaternions: str = ""
+    spatial: str = ""
     marks: Mapping[str, str] = field(default_factory=dict)
     alike: tuple[tuple[tuple[str, tuple[str, ...]], ...], ...] = ()
 
@@ -382,8 +458,10 @@ class Lexicon:
             for entry in sorted(fitting, key=lambda e: e.slots):
                 bound = self._match(entry.look, look, indices or {})
                 if bound is not None:
-                    return Found(look, entry.meaning.filled(bound, self._written(bound)), entry)
-        return None
+                    meaning = entry.meaning.filled(bound, self._written(bound))
+                    return Found(look, meaning, entry, bound)
+        other = look.numbered(indices or {})
+        return None if other == look else self.find(other)
 
     def names_behind(self, look: Look) -> bool:
         """Return whether symbols that look like this have names in brackets behind them."""
@@ -407,6 +485,21 @@ class Lexicon:
         """Return the patterns with a letter, for messages."""
         entries = (e for layer in self.layers for e in layer)
         return tuple(dict.fromkeys(e.latex for e in entries if e.look.name == name))
+
+    def renamed(self, old: Mapping[str, str], new: Mapping[str, str]) -> dict[str, str]:
+        """Return by what frames and points are exchanged where slots stand for others.
+
+        A label of the note that names a frame and a point, as its origin, takes both along.
+        """
+        names = {old[s]: new[s] for s in old if s in "FGPQ"}
+        both = (self.frames, self.points)
+        called = {v: k for table in both for k, v in table.items()}
+        for a, b in tuple(names.items()):
+            for table in both:
+                first, second = (table.get(called.get(w, ())) for w in (a, b))
+                if first and second:
+                    names.setdefault(first, second)
+        return names
 
     def _written(self, bound: Mapping[str, str]) -> dict[str, str]:
         """Return frames and points as they stand in formulas: marked where the note calls another so."""
@@ -458,11 +551,12 @@ class Lexicon:
 
 @dataclass(frozen=True)
 class Found:
-    """What a look means, and the entry that says so."""
+    """What a look means, the entry that says so, and what stands in the places of its slots."""
 
     look: Look
     meaning: Meaning
     entry: Entry
+    bound: Mapping[str, str] = field(default_factory=dict)
 
 
 def _named(names: Mapping[Labels, str], given: Labels) -> str | None:

@@ -32,7 +32,16 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from eom.checker.mean.lexicon import SLOT, Entry, Lexicon, Notation, Scope, meaning
+from eom.checker.mean.lexicon import (
+    QUATERNION_PRODUCTS,
+    SLOT,
+    SPATIAL_ORDERS,
+    Entry,
+    Lexicon,
+    Notation,
+    Scope,
+    meaning,
+)
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.symbol_shape import Labels, Look, Seen, grown, labels, named_in, seen
 from eom.checker.read.syntax import Group, Missing, Node, Product, Relation, Scripts, children
@@ -500,6 +509,8 @@ def _entry(latex: str, value: Any, notation: Notation, where: str) -> Entry:
     return Entry(look, found, latex, where)
 
 
+CHOICES = {"quaternions": QUATERNION_PRODUCTS, "spatial": SPATIAL_ORDERS}
+"""What settings may say."""
 _SETTINGS: dict[str, type] = {
     "dot": str,
     "mixed": str,
@@ -508,6 +519,8 @@ _SETTINGS: dict[str, type] = {
     "juxtaposed": bool,
     "resolved": bool,
     "bracketed": bool,
+    "quaternions": str,
+    "spatial": str,
     "alike": list,
 }
 
@@ -517,6 +530,8 @@ def _setting(key: str, value: Any, where: str) -> Any:
         raise unknown_name("setting", key, _SETTINGS, where)
     if not isinstance(value, _SETTINGS[key]):
         raise InputError("wrong type", where=where, got=value, expected=_SETTINGS[key].__name__)
+    if key in CHOICES and value not in CHOICES[key]:
+        raise unknown_name(key, value, CHOICES[key], where)
     if not isinstance(value, list):
         return value
     return tuple(str(v) if key == "skew" else _nuclei(v, where) for v in value)

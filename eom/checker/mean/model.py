@@ -46,6 +46,8 @@ BUILTIN: dict[str, Callable[[str], System]] = {
 }
 """Systems without numbers, from the name of attitude coordinates ("" for the usual ones)."""
 
+PLACES = ("rad", "m", "1")
+"""Units of coordinates."""
 ZERO_UNITS = frozenset({"N m", "N", "m/s^2", "m", "kg m^2/s", "N m s", "rad/s"})
 """Units of the parameters and inputs that may be assumed to be zero."""
 HELD_UNITS = frozenset({"rad", "m", "rad/s", "m/s"})
@@ -131,6 +133,12 @@ class Model:
         for q in (*s.states, *s.parameters, *s.inputs, *defined):
             found.setdefault(q.name, q)
         return found
+
+    @property
+    def free_coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates that are not imposed, in their order, of any system."""
+        given = imposed(self.system)
+        return tuple(q.name for q in self.system.states if q.unit in PLACES and q.name not in given)
 
     def motions(
         self, restrictions: tuple[Restriction, ...], length: int, tries: int
@@ -255,6 +263,12 @@ INSTANTS: Mapping[str, str] = {
     "at start of": FIRST, "before": FIRST, "at end of": "", "after": "", "at": "", "of": "",
 }  # fmt: skip
 """Words for the first and the last instant of a motion."""
+
+
+def imposed(system: System) -> frozenset[str]:
+    """Return the names of the states whose second rates are inputs."""
+    given = {q.name.removesuffix("_ddot") for q in system.inputs if q.name.endswith("_ddot")}
+    return frozenset(given & {q.name for q in system.states})
 
 
 def model_of(system: System | AnyScene | Model, assume: Iterable[str] = ()) -> Model:

@@ -20,6 +20,8 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations, permutations
 from typing import Any
 
+import sympy as sp
+
 from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import NONE, RATE, Dimension
 from eom.checker.mean.lexicon import Notation
@@ -108,7 +110,7 @@ def refuse(verdict: str, what: str, span: Span, got: str = "", expected: str = "
     return Refusal(Finding(verdict, what, span, got, expected))
 
 
-def _unfit(what: str, a: Value, b: Value, sign: str) -> Refusal:
+def unfit(what: str, a: Value, b: Value, sign: str) -> Refusal:
     """Return the refusal of a product of two."""
     return refuse(ILL_FORMED, what, a.span.join(b.span), f"{a.words}{sign}{b.words}")
 
@@ -118,7 +120,9 @@ def scalar(term: Term, dimension: Dimension | None = NONE, span: Span = NOWHERE)
     return Value(term, SCALAR, dimension, span=span)
 
 
-def _made(term: Term, shape: str, a: Value, b: Value, frames: tuple[str, str] = ANY) -> Value:
+def product_like(
+    term: Term, shape: str, a: Value, b: Value, frames: tuple[str, str] = ANY
+) -> Value:
     """Return the value of a product of two."""
     return Value(
         term,
@@ -242,16 +246,16 @@ def beside(notation: Notation, a: Value, b: Value) -> Value:
     if SCALAR in (a.shape, b.shape):
         return _scaled(a, b)
     if (a.shape, b.shape) == (DYADIC, VECTOR) and notation.juxtaposed:
-        return _made(dot(a.term, b.term), VECTOR, a, b)
+        return product_like(dot(a.term, b.term), VECTOR, a, b)
     if (a.shape, b.shape) == (VECTOR, VECTOR) and notation.dyads:
-        return _made(outer(a.term, b.term), DYADIC, a, b)
+        return product_like(outer(a.term, b.term), DYADIC, a, b)
     if {a.shape, b.shape} != {VECTOR}:
         a, b = mixed(notation, a), mixed(notation, b)
     if TABLE in (a.shape, b.shape) and {a.shape, b.shape} <= TABLES:
         return _table_product(a, b)
     rule = _BESIDE.get((a.shape, b.shape))
     if rule is None:
-        raise _unfit("these do not multiply side by side", a, b, " beside ")
+        raise unfit("these do not multiply side by side", a, b, " beside ")
     return rule(a, b)
 
 
@@ -259,11 +263,11 @@ def _scaled(a: Value, b: Value) -> Value:
     rest = b if a.shape == SCALAR else a
     term = mul(a.term, b.term)
     term = nought(rest) if term.is_zero and rest.shape == TABLE else term
-    return _made(term, rest.shape, a, b, rest.frames)
+    return product_like(term, rest.shape, a, b, rest.frames)
 
 
 def _table_product(a: Value, b: Value) -> Value:
-    found = product(a, b, _made(a.term, a.shape, a, b))
+    found = product(a, b, product_like(a.term, a.shape, a, b))
     if found is None:
         sizes = "{} x {} beside {} x {}".format(*size(a), *size(b))
         raise refuse(ILL_FORMED, "sizes of tables do not fit", a.span.join(b.span), sizes)
@@ -289,22 +293,22 @@ def _inner_frames(a: Value, b: Value) -> None:
 def _matrix_product(a: Value, b: Value) -> Value:
     _inner_frames(a, b)
     last = b.frames[1] if b.shape == MATRIX else ""
-    return _made(matmul(a.term, b.term), b.shape, a, b, (a.frames[0], last))
+    return product_like(matmul(a.term, b.term), b.shape, a, b, (a.frames[0], last))
 
 
 def _row_matrix(a: Value, b: Value) -> Value:
     _inner_frames(a, b)
     turned = transpose(b.term)
-    return _made(matmul(turned, a.term), ROW, a, b, (b.frames[1], ""))
+    return product_like(matmul(turned, a.term), ROW, a, b, (b.frames[1], ""))
 
 
 def _row_column(a: Value, b: Value) -> Value:
     _inner_frames(a, b)
-    return _made(inner(a.term, b.term), SCALAR, a, b)
+    return product_like(inner(a.term, b.term), SCALAR, a, b)
 
 
 def _column_row(a: Value, b: Value) -> Value:
-    return _made(outer_column(a.term, b.term), MATRIX, a, b, (a.frames[0], b.frames[0]))
+    return product_like(outer_column(a.term, b.term), MATRIX, a, b, (a.frames[0], b.frames[0]))
 
 
 def _vectrix_column(a: Value, b: Value) -> Value:
@@ -316,7 +320,7 @@ def _vectrix_column(a: Value, b: Value) -> Value:
         raise refuse(UNDECIDED, "a sum of unit vectors in a column", a.span)
     scale = factors[:-1]
     parts = (mul(*scale, inner(b.term, basis(k)), unit(frame, k)) for k in (1, 2, 3))
-    return _made(add(*parts), VECTOR, a, b)
+    return product_like(add(*parts), VECTOR, a, b)
 
 
 def basis(k: int) -> Term:
@@ -350,26 +354,26 @@ def dotted(notation: Notation, a: Value, b: Value) -> Value:
         (DYADIC, DYADIC): DYADIC,
     }.get((a.shape, b.shape))
     if geometric is not None:
-        return _made(dot(a.term, b.term), geometric, a, b)
+        return product_like(dot(a.term, b.term), geometric, a, b)
     if (a.shape, b.shape) in {(COLUMN, COLUMN), (ROW, ROW)}:
         _agree(a, b)
-        return _made(inner(a.term, b.term), SCALAR, a, b)
+        return product_like(inner(a.term, b.term), SCALAR, a, b)
     rule = _DOTTED.get((a.shape, b.shape)) or _BESIDE.get((a.shape, b.shape))
     if rule is None:
-        raise _unfit("these have no dot product", a, b, " . ")
+        raise unfit("these have no dot product", a, b, " . ")
     return rule(a, b)
 
 
 def _triads(a: Value, b: Value) -> Value:
     """Return the rotation matrix that the dot products of two frames' unit vectors make."""
     to, start = (_whole_triad(v) for v in (a, b))
-    return _made(quantity("rotation", to, start), MATRIX, a, b, (to, start))
+    return product_like(quantity("rotation", to, start), MATRIX, a, b, (to, start))
 
 
 def _along_triad(triad: Value, vector: Value, shape: str) -> Value:
     """Return the dot products of a frame's unit vectors with a vector: its components."""
     frame = _whole_triad(triad)
-    return _made(column(vector.term, frame), shape, triad, vector, (frame, ""))
+    return product_like(column(vector.term, frame), shape, triad, vector, (frame, ""))
 
 
 def _whole_triad(triad: Value) -> str:
@@ -395,17 +399,17 @@ def crossed(notation: Notation, a: Value, b: Value) -> Value:
     a, b = alike(notation, (a, b))
     shapes = (a.shape, b.shape)
     if shapes == (VECTOR, VECTOR):
-        return _made(cross(a.term, b.term), VECTOR, a, b)
+        return product_like(cross(a.term, b.term), VECTOR, a, b)
     if shapes == (COLUMN, COLUMN):
         frames = _agree(a, b)
-        return _made(matmul(tilde(a.term), b.term), COLUMN, a, b, frames)
+        return product_like(matmul(tilde(a.term), b.term), COLUMN, a, b, frames)
     if shapes == (VECTOR, DYADIC):
-        return _made(dot(turner(a.term), b.term), DYADIC, a, b)
+        return product_like(dot(turner(a.term), b.term), DYADIC, a, b)
     if shapes == (DYADIC, VECTOR):
-        return _made(dot(a.term, turner(b.term)), DYADIC, a, b)
+        return product_like(dot(a.term, turner(b.term)), DYADIC, a, b)
     if a.is_zero or b.is_zero:
         return _scaled(a, b)
-    raise _unfit("these have no cross product", a, b, " x ")
+    raise unfit("these have no cross product", a, b, " x ")
 
 
 def _is_number(value: Value) -> bool:
@@ -421,10 +425,10 @@ def turner(term: Term) -> Term:
 def tensored(a: Value, b: Value) -> Value:
     """Return the dyadic or matrix of two vectors or columns."""
     if (a.shape, b.shape) == (VECTOR, VECTOR):
-        return _made(outer(a.term, b.term), DYADIC, a, b)
+        return product_like(outer(a.term, b.term), DYADIC, a, b)
     if (a.shape, b.shape) == (COLUMN, COLUMN):
         return _column_row(a, b)
-    raise _unfit("these have no dyadic product", a, b, ", ")
+    raise unfit("these have no dyadic product", a, b, ", ")
 
 
 Cells = tuple[tuple[Term, ...], ...]
@@ -610,6 +614,23 @@ def determinant(value: Value, span: Span) -> Value:
     )
     dimension = dimensions.power(value.dimension, size)
     return Value(add(*parts), SCALAR, dimension, density=size * value.density, span=span)
+
+
+def inverse_of(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """Return the inverse of rows of SymPy expressions by cofactors, as it is written out."""
+    places = range(len(rows))
+
+    def minor(r: int, c: int) -> Any:
+        left = [[e for j, e in enumerate(row) if j != c] for i, row in enumerate(rows) if i != r]
+        return (-1) ** (r + c) * _leibniz(left)
+
+    whole = sp.Add(*(rows[0][c] * minor(0, c) for c in places))
+    return [[minor(r, c) / whole for r in places] for c in places]
+
+
+def _leibniz(rows: Sequence[Sequence[Any]]) -> Any:
+    parts = _permutations(len(rows))
+    return sp.Add(*(s * sp.Mul(*(r[c] for r, c in zip(rows, p, strict=True))) for p, s in parts))
 
 
 def _square(value: Value, what: str, span: Span) -> Cells:

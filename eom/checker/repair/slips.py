@@ -225,14 +225,16 @@ def exponent(node: Node, _: Palette) -> Iterator[Offer]:
         yield node.body, 0.2
 
 
-_TRIG = {"sin": ("cos",), "cos": ("sin",), "tan": ("sin", "cos", "cot")}
+_TRIG = {"sin": ("cos",), "cos": ("sin",), "tan": ("sin", "cos", "cot"), "s": ("c",), "c": ("s",)}
 
 
 def functions(node: Node, _: Palette) -> Iterator[Offer]:
-    """Offer sine for cosine, and so on."""
+    """Offer sine for cosine, and so on, also where one letter with an angle below stands for them."""
     if isinstance(node, Call):
-        for name in _TRIG.get(node.function, ()):
-            yield replace(node, function=name), 0.0
+        yield from ((replace(node, function=n), 0.0) for n in _TRIG.get(node.function, ()))
+    if isinstance(node, Scripts) and isinstance(node.base, Symbol):
+        short = (replace(node.base, name=n) for n in _TRIG.get(node.base.name, ()))
+        yield from ((replace(node, base=b), 0.0) for b in short)
 
 
 # -- terms and factors -----------------------------------------------------------------------------

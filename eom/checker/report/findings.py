@@ -1,5 +1,7 @@
 """The report on a note: what was found of every formula, in order, and the same as lines of text.
 
+How notes are checked.
+
 Of a wrong line: what is left over, what would make it right, and where it fails. Of a note among many: its
 report, or the error that left none. Lines of text have parts with a style that a terminal may show by
 colour.

@@ -6,7 +6,7 @@ from eom.checker.mean.dimensions import NONE, QUANTITY_DIMENSIONS, Dimension, di
 from eom.errors import InputError
 from eom.terms.vocabulary import QUANTITIES
 
-ANYTHING = {"scalar", "coordinate", "vector", "fixed_vector", "dyadic"}
+ANYTHING = {"function", "scalar", "coordinate", "vector", "fixed_vector", "dyadic"}
 powers = st.integers(-6, 6)
 
 

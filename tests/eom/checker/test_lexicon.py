@@ -5,7 +5,7 @@ import pytest
 
 from eom.checker.judge.notes import understand
 from eom.checker.judge.verdicts import verdict
-from eom.checker.mean.lexicon import OWN
+from eom.checker.mean.lexicon import OWN, TABLED
 from eom.checker.mean.lexicon_files import (
     PRESETS,
     front_matter,
@@ -296,7 +296,7 @@ def test_every_quantity_of_the_documentation_has_an_entry_that_reads():
     spec = importlib.util.spec_from_file_location("shown_tables", file)
     tables = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(tables)
-    assert set(tables.entries()) == {*QUANTITIES, *OWN}
+    assert set(tables.entries()) == {*QUANTITIES, *OWN, *TABLED}
     for name, (latex, words, meaning) in tables.entries().items():
         assert words
         assert parse_lexicon(f"[symbols]\n'{latex}' = '{meaning}'").layers[0], name
