@@ -247,10 +247,11 @@ class _Placed:
 
     def _general(self, judged: Judged) -> Judged:
         """Return a claim as wrong in general where a coincidence excuses it, unless it says so itself."""
-        if judged.verdict != UNDER or amounts(judged):
+        if judged.verdict != UNDER:
             return judged
         stated = self.names | implied(self.given)
-        return _in_general(judged, self.named, stated, self.lexicon, self.anyhow)
+        found = _in_general(judged, self.named, stated, self.lexicon, self.anyhow)
+        return judged if found is judged or amounts(judged) else found
 
     @property
     def anyhow(self) -> bool:
