@@ -295,7 +295,7 @@ def _external_forces(
     return tuple(forces)
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=1024)
 def world(assumptions: frozenset[str], seed: int, prime: int = PRIME) -> World:
     """Return the world of a seed; a singular draw is repeated with the next one.
 

@@ -36,6 +36,7 @@ from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.note.carrying import (
     SPECIAL_MOTION,
+    Carried,
     by_laws,
     carried,
     rested,
@@ -115,32 +116,55 @@ def review(
     settled = [v for v, _ in placed]
     lines = [u.formula.piece.line for u in understood]
     about = remarks(settled, lines, context, given)
-    loosened = [
-        _small(v) if _is_apart(u) and _near(loose, context.places[k]) else v
-        for k, (u, v) in enumerate(zip(understood, first, strict=True))
-    ]
     final = [
-        _of_system(
-            understood[:k], u, loosened[k], names[u.headings], _near(free, context.places[k])
-        )
+        _apart(understood[: k + 1], first[k], names[u.headings], context.places[k], (loose, free))
         if _is_apart(u)
         else settled[k]
         for k, u in enumerate(understood)
     ]
     slips = carried(final, context, given)
-    found = []
-    for k, (_, own) in enumerate(placed):
-        slip = slips.get(k)
-        line = lines[slip.number] if slip is not None else 0
-        more = (remark(CARRIED_AND_OWN if slip.adds else CARRIED, line),) if slip else ()
-        beside = (*own, *more, *about[k])
-        found.append(Reviewed(understood[k], final[k], beside, line, context.names(k)))
-    return tuple(found)
+    return tuple(
+        _reviewed(u, final[k], (own, about[k]), slips.get(k), lines, context.names(k))
+        for k, (u, (_, own)) in enumerate(zip(understood, placed, strict=True))
+    )
+
+
+def _reviewed(
+    one: Understood,
+    final: Verdict,
+    beside: tuple[tuple[Remark, ...], tuple[Remark, ...]],
+    slip: Carried | None,
+    lines: Sequence[int],
+    names: frozenset[str],
+) -> Reviewed:
+    """Return a formula with its verdict and the remarks on its place and on what it carries."""
+    own, about = beside
+    line = lines[slip.number] if slip is not None else 0
+    return Reviewed(one, final, (*own, *_carrying(slip, lines), *about), line, names)
+
+
+def _carrying(slip: Carried | None, lines: Sequence[int]) -> tuple[Remark, ...]:
+    """Return the remark on a slip that is carried forward."""
+    kind = CARRIED_AND_OWN if slip is not None and slip.adds else CARRIED
+    return () if slip is None else (remark(kind, lines[slip.number]),)
 
 
 def _is_apart(understood: Understood) -> bool:
     """Whether a formula is judged by itself: it has claims that no world has the values of."""
     return any(row_of(c) is not Worlds for c in understood.claims)
+
+
+def _apart(
+    understood: Sequence[Understood],
+    found: Verdict,
+    names: frozenset[Name],
+    place: Place,
+    said: tuple[Sequence[Said], Sequence[Said]],
+) -> Verdict:
+    """Return the verdict on the last of some formulas, which is about a system, in its place."""
+    loose, free = said
+    alone = _small(found) if _near(loose, place) else found
+    return _of_system(understood[:-1], understood[-1], alone, names, _near(free, place))
 
 
 def _of_system(
@@ -247,10 +271,11 @@ class _Placed:
 
     def _general(self, judged: Judged) -> Judged:
         """Return a claim as wrong in general where a coincidence excuses it, unless it says so itself."""
-        if judged.verdict != UNDER or amounts(judged):
+        if judged.verdict != UNDER:
             return judged
         stated = self.names | implied(self.given)
-        return _in_general(judged, self.named, stated, self.lexicon, self.anyhow)
+        found = _in_general(judged, self.named, stated, self.lexicon, self.anyhow)
+        return judged if found is judged or amounts(judged) else found
 
     @property
     def anyhow(self) -> bool:
