@@ -34,7 +34,7 @@ from eom.checker.judge.inequalities import (
 from eom.checker.judge.members import Members, of_members
 from eom.checker.judge.models import MAX_TESTS, Models, Search, Worlds
 from eom.checker.judge.scalars import Scalars
-from eom.checker.judge.systems import Solutions, on_solutions, written
+from eom.checker.judge.systems import Solutions, on_solutions, tells_time, written
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, SAME_POINT, STATEMENT, Claim
 from eom.errors import InputError
 from eom.limits import Overdue
@@ -180,7 +180,8 @@ def loosened(claim: Claim) -> Judgement | None:
     if not on_solutions(claim) or not plain or claim.findings:
         return None
     if of_members(claim):
-        return Judgement(UNDECIDED, reason=_UNKNOWN)
+        timed = tells_time(claim, claim.model) if claim.model is not None else False
+        return Judgement(UNDECIDED, reason=_UNKNOWN) if timed else None
     found = _nearly(replace(claim, relations=("approx",) * len(claim.relations)), 1)
     return None if found.verdict == WRONG else found
 
