@@ -34,7 +34,7 @@ from eom.checker.judge.inequalities import (
 from eom.checker.judge.members import Members, of_members
 from eom.checker.judge.models import MAX_TESTS, NO_BODY, Models, Search, Worlds
 from eom.checker.judge.scalars import Scalars
-from eom.checker.judge.systems import Solutions, on_solutions, written
+from eom.checker.judge.systems import Solutions, on_solutions, tells_time, written
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, SAME_POINT, STATEMENT, Claim
 from eom.errors import InputError
 from eom.limits import Overdue
@@ -179,8 +179,10 @@ def loosely(claim: Claim) -> Judgement:
     plain = (
         claim.kind == STATEMENT and EQUALITIES.issuperset(claim.relations) and not claim.findings
     )
-    open_ = claim.parameters is not None or of_members(claim)
-    if not plain or open_ or len(claim.members) < 2:
+    if of_members(claim):
+        timed = claim.model is not None and tells_time(claim, claim.model)
+        return Judgement(UNDECIDED, reason=LOOSE if timed else "")
+    if not plain or claim.parameters is not None or len(claim.members) < 2:
         return Judgement(UNDECIDED, reason=LOOSE)
     signs = tuple(next(iter(NEARLY)) for _ in claim.relations)
     try:

@@ -175,7 +175,7 @@ class Member(AtInstants):
     def agrees(self, said: Pair) -> bool:
         """Return whether two sides are the same number."""
         a, b = (self.value(e) for e in said)
-        return bool(abs(a - b) <= self.models.slack * max(1, abs(a), abs(b)))
+        return self.models.equal(a, b)
 
     def value(self, e: Expr) -> Number:
         """Return the value of an expression. Raises `Singular`, `InputError` where it has none."""
@@ -266,6 +266,10 @@ class Members(Models):
         rough = any(self.model.particular[n].until is not None for n in self.labels)
         limits = any(e.has(approached) for p in self.said for e in p)
         return ROUGH if rough or limits else EXACT
+
+    def equal(self, a: Number, b: Number) -> bool:
+        """Return whether two numbers are the same as far as they are known."""
+        return bool(abs(a - b) <= self.slack * max(1, abs(a), abs(b)))
 
     def draw(self, names: frozenset[str]) -> Iterator[Member]:
         """Yield members, with all solutions for the motions that are spoken of."""
@@ -391,8 +395,9 @@ class Members(Models):
         verdicts, turned = set(), set()
         for member in islice(self.draw(frozenset()), 2 * ENOUGH):
             with suppress(Singular, InputError):
-                verdicts.add(all(map(member.agrees, self.said)))
-                turned.add(all(member.agrees((-a, b)) for a, b in self.said))
+                sides = [(member.value(a), member.value(b)) for a, b in self.said]
+                verdicts.add(all(self.equal(a, b) for a, b in sides))
+                turned.add(all(self.equal(-a, b) for a, b in sides))
         rooted = any(isinstance(p, sp.Abs) or p.exp.q == 2 for p in self._powers())
         if verdicts == {False}:
             signs = (
