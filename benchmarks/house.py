@@ -25,7 +25,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 420,
-    "lines of code": 79_800,
+    "lines of code": 79_850,
     "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
