@@ -197,7 +197,7 @@ LINES = [
     (SHUSTER, r"\dot q = \tfrac12 q\otimes\omega", WRONG),
     (HAMILTON, r"v = q^*\otimes V\otimes q", HOLDS),
     (HAMILTON, r"v = q\otimes V\otimes q^*", WRONG),
-    (HAMILTON, r"p\otimes p^{-1} = (1,0,0,0)^T", HOLDS),
+    (HAMILTON, r"p\otimes p^{-1} = [1,0,0,0]^T", HOLDS),
     *(
         (lexicon, line, said)
         for lexicon in (HAMILTON, SHUSTER)
