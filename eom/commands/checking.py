@@ -173,16 +173,19 @@ def _settings(
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
     from eom.checker.read.documents import TEXT_KINDS
-    from eom.checker.report.findings import GIVEN, Settings
     from eom.worlds.worlds import closure
 
     if kind and kind not in TEXT_KINDS:
         raise unknown_name("kind of text", kind, TEXT_KINDS, "--as")
     if "none" in given and len(given) > 1:
         raise InputError("--given none excludes others", got=", ".join(given))
-    assumed = () if given == ("none",) else given or GIVEN
-    closure(assumed)
-    return Settings(notation, lexicon, assumed, kind, system, seconds, note_seconds)
+    named = () if given == ("none",) else given
+    closure(named)
+    from eom.checker.report.findings import GIVEN, Settings  # heavy: after what is refused
+
+    return Settings(
+        notation, lexicon, named if given else GIVEN, kind, system, seconds, note_seconds
+    )
 
 
 def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:

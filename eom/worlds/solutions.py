@@ -143,6 +143,7 @@ class Motion(Evaluation):
     memo: dict[Expr, Series] = field(default_factory=dict)
     tangents: dict[Expr, int] = field(default_factory=dict)
     values: dict[Expr, int] = field(default_factory=dict)
+    chosen: dict[tuple[Expr, int], int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.generator = random.Random(self.seed)  # noqa: S311 - reproducible points, no secrets
@@ -203,7 +204,13 @@ class Motion(Evaluation):
         generator = random.Random(f"{self.seed} {node}")  # noqa: S311 - reproducible, no secret
         drawn = (generator.randrange(1, PRIME) for _ in range(self.length))
         moving = int(node.args[1])
-        return Series(RESIDUES, tuple(c if moving or not k else 0 for k, c in enumerate(drawn)))
+        found = (self.chosen.get((node, k), c) for k, c in enumerate(drawn))
+        return Series(RESIDUES, tuple(c if moving or not k else 0 for k, c in enumerate(found)))
+
+    def choose(self, node: Expr, order: int, value: int) -> None:
+        """Give a coefficient of what the system knows nothing of a value of its own."""
+        self.chosen[node, order] = value
+        self.memo.clear()
 
     def turns(self, angle: Expr) -> Iterator[tuple[Series, Series, int]]:
         """Yield cosines and sines of half of each angle of a sum, and how often they are there."""

@@ -12,22 +12,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import combinations_with_replacement, islice
+from itertools import combinations_with_replacement, islice, product
 from typing import Any
 
 import sympy as sp
 
 from eom.checker.judge.models import equations, terms_of
+from eom.checker.judge.systems import Pair, Solutions
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.dimensions import NONE, RATE, Dimension, of_quantity
 from eom.errors import InputError
 from eom.exact import series
 from eom.exact.series import Series
-from eom.fields import RESIDUES, Echelon, Singular
+from eom.fields import RESIDUES, Echelon, Singular, solve
 from eom.terms.terms import INDICES, Equation, Term, nodes
 from eom.terms.vocabulary import omega, position, quantity
 from eom.worlds.evaluate import Env, Evaluator, flat
 from eom.worlds.generators import world
+from eom.worlds.solutions import Motion, anything
+from eom.worlds.solutions import order as order_of
 
 MAX_UNKNOWNS = 80
 """Multiples that are tried at most, the simplest first."""
@@ -59,6 +62,57 @@ def follows(
         return bool(said.right) and _solvable(said, assumed, unknowns)
     except InputError:
         return False
+
+
+def implied_on_solutions(claim: Claim, premise: Claim) -> bool | None:
+    """Return whether a claim about a system holds wherever a premise does that ties what is any to it.
+
+    Coefficients of the functions of time that are any are chosen so that the premise holds at a point,
+    which is possible where it depends on them linearly: a law of control by the motion that is desired.
+    None where nothing can be chosen, and where what fails has more derivatives than the premise, which
+    holds at the point alone.
+    """
+    try:
+        first, then = (Solutions(c, c.scalars) for c in (premise, claim))
+        found = {_holds_there(m, first.said, then.said) for m in _points(first, then)}
+        orders = [max(order_of(e) for pair in c.said for e in pair) for c in (first, then)]
+    except (InputError, Singular):
+        return None
+    if not found or None in found or (False in found and orders[1] > orders[0]):
+        return None
+    return False not in found
+
+
+def _points(first: Solutions, then: Solutions) -> Iterator[Motion]:
+    """Yield solutions that are long enough for both claims, and that no other claim shares."""
+    length = max(first.length, then.length)
+    for seed in range(MAX_WORLDS // 40):
+        yield Motion(first.model.system, length, seed, first.model.given)
+
+
+def _holds_there(m: Motion, premise: Sequence[Pair], claim: Sequence[Pair]) -> bool | None:
+    """Return whether a claim holds at a point at which the premise is made to; None where it cannot be."""
+
+    def apart(pairs: Sequence[Pair]) -> list[int]:
+        return [int((m.series(a) - m.series(b)).coefficients[0]) for a, b in pairs]
+
+    free = {n for pair in premise for e in pair for n in e.atoms(anything) if int(n.args[1])}
+    start = apart(premise)
+    columns: list[tuple[Any, int, int, list[int]]] = []
+    for node, k in product(sorted(free, key=str), reversed(range(m.length))):
+        old = int(m.series(node).coefficients[k])
+        m.choose(node, k, old + 1)
+        slope = [a - b for a, b in zip(apart(premise), start, strict=True)]
+        m.choose(node, k, old)
+        if any(slope) and all(node != c[0] for c in columns):
+            columns.append((node, k, old, slope))
+    if len(columns) != len(start):
+        return None
+    rows = [[c[3][r] for c in columns] for r in range(len(start))]
+    steps = solve(rows, [-s for s in start], RESIDUES)
+    for (node, k, old, _), step in zip(columns, steps, strict=True):
+        m.choose(node, k, old + int(step))
+    return None if any(apart(premise)) else not any(apart(claim))
 
 
 def parts(claim: Claim, assumed: frozenset[str], count: int = 2) -> tuple[tuple[int, ...], ...]:

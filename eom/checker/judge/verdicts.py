@@ -20,6 +20,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
+from eom.checker.judge.consequences import implied_on_solutions
 from eom.checker.judge.coordinates import addends
 from eom.checker.judge.judge import (
     HOLDS,
@@ -35,6 +36,7 @@ from eom.checker.judge.laws import free_alone, own
 from eom.checker.judge.models import CHANCE, MODELS, Worlds, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import condition
+from eom.checker.judge.systems import on_solutions
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED
@@ -93,7 +95,7 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     given = (*given, *understood.lexicon.assume)
     judged = tuple(_judged(c, given, understood) for c in understood.claims)
     judged = _of_one_model(judged, given, understood)
-    judged = _conditional(judged)
+    judged = _conditional(_following(judged))
     judged = tuple(
         replace(_with_case(j, given), chain=judge_chain(j.claim, given))
         if j.verdict in GRAVE
@@ -142,6 +144,24 @@ def _together(model: tuple[str, ...], names: tuple[str, ...]) -> bool:
     except InputError:
         return False
     return True
+
+
+def _following(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
+    """Return what was judged; a law in front of an arrow is assumed, and what follows from it holds."""
+    found = list(judged)
+    for k, (law, then) in enumerate(pairwise(judged)):
+        pair = (law.claim, then.claim)
+        open_ = all(j.verdict == UNDECIDED and not j.claim.findings for j in (law, then))
+        if then.claim.joined != "implies" or not open_ or not all(map(on_solutions, pair)):
+            continue
+        holds = implied_on_solutions(then.claim, law.claim)
+        if holds is not None:
+            said = HOLDS if holds else WRONG
+            why = "" if holds else "it does not follow from what stands in front of the arrow"
+            found[k] = replace(law, verdict=ASSUMPTION, reason="")
+            made = replace(then.judgement, verdict=said, reason=why)
+            found[k + 1] = replace(then, judgement=made, verdict=said, reason=why)
+    return tuple(found)
 
 
 def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:

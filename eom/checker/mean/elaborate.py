@@ -606,9 +606,9 @@ def _upright(e: Elaborator, node: Scripts) -> Value | None:
         return None
     body = group.body
     values: list[Value] = []
-    if isinstance(body, Sequence):
+    if isinstance(body, Sequence) and (group.open == "[" or len(body.items) <= calculus.ANY_VECTOR):
         values = [e.value(i) for i in body.items]
-    elif isinstance(body, Product) and not body.operator:
+    elif isinstance(body, Product) and not body.operator and between_frames(e, group) is None:
         values = [v for v in _factors(e, body.factors) if v.shape == SCALAR]
         values = values if len(values) == len(body.factors) else []
     if len(values) < 2:

@@ -197,7 +197,7 @@ LINES = [
     (SHUSTER, r"\dot q = \tfrac12 q\otimes\omega", WRONG),
     (HAMILTON, r"v = q^*\otimes V\otimes q", HOLDS),
     (HAMILTON, r"v = q\otimes V\otimes q^*", WRONG),
-    (HAMILTON, r"p\otimes p^{-1} = (1,0,0,0)^T", HOLDS),
+    (HAMILTON, r"p\otimes p^{-1} = [1,0,0,0]^T", HOLDS),
     *(
         (lexicon, line, said)
         for lexicon in (HAMILTON, SHUSTER)
@@ -289,6 +289,20 @@ def test_a_sine_for_short_that_should_be_a_cosine_is_corrected():
     (judged,) = verdict(claims[0], ("constant_mass",)).claims
     found = explain(claims[0], judged)
     assert found.corrections[0].text == "s_{1}"
+
+
+def test_what_follows_from_a_law_of_control_holds_where_it_does():
+    known = """'q_d' = "column d 2"
+'e' = "defined"
+'K_p' = "matrix P 2 2 constant"
+'K_v' = "matrix W 2 2 constant"
+[system]"""
+    law = r"\mathbf F = B(q)\left(\ddot q_d + K_v\dot e + K_p e\right) + C\dot q + \mathbf g(q)"
+    loop = r"\ddot e + K_v\dot e + K_p e = 0"
+    arrow = r" \quad\Longrightarrow\quad "
+    lines = (law + arrow + loop, law + arrow + loop.replace("+ K_p", "- K_p"), law)
+    found = _verdicts(POLAR.replace("[system]", known, 1), "e = q_d - q", *lines)
+    assert found == [NEW, HOLDS, WRONG, OPEN]
 
 
 def test_a_letter_may_be_explained_behind_its_use():
