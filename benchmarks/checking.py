@@ -36,10 +36,10 @@ from typing import Any
 import click
 
 from benchmarks.table import time_text
+from eom.checker.judge.coordinates import on_solutions
 from eom.checker.judge.judge import models_of
 from eom.checker.judge.models import Worlds, contexts
 from eom.checker.judge.notes import Understood, reread, understand
-from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import GRAVE, NONE
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon

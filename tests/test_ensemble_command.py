@@ -10,8 +10,9 @@ from click.testing import CliRunner
 import codegen
 import eom
 from codegen import Normal, Sampler, Statistics, Uniform
+from codegen.ensembles import ensemble as memory
 from codegen.ensembles.ensemble import size_of_one
-from codegen.native import memory, native
+from codegen.native import native
 from eom.__main__ import main
 from eom.scenes import catalogue
 

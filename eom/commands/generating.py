@@ -90,12 +90,12 @@ def _generate(
     from codegen.compiling.compiled import write_files
     from codegen.compiling.sparse import with_jacobians
     from codegen.passes.pipeline import specialised
-    from codegen.precision.report import show as show_report
+    from codegen.precision.accuracy_report import show_operations
 
     integrator = _choice(options["integrator"], scene)
     values = scene.parameter_values() if fixed else {}
     if report:
-        show_report(scene.derive(), values, target, integrator)
+        show_operations(scene.derive(), values, target, integrator)
     if folder is not None:
         with waiting_for("writing code"):
             made = specialised(scene.derive(), values, stable=options["stable"])

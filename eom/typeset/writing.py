@@ -379,6 +379,12 @@ def _start(writer: Writer, term: Term) -> Written:
     return Row((writer.box(term.args[0], ATOM), place)), ATOM
 
 
+def _at(writer: Writer, term: Term) -> Written:
+    """Return the value at an instant, by its name."""
+    place = Row((Operator("open"), symbol(term.data[0]), Operator("close")))
+    return Row((writer.box(term.args[0], ATOM), place)), ATOM
+
+
 def _partial(writer: Writer, term: Term) -> Written:
     above, below = (row(Operator("partial"), writer.box(a, ATOM)) for a in term.args)
     return Fraction(above, below), ATOM
@@ -413,6 +419,7 @@ RULES: dict[str, Callable[[Writer, Term], Written]] = {
     "der": lambda w, t: w.notation.derivative(w, t),
     "start": _start,
     "since": _since,
+    "at": _at,
     "partial": _partial,
     "sum": _sum,
     "integral": _integral,

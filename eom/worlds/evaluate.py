@@ -254,6 +254,10 @@ def _start(e: Evaluator, term: Term, env: Env) -> Value:
     return _each(lambda x: e.world.constant(x.coefficients[0]), e.value(term.args[0], env))
 
 
+def _at(_: Evaluator, term: Term, __: Env) -> Value:
+    raise InputError("only a system says when this is", got=term.data[0])
+
+
 def _partial(_: Evaluator, term: Term, __: Env) -> Value:
     raise InputError("only a system says how this depends on a coordinate", got=term.head)
 
@@ -323,6 +327,7 @@ _RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
     "der": _der,
     "start": _start,
     "since": _since,
+    "at": _at,
     "partial": _partial,
     "sum": _sum,
     "integral": _sum,

@@ -10,8 +10,8 @@ import sympy as sp
 
 import codegen
 from codegen import Grid, Sampler, Uniform
+from codegen.ensembles import ensemble as memory
 from codegen.ensembles.ensemble import size_of_one
-from codegen.native import memory
 from eom.errors import InputError
 from eom.system import System
 

@@ -4,7 +4,7 @@ import sympy as sp
 from codegen.ir.passes import prune
 from codegen.ir.program import RATES
 from codegen.passes.pipeline import specialised
-from codegen.precision.report import report, tree_operations
+from codegen.precision.accuracy_report import report, tree_operations
 from eom.opening import load_scene
 from eom.quantities import Definition, Quantity
 from eom.system import System

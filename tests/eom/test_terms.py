@@ -16,6 +16,7 @@ from eom.terms import terms
 from eom.terms.terms import (
     HEADS,
     add,
+    at,
     column,
     cross,
     der,
@@ -69,6 +70,7 @@ ONE = {
     "der": {k: k for k in OF_KIND},
     "start": {k: k for k in OF_KIND},
     "since": {k: k for k in OF_KIND},
+    "at": {k: k for k in OF_KIND},
     "sum": {k: k for k in OF_KIND},
     "integral": {k: k for k in OF_KIND},
     "column": {"vector": "column", "dyadic": "matrix"},
@@ -79,7 +81,7 @@ ONE = {
 BUILT = {
     "dot": dot, "cross": cross, "outer": outer, "matmul": matmul, "inner": inner,
     "outer_column": outer_column, "add": add, "mul": mul, "der": der, "sum": total, "start": start,
-    "since": since, "partial": partial,
+    "since": since, "at": lambda t: at(t, "end"), "partial": partial,
     "integral": integral, "column": lambda t: column(t, "B"), "transpose": transpose,
     "inverse": inverse, "tilde": tilde,
 }  # fmt: skip

@@ -21,6 +21,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.checker.judge.coordinates import on_solutions, tells_time, written
 from eom.checker.judge.inequalities import (
     ALWAYS,
     BARELY,
@@ -34,7 +35,7 @@ from eom.checker.judge.inequalities import (
 from eom.checker.judge.members import Members, of_members
 from eom.checker.judge.models import MAX_TESTS, NO_BODY, Models, Search, Worlds
 from eom.checker.judge.scalars import Scalars
-from eom.checker.judge.systems import Solutions, on_solutions, tells_time, written
+from eom.checker.judge.systems import Solutions
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, SAME_POINT, STATEMENT, Claim
 from eom.errors import InputError
 from eom.limits import Overdue

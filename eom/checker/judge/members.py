@@ -20,6 +20,7 @@ from typing import ClassVar
 
 import sympy as sp
 
+from eom.checker.judge.coordinates import elements, equations, tells_time
 from eom.checker.judge.models import ENOUGH, Drawn, Models, Search
 from eom.checker.judge.particular import (
     EXACT,
@@ -31,7 +32,7 @@ from eom.checker.judge.particular import (
     struck,
     value_at,
 )
-from eom.checker.judge.systems import Pair, elements, equations, tells_time
+from eom.checker.judge.systems import Pair
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.model import DERIVED, FIRST, Model, Particular
 from eom.errors import InputError
@@ -205,7 +206,7 @@ class Member(AtInstants):
             raise Singular
         if len(found) > 1 and not place:
             wanted = f"{what} 1, slowest first"
-            raise InputError(f"which {what} is not said", got=len(found), expected=wanted)
+            raise InputError(f"more than one {what} is there", got=len(found), expected=wanted)
         return found[max(place - 1, 0)]
 
     def _modes(self, what: str, point: Point) -> Sequence[Number]:

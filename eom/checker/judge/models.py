@@ -31,11 +31,12 @@ import sympy as sp
 
 from eom.checker.judge.coordinates import share
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.checker.mean.values import atoms_in, squared
 from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import PRIME, Singular
 from eom.limits import Overdue
-from eom.terms.terms import SCALAR, Equation, Term, expr, mul, nodes, number, zero
+from eom.terms.terms import Equation, Term, expr, mul, nodes, number, zero
 from eom.terms.terms import replace as rewritten
 from eom.worlds.evaluate import Evaluator, flat, half_powers, subsets
 from eom.worlds.generators import worlds
@@ -652,18 +653,6 @@ def terms_of(claim: Claim) -> list[Term]:
     return [*(m.term for m in claim.members), *claim.scalars.values()]
 
 
-def atoms_in(term: Term, scalars: Mapping[Any, Term]) -> frozenset[Term]:
-    """Return the quantities of a term, and of what its symbols stand for."""
-    found: set[Term] = set()
-    for node in nodes(term):
-        if node.head == "atom":
-            found.add(node)
-        elif node.head == "expr":
-            inside = (scalars.get(s) for s in node.data[0].free_symbols)
-            found.update(a for t in inside if t is not None for a in atoms_in(t, scalars))
-    return frozenset(found)
-
-
 def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
     """Yield the contexts in which terms may have values, the simplest first.
 
@@ -705,36 +694,3 @@ def equations(claim: Claim) -> tuple[Equation, ...]:
     start = 1 if claim.kind == DEFINITION else 0
     pairs = zip(terms[start:], terms[start + 1 :], strict=False)
     return tuple(squared(Equation(a, b)) for a, b in pairs)
-
-
-def squared(equation: Equation) -> Equation:
-    """Return the equation of the squares if both sides are numbers or products of roots, else itself.
-
-    What is squared is not negative, so that neither equation says more than the other.
-    """
-    sides = (equation.left, equation.right)
-    if any(s.kind != SCALAR or s.head not in {"expr", "zero"} for s in sides):
-        return equation
-    found = [_square(_expression(s)) for s in sides]
-    if None in found or not any(True for s in sides for _ in half_powers(_expression(s))):
-        return equation
-    return Equation(expr(found[0]), expr(found[1]), equation.relation)
-
-
-def _expression(term: Term) -> Any:
-    return term.data[0] if term.head == "expr" else sp.Integer(0)
-
-
-def _square(expression: Any) -> Any:
-    """Return the square of a product of numbers that are not negative and roots; None for others."""
-    result = sp.Integer(1)
-    for factor in sp.Mul.make_args(expression):
-        if factor.is_Rational and factor >= 0:
-            result *= factor**2
-        elif factor.is_Pow and factor.exp.is_Rational and factor.exp.q == 2:
-            result *= factor.base ** (2 * factor.exp)
-        elif isinstance(factor, sp.Abs):
-            result *= factor.args[0] ** 2
-        else:
-            return None
-    return result

@@ -13,13 +13,14 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf
 
+from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import judge
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
-from eom.checker.judge.systems import Solutions, agreeing, covered
+from eom.checker.judge.systems import Solutions, agreeing
 from eom.checker.mean.claims import DEFINITION, Claim, Relation, claims, defined
 from eom.checker.mean.elaborate import elaborator
-from eom.checker.mean.elaborator import free
+from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (

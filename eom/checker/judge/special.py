@@ -15,9 +15,10 @@ from typing import Any
 
 import sympy as sp
 
+from eom.checker.judge.coordinates import equations, on_solutions
 from eom.checker.judge.judge import Judgement
 from eom.checker.judge.models import ENOUGH, Search, Worlds, filled, terms_of
-from eom.checker.judge.systems import Solutions, equations, on_solutions
+from eom.checker.judge.systems import Solutions
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.model import Model, printed

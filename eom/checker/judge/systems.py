@@ -14,42 +14,27 @@ given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations, islice, pairwise
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import sympy as sp
 
-from eom.checker.judge.coordinates import derivative
-from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search, atoms_in
-from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.checker.judge.coordinates import elements, equations, tells_time, written
+from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search
+from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.model import Model
-from eom.checker.mean.solid_models import COORDINATES, integrated
-from eom.checker.mean.values import inverse_of
 from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.system import Expr, System
 from eom.terms.terms import (
-    INERTIAL,
-    MATRIX,
-    SCALAR,
-    VECTOR,
     Term,
-    add,
-    at,
-    der,
-    expr,
-    mul,
-    nodes,
-    number,
-    partial,
 )
-from eom.terms.vocabulary import described
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
@@ -57,7 +42,6 @@ from eom.worlds.solutions import (
     anything,
     differs,
     inexact,
-    instant,
     order,
     rate,
     since,
@@ -88,268 +72,6 @@ FAR = 14
 """Rank from which on a factor is no slip: the difference is reported as what is missing."""
 
 Pair = tuple[Expr, Expr]
-
-
-def of_system(term: Term) -> bool:
-    """Whether a term is a quantity of the system."""
-    return term.head == "atom" and term.data[:1] == ("system",)
-
-
-def _atoms(claim: Claim) -> frozenset[Term]:
-    return frozenset(a for m in claim.members for a in atoms_in(m.term, claim.scalars))
-
-
-def on_solutions(claim: Claim) -> bool:
-    """Whether a claim is judged on the solutions of the system of its note; no world has its values."""
-    return claim.model is not None and any(map(of_system, _atoms(claim)))
-
-
-ANYTHING = ("scalar", "coordinate", "free_angle")
-"""Quantities that may stand beside those of a system, in what is true whatever they are."""
-
-
-def covered(claim: Claim) -> bool:
-    """Whether a claim is a relation between quantities of the system, besides scalars that are any."""
-    atoms = _atoms(claim)
-    known = all(of_system(a) or _is_axis(a) or a.data[0] in ANYTHING for a in atoms)
-    return known and any(map(of_system, atoms)) and all(_listed(m.term) for m in claim.members)
-
-
-def _is_axis(term: Term) -> bool:
-    """Whether a term is a unit vector of the inertial frame."""
-    return term.data[:2] == ("unit", INERTIAL)
-
-
-def tells_time(claim: Claim, model: Model) -> bool:
-    """Return whether a claim names the time, on which the laws of the system do not depend."""
-    inside = (n for m in claim.members for n in nodes(m.term) if n.head == "expr")
-    symbols = {s for n in inside for s in n.data[0].free_symbols - claim.scalars.keys()}
-    laws = frozenset[Expr]().union(*(r.free_symbols for r in model.system.rates))
-    return any(s.name == "t" for s in symbols) and model.system.time not in laws
-
-
-def _listed(term: Term) -> bool:
-    """Whether a term is a scalar, or its elements are known one by one."""
-    if term.kind == VECTOR:
-        with suppress(InputError):
-            return bool(components(term))
-        return False
-    inertial = term.head != "column" or term.data == (INERTIAL,)
-    return term.kind == SCALAR or (
-        term.head in _TABLED and inertial and all(map(_listed, term.args))
-    )
-
-
-def components(term: Term) -> tuple[Term, ...]:
-    """Return the components of a vector in inertial axes. Raises `InputError` where they are not known."""
-    if term.kind == VECTOR and term.head in _VECTORS:
-        return _VECTORS[term.head](term)
-    raise InputError("this is no quantity of the system", got=described(term))
-
-
-def _atom_components(term: Term) -> tuple[Term, ...]:
-    """Return the components of a unit vector, or of a vector of the system, as atoms with a number."""
-    if _is_axis(term):
-        return tuple(number(int(str(k) == term.data[2])) for k in (1, 2, 3))
-    if not of_system(term):
-        raise InputError("this is no quantity of the system", got=described(term))
-    return tuple(Term("atom", (), (*term.data, str(k))) for k in (1, 2, 3))
-
-
-def _crossed(term: Term) -> tuple[Term, ...]:
-    (a, b, c), (x, y, z) = map(components, term.args)
-    pairs = ((b, z, c, y), (c, x, a, z), (a, y, b, x))
-    return tuple(add(mul(p, q), mul(number(-1), r, s)) for p, q, r, s in pairs)
-
-
-def _differentiated(term: Term) -> tuple[Term, ...]:
-    if term.data != (INERTIAL,):
-        raise InputError("a derivative in another frame than the inertial one", got=term.data[0])
-    return tuple(map(der, components(term.args[0])))
-
-
-_VECTORS: Mapping[str, Callable[[Term], tuple[Term, ...]]] = {
-    "atom": _atom_components,
-    "cross": _crossed,
-    "der": _differentiated,
-    "mul": lambda t: tuple(mul(*t.args[:-1], e) for e in components(t.args[-1])),
-    "add": lambda t: tuple(add(*row) for row in zip(*map(components, t.args), strict=True)),
-    "zero": lambda _: (number(0),) * 3,
-    "at": lambda t: tuple(at(e, *t.data) for e in components(t.args[0])),
-    "partial": lambda t: tuple(partial(e, t.args[1]) for e in components(t.args[0])),
-}
-"""Components of vectors in inertial axes, by head."""
-
-
-# -- claims as expressions ----------------------------------------------------------------------------
-
-
-def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
-    """Return a scalar term as an expression over the system's symbols, with `rate` for derivatives.
-
-    Raises `InputError` for what is no scalar of the system.
-    """
-    special = _WRITTEN.get(term.head)
-    if special is not None:
-        return special(term, scalars, model)
-    inside = tuple(written(a, scalars, model) for a in term.args)
-    if term.head == "integral" and model.body is not None:
-        return integrated(model.body, inside[0])
-    if term.head in _JOINED:
-        return _JOINED[term.head](*inside)
-    raise InputError("this is no quantity of the system", got=described(term))
-
-
-def _plainly(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
-    """Return an expression with what its symbols stand for."""
-    free = term.data[0].free_symbols
-    own = {s: written(scalars[s], scalars, model) for s in free if s in scalars}
-    time = {s: model.system.time for s in free if s not in scalars and s.name == "t"}
-    return term.data[0].xreplace(own | time)
-
-
-def _quantity(term: Term, _: Mapping[Any, Term], model: Model) -> Expr:
-    """Return a quantity of the system, the component of a vector of it, or a letter that is any."""
-    if term.data[0] in ANYTHING:
-        moving = int(term.data[0] != ANYTHING[0])
-        return anything(sp.Symbol(term.data[1], real=True), moving)
-    if not of_system(term):
-        raise InputError("this is no quantity of the system", got=described(term))
-    name, *place = term.data[1:]
-    return model.vector(name)[int(place[0]) - 1] if place else model.symbol(name)
-
-
-def _inner(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
-    a, b = (elements(x, scalars, model) for x in term.args)
-    return sp.Add(*map(sp.Mul, a, b))
-
-
-def _then(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
-    return instant(written(term.args[0], scalars, model), sp.Symbol(term.data[0]))
-
-
-def _changing(e: Expr) -> Expr:
-    return e if e == 0 else rate(e)
-
-
-_JOINED = {
-    "add": sp.Add,
-    "mul": sp.Mul,
-    "since": since,
-    "start": start,
-    "der": _changing,
-    "zero": lambda: sp.S.Zero,
-}
-
-Rows = list[list[Expr]]
-
-
-def elements(term: Term, scalars: Mapping[Any, Term], model: Model) -> tuple[Expr, ...]:
-    """Return a scalar, the elements of a column, matrix or table row by row, or inertial components."""
-    return tuple(e for row in _rows(term, scalars, model) for e in row)
-
-
-def _rows(term: Term, scalars: Mapping[Any, Term], model: Model) -> Rows:
-    if term.kind == SCALAR:
-        return [[written(term, scalars, model)]]
-    if term.kind == VECTOR:
-        return [[written(c, scalars, model)] for c in components(term)]
-    if not _listed(term):
-        raise InputError("this is no quantity of the system", got=described(term))
-    return _TABLED[term.head](term, [_rows(a, scalars, model) for a in term.args])
-
-
-def _shaped(term: Term, parts: list[Rows]) -> Rows:
-    """Return scalars in the rows and columns that a term has."""
-    flat = [p[0][0] for p in parts]
-    columns = term.data[1] if term.head == "table" else 3 if term.kind == MATRIX else 1
-    return [flat[k : k + columns] for k in range(0, len(flat), columns)]
-
-
-def _each(rule: Callable[..., Expr], *parts: Rows) -> Rows:
-    return [[rule(*e) for e in zip(*rows, strict=True)] for rows in zip(*parts, strict=True)]
-
-
-def _scaled(_: Term, parts: list[Rows]) -> Rows:
-    *factors, last = parts
-    return _each(lambda e: sp.Mul(*(f[0][0] for f in factors), e), last)
-
-
-def _times(a: Rows, b: Rows) -> Rows:
-    return [[sp.Add(*map(sp.Mul, row, column)) for column in zip(*b, strict=True)] for row in a]
-
-
-def _turned(a: Rows) -> Rows:
-    return [list(row) for row in zip(*a, strict=True)]
-
-
-def _skew(a: Rows) -> Rows:
-    (x,), (y,), (z,) = a
-    return [[sp.S.Zero, -z, y], [z, sp.S.Zero, -x], [-y, x, sp.S.Zero]]
-
-
-_TABLED: dict[str, Callable[[Term, list[Rows]], Rows]] = {
-    "column": lambda _, parts: parts[0],
-    "entries": _shaped,
-    "table": _shaped,
-    "rows": lambda _, parts: [_turned(p)[0] for p in parts],
-    "zero": lambda t, _: [[sp.S.Zero] * (3 if t.kind == MATRIX else 1) for _ in range(3)],
-    "add": lambda _, parts: _each(sp.Add, *parts),
-    "mul": _scaled,
-    "matmul": lambda _, parts: _times(*parts),
-    "outer_column": lambda _, parts: _times(parts[0], _turned(parts[1])),
-    "transpose": lambda _, parts: _turned(parts[0]),
-    "inverse": lambda _, parts: inverse_of(parts[0]),
-    "tilde": lambda _, parts: _skew(parts[0]),
-    **{head: lambda t, parts: _each(_JOINED[t.head], *parts) for head in ("der", "since", "start")},
-}
-"""One rule a head of columns, matrices and tables: from the rows of its arguments to its own."""
-
-
-def _partial(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
-    """Return a partial derivative; symbols that stand for momenta are variables of their own."""
-    momenta = {s: sp.Dummy(s.name, real=True) for s, t in scalars.items() if _is_slope(t)}
-    own = {**scalars, **{s: expr(d) for s, d in momenta.items()}}
-    function, variable = (written(a, own, model) for a in term.args)
-    used = {s: d for s, d in momenta.items() if function.has(d) or variable == d}
-    meanings = {d: written(scalars[s], scalars, model) for s, d in used.items()}
-    rates = {d: written(scalars[s].args[1], scalars, model) for s, d in used.items()}
-    held = {d: (meanings[d], r.args[0]) for d, r in rates.items() if isinstance(r, rate)}
-    found = derivative(model.system, function, variable, held, model.canonical)
-    return found.xreplace(meanings)
-
-
-_WRITTEN: Mapping[str, Callable[[Term, Mapping[Any, Term], Model], Expr]] = {
-    "expr": _plainly,
-    "atom": _quantity,
-    "partial": _partial,
-    "dot": _inner,
-    "inner": _inner,
-    "at": _then,
-}
-
-
-def _is_slope(term: Term) -> bool:
-    """Whether a term is the slope of an energy along a rate: a momentum."""
-    return term.head == "partial" and term.args[1].head == "der" and term.args[0].head != "partial"
-
-
-def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
-    """Return the pairs of expressions that a claim says are equal. Raises `InputError` for others."""
-    others = [r for r in claim.relations if r not in EQUALITIES]
-    if others or claim.kind == SAME_POINT:
-        raise InputError("only equations between these are judged", got=others[0] if others else "")
-    members = [elements(m.term, claim.scalars, model) for m in claim.members]
-    if model.body is not None and any(
-        e.free_symbols & set(COORDINATES) for m in members for e in m
-    ):
-        raise InputError("the place of an element outside of an integral")
-    if claim.kind == CONSTANT:
-        return [(e, sp.Integer(0)) for e in members[0]]
-    links = list(pairwise(members))[int(claim.kind == DEFINITION) :]
-    if any(len(a) != len(b) for a, b in links):
-        raise InputError("tables of other sizes")
-    return [pair for a, b in links for pair in zip(a, b, strict=True)]
 
 
 # -- solutions ----------------------------------------------------------------------------------------

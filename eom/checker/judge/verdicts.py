@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
 from eom.checker.judge.consequences import implied_on_solutions
-from eom.checker.judge.coordinates import addends
+from eom.checker.judge.coordinates import addends, on_solutions
 from eom.checker.judge.judge import (
     HOLDS,
     UNDECIDED,
@@ -36,7 +36,6 @@ from eom.checker.judge.laws import free_alone, own
 from eom.checker.judge.models import CHANCE, MODELS, Worlds, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import condition
-from eom.checker.judge.systems import on_solutions
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED

@@ -19,7 +19,8 @@ from sympy.simplify.fu import TR8
 
 from eom.checker.mean import dimensions, instants
 from eom.checker.mean.dimensions import LENGTH, MASS, TIME, product
-from eom.checker.mean.elaborator import Elaborator, indices_of, number, powered, pure, quotient
+from eom.checker.mean.elaborator import Elaborator, number, powered, pure, quotient
+from eom.checker.mean.indices import indices_of
 from eom.checker.mean.lexicon import Entry, Meaning
 from eom.checker.mean.tables import skew
 from eom.checker.mean.values import (
@@ -43,7 +44,7 @@ from eom.checker.mean.values import (
     transpose_of,
 )
 from eom.checker.read.spans import Span
-from eom.checker.read.symbol_shape import Look, labels, seen
+from eom.checker.read.symbol_shape import Look, approached_from, labels, seen
 from eom.checker.read.syntax import (
     BigOperator,
     Call,
@@ -51,14 +52,12 @@ from eom.checker.read.syntax import (
     Differential,
     Group,
     Integral,
-    Marks,
     Matrix,
     Node,
     Number,
     Product,
     Relation,
     Root,
-    Scripts,
     Sequence,
     Symbol,
     walk,
@@ -563,11 +562,8 @@ def limit(e: Elaborator, node: Call) -> Value:
     below = node.sub
     if not isinstance(below, Relation) or [s.name for s in below.signs] != ["to"]:
         raise refuse(UNDECIDED, "a limit of what goes nowhere", node.span, expected="a \\to b")
-    what, (variable, (target, side)) = (
-        e.value(node.argument),
-        (below.members[0], _side(below.members[1])),
-    )
-    x = e.expression(e.value(variable).term)
+    what, (target, side) = e.value(node.argument), approached_from(below.members[1])
+    x = e.expression(e.value(below.members[0]).term)
     if what.shape != SCALAR or not x.is_Symbol:
         raise refuse(
             UNDECIDED, "a limit of what is no scalar, or over what is no letter", node.span
@@ -575,15 +571,6 @@ def limit(e: Elaborator, node: Call) -> Value:
     infinite = isinstance(target, Symbol) and target.name == "infty"
     goal = sp.oo if infinite else e.expression(e.value(target).term)
     return replace(what, term=expr(approached(e.expression(what.term), x, goal, side)))
-
-
-def _side(node: Node) -> tuple[Node, int]:
-    """Return a value that is approached, and from which side."""
-    if not isinstance(node, Scripts) or node.sub is not None or node.sup is None:
-        return node, 1
-    names = node.sup.names if isinstance(node.sup, Marks) else labels(node.sup)
-    sides = {("+",): 1, ("-",): -1}
-    return (node.base, sides[names]) if names in sides else (node, 1)
 
 
 _MATRIX_FUNCTIONS: dict[str, Callable[[Elaborator, Value, Span], Value]] = {

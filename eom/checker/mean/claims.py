@@ -24,7 +24,7 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import instants, numbers
 from eom.checker.mean.dimensions import NONE, power
-from eom.checker.mean.elaborate import bracket_of, called_symbol, elaborator, in_brackets
+from eom.checker.mean.elaborate import elaborator, in_brackets
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, own_look, turned_round
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.tables import same
@@ -39,11 +39,10 @@ from eom.checker.mean.values import (
     overdot,
 )
 from eom.checker.read.spans import NOWHERE, Span
-from eom.checker.read.statements import Statement
-from eom.checker.read.symbol_shape import Look, labels, seen
+from eom.checker.read.statements import Statement, says_constant, single_statements
+from eom.checker.read.symbol_shape import Look, bracket_of, called_symbol, labels, seen
 from eom.checker.read.syntax import (
     Addition,
-    Braced,
     Fraction,
     Group,
     Marks,
@@ -57,7 +56,6 @@ from eom.checker.read.syntax import (
     Sign,
     Symbol,
     Words,
-    walk,
 )
 from eom.terms.terms import COLUMN, SCALAR, VECTOR, Term, dot, expr, inner
 from eom.terms.vocabulary import position, unit
@@ -198,43 +196,6 @@ def defined(found: Iterable[Claim]) -> dict[Look, Value]:
 def _component(one: Component, s: Statement) -> Claim:
     """Return that a new symbol is a component of a vector."""
     return Claim((one.value, one.value), ("=",), DEFINITION, defines=one.look, span=s.span)
-
-
-def single_statements(statement: Statement) -> Iterator[Statement]:
-    """Yield a statement for each of the left sides that a comma parts, then those of braces."""
-    if not statement.relational or any(isinstance(m, Words) for m in statement.members[:-1]):
-        return
-    first, last = statement.members[0], statement.members[-1]
-    wordy = isinstance(last, Words) and not says_constant(last)
-    if wordy or isinstance(last, Sequence):
-        return
-    if isinstance(first, Sequence):
-        for item in first.items:
-            yield replace(statement, members=(item, *statement.members[1:]))
-    else:
-        yield statement
-    yield from _braces(statement)
-
-
-def _braces(statement: Statement) -> Iterator[Statement]:
-    """Yield what labels of braces say: that what they span is the label."""
-    for member in statement.members[int(statement.continues) :]:
-        for found in walk(member):
-            label = found.label if isinstance(found, Braced) else None
-            if isinstance(found, Braced) and label is not None and _is_quantity(label):
-                sign = Sign("=", span=found.span)
-                yield Statement((found.body, label), (sign,), found.span)
-
-
-def _is_quantity(node: Node) -> bool:
-    look = seen(node)
-    return look is not None and not (
-        look.look.style == "" and len(look.look.name) > 1 and _upright(node)
-    )
-
-
-def _upright(node: Node) -> bool:
-    return any(isinstance(n, Symbol) and n.style == "roman" and len(n.name) > 1 for n in walk(node))
 
 
 # -- chains --------------------------------------------------------------------------------------
@@ -472,17 +433,6 @@ def _definition(claim: Claim, e: Elaborator, look: Look, span: Span, values: lis
     head = replace(values[0], span=span)
     made = _joined(claim, e, [head, *values])
     return replace(made, kind=DEFINITION, defines=look) if made.members else made
-
-
-_CONSTANTS = ("const", "constant", "konst")
-
-
-def says_constant(node: Node) -> bool:
-    """Return whether the end of a statement is the word for constant."""
-    text = node.text if isinstance(node, Words) else ""
-    if isinstance(node, Symbol) and node.style == "roman":
-        text = node.name
-    return text.strip(" .()").casefold() in _CONSTANTS
 
 
 def _constant(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:

@@ -20,33 +20,35 @@ from eom.checker.mean import calculus, instants
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborator import (
     FUNCTIONS,
-    LETTERS,
     TRANSPOSED,
     Elaborator,
     Rule,
     dressed,
-    indexed,
-    indices_of,
-    is_known,
-    knows,
     marked,
     number,
-    numbered,
-    numberings,
-    of_columns,
     of_meaning,
     pure,
     quotient,
     raised,
-    summed,
     symbol_value,
     without_meaning,
+)
+from eom.checker.mean.indices import (
+    LETTERS,
+    indexed,
+    indices_of,
+    is_known,
+    knows,
+    numbered,
+    numberings,
+    summed,
 )
 from eom.checker.mean.lexicon import MATRICES, Lexicon, Meaning
 from eom.checker.mean.tables import (
     DUAL,
     crossed,
     is_quaternion,
+    of_columns,
     skew,
     spatial_cross,
     tensored,
@@ -415,7 +417,7 @@ def _call(e: Elaborator, node: Call) -> Value:
 def _function_value(e: Elaborator, meaning: Meaning, argument: Value, span: Span) -> Value:
     if meaning.quantity in TURNS:
         return turn(e, meaning, argument, span)
-    return of_columns(e, meaning.quantity, argument, span)
+    return of_columns(e.lexicon.notation, meaning.quantity, argument, span)
 
 
 def _of_coordinates(meaning: Meaning, body: Node) -> bool:
@@ -485,30 +487,6 @@ def _tabled(e: Elaborator, node: Group) -> Value | None:
     columns = list(numberings(letters[1:], (node.body,), known))
     cells = [[e.bound(**r, **c).value(node.body) for c in columns] for r in rows]
     return calculus.table_of(e, cells, node.span)
-
-
-def called_symbol(node: Node) -> Node:
-    """Return a symbol without the letters behind it in brackets that it is a function of."""
-    symbol, inside = (
-        node.factors if isinstance(node, Product) and len(node.factors) == 2 else (node, None)
-    )
-    body = inside.body if isinstance(inside, Group) and inside.open == "(" else None
-    of = isinstance(body, Sequence) and all(map(seen, body.items)) and seen(symbol) is not None
-    return symbol if of else node
-
-
-def bracket_of(node: Node) -> Look | None:
-    """Return by what a definition of brackets of two letters is known; None for anything else."""
-    items = node.body.items if isinstance(node, Group) and isinstance(node.body, Sequence) else ()
-    found = [seen(item) for item in items]
-    if (
-        len(found) != 2
-        or None in found
-        or not isinstance(node, Group)
-        or node.open not in {"{", "["}
-    ):
-        return None
-    return Look(node.open, sub=tuple(f.look.text for f in found if f is not None))
 
 
 def bracket(e: Elaborator, node: Group, body: Sequence) -> Value | None:

@@ -578,3 +578,37 @@ def _folded(text: str) -> str:
 
 def _same(wanted: str, heading: str) -> bool:
     return _folded(wanted).strip("# ") == _folded(heading).strip("# ")
+
+
+_PLACES = frozenset("rR")
+"""Letters of vectors that lead to the first of two points from the second, with a stroke between them."""
+_ARROWS = frozenset({"vec", "underline", "bar", "harpoon"})
+"""Accents over the letters of two points."""
+
+
+def between_points(lexicon: Lexicon, look: Look) -> tuple[str, str] | None:
+    r"""Return the points that a vector leads to and from: ``\overrightarrow{AB}``, ``\mathbf{r}_{B/A}``.
+
+    What is no arrow is the sign of a vector where the lexicon has one that carries it.
+    """
+    notation, pair = lexicon.notation, look.style != "" and len(look.name) > 1
+    words = tuple(look.name) if pair else look.sub or look.sup
+    beside = bool(look.accents) and not look.name and not look.sup
+    if beside and not _ARROWS.issuperset(look.accents):
+        return None
+    if look.presub or look.presup or (look.sub and (look.sup or pair)):
+        return None
+    if not pair and not beside and not (look.name in _PLACES and "/" in words):
+        return None
+    dressed = replace(Look("", look.style, look.accents))
+    if "vec" not in look.accents and not lexicon.has_vector(notation.plain(dressed)):
+        return None
+    found = [(words[:k], words[k:]) for k in range(1, len(words))]
+    if not pair and not beside:
+        place = words.index("/")
+        found = [(words[place + 1 :], words[:place])]
+    for start, end in found:
+        origin, of = lexicon.point(start), lexicon.point(end)
+        if origin is not None and of is not None:
+            return of, origin
+    return None

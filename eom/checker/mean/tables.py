@@ -14,7 +14,15 @@ from typing import TYPE_CHECKING
 
 from eom.checker.mean import values
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension
-from eom.checker.mean.lexicon import AXES, FREE, MATRICES, Found, Lexicon, Meaning, Notation
+from eom.checker.mean.lexicon import (
+    AXES,
+    FREE,
+    MATRICES,
+    Found,
+    Lexicon,
+    Meaning,
+    Notation,
+)
 from eom.checker.mean.values import (
     ILL_FORMED,
     UNDECIDED,
@@ -30,7 +38,12 @@ from eom.checker.mean.values import (
 )
 from eom.checker.read.spans import NOWHERE, Span
 from eom.checker.read.symbol_shape import Look
-from eom.checker.read.syntax import Marks, Node, Product, Scripts
+from eom.checker.read.syntax import (
+    Marks,
+    Node,
+    Product,
+    Scripts,
+)
 from eom.rotations import quaternion_product
 from eom.terms.terms import (
     COLUMN,
@@ -348,3 +361,28 @@ def _variables(lexicon: Lexicon, meaning: Meaning) -> Iterator[str]:
 
 
 _MOVING = frozenset({"coordinate", "free_angle"})
+
+
+QUATERNION_MATRICES = frozenset(
+    {"quaternion_left", "quaternion_right", "omega_matrix", "xi_matrix"}
+)
+"""Matrices of a quaternion or a column, see `eom.checker.mean.tables.quaternion_matrix`."""
+
+
+SPATIAL_MATRICES = frozenset({"spatial_cross", "spatial_cross_dual"})
+
+
+def of_columns(notation: Notation, what: str, value: Value, span: Span) -> Value:
+    """Return a matrix of a column, a quaternion or a spatial vector, by what the notation says of these."""
+    if what == "skew":
+        return skew(notation, value, span)
+    if what in SPATIAL_MATRICES:
+        if not is_spatial(notation, value):
+            expected = "six numbers, and spatial in [notation], such as angular first"
+            raise refuse(UNDECIDED, "no spatial vector", span, value.words, expected)
+        dual = what == "spatial_cross_dual"
+        return columns_of(value, lambda m: spatial_cross(notation, value, m, dual=dual), 6)
+    if not notation.quaternions:
+        expected = "quaternions in [notation], such as hamilton first"
+        raise refuse(UNDECIDED, "what a product of quaternions is", span, expected=expected)
+    return replace(quaternion_matrix(notation, value, what), span=span)

@@ -33,6 +33,7 @@ from eom.terms.terms import (
     SCALAR,
     TABLE,
     VECTOR,
+    Equation,
     Term,
     add,
     column,
@@ -40,9 +41,11 @@ from eom.terms.terms import (
     der,
     dot,
     entries,
+    expr,
     inner,
     matmul,
     mul,
+    nodes,
     number,
     outer,
     outer_column,
@@ -51,6 +54,7 @@ from eom.terms.terms import (
     transpose,
 )
 from eom.terms.vocabulary import omega, quantity, unit
+from eom.worlds.evaluate import half_powers
 
 ROW, VECTRIX, COVECTRIX = "row", "vectrix", "covectrix"
 ANY = ("", "")
@@ -646,3 +650,48 @@ def _permutations(size: int) -> Iterator[tuple[tuple[int, ...], int]]:
     for p in permutations(range(size)):
         swaps = sum(a > b for a, b in combinations(p, 2))
         yield p, -1 if swaps % 2 else 1
+
+
+def atoms_in(term: Term, scalars: Mapping[Any, Term]) -> frozenset[Term]:
+    """Return the quantities of a term, and of what its symbols stand for."""
+    found: set[Term] = set()
+    for node in nodes(term):
+        if node.head == "atom":
+            found.add(node)
+        elif node.head == "expr":
+            inside = (scalars.get(s) for s in node.data[0].free_symbols)
+            found.update(a for t in inside if t is not None for a in atoms_in(t, scalars))
+    return frozenset(found)
+
+
+def squared(equation: Equation) -> Equation:
+    """Return the equation of the squares if both sides are numbers or products of roots, else itself.
+
+    What is squared is not negative, so that neither equation says more than the other.
+    """
+    sides = (equation.left, equation.right)
+    if any(s.kind != SCALAR or s.head not in {"expr", "zero"} for s in sides):
+        return equation
+    found = [_square_of(_expression(s)) for s in sides]
+    if None in found or not any(True for s in sides for _ in half_powers(_expression(s))):
+        return equation
+    return Equation(expr(found[0]), expr(found[1]), equation.relation)
+
+
+def _expression(term: Term) -> Any:
+    return term.data[0] if term.head == "expr" else sp.Integer(0)
+
+
+def _square_of(expression: Any) -> Any:
+    """Return the square of a product of numbers that are not negative and roots; None for others."""
+    result = sp.Integer(1)
+    for factor in sp.Mul.make_args(expression):
+        if factor.is_Rational and factor >= 0:
+            result *= factor**2
+        elif factor.is_Pow and factor.exp.is_Rational and factor.exp.q == 2:
+            result *= factor.base ** (2 * factor.exp)
+        elif isinstance(factor, sp.Abs):
+            result *= factor.args[0] ** 2
+        else:
+            return None
+    return result

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from eom.checker.judge.consequences import follows
+from eom.checker.judge.coordinates import equations, on_solutions
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge_within, row_of
 from eom.checker.judge.laws import (
     APART,
@@ -33,7 +34,6 @@ from eom.checker.judge.laws import (
     variants,
 )
 from eom.checker.judge.models import Worlds, filled, terms_of
-from eom.checker.judge.systems import equations, on_solutions
 from eom.checker.judge.verdicts import GRAVE, Judged, Verdict
 from eom.checker.mean.claims import CONSTANT, STATEMENT, Claim
 from eom.checker.mean.model import Model

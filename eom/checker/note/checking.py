@@ -9,9 +9,9 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import UNDECIDED, UNDER, WRONG
 from eom.checker.judge.notes import Understood, understand
-from eom.checker.judge.systems import covered
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.propose import Meanings, meanings

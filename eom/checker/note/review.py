@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.checker.judge.coordinates import on_solutions
 from eom.checker.judge.judge import (
     HOLDS,
     LOOSE,
@@ -30,7 +31,6 @@ from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import Worlds, equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import Name, excused, in_letters, named, says
-from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.mean.lexicon import Lexicon

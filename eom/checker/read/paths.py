@@ -158,3 +158,9 @@ def _tidy_product(node: Product) -> Node:
     if len(kept) == 1:
         return kept[0]
     return node if tuple(kept) == node.factors else replace(node, factors=tuple(kept))
+
+
+def disjoint(a: Path, b: Path) -> bool:
+    """Return whether neither of two places lies within the other."""
+    n = min(len(a), len(b))
+    return a[:n] != b[:n]

@@ -9,17 +9,19 @@ All formulas of a document, read and split; what cannot be read carries its erro
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from collections.abc import Sequence as Sequenced
 from dataclasses import dataclass, field, replace
 
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.grammar import Reading, read_tokens
 from eom.checker.read.spans import NOWHERE, ReadingError, Span
+from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import (
     Accent,
     Addition,
     Boxed,
+    Braced,
     Cases,
     Dots,
     Group,
@@ -35,6 +37,7 @@ from eom.checker.read.syntax import (
     Sign,
     Symbol,
     Words,
+    walk,
 )
 from eom.checker.read.tokens import tokenize
 
@@ -429,3 +432,51 @@ def read_piece(piece: Piece, previous: tuple[Statement, ...] = ()) -> Formula:
         return Formula(piece, None, (), error)
     tags = [text for text, _ in reading.tags]
     return Formula(piece, reading, split(reading.tree, previous, tags))
+
+
+def single_statements(statement: Statement) -> Iterator[Statement]:
+    """Yield a statement for each of the left sides that a comma parts, then those of braces."""
+    if not statement.relational or any(isinstance(m, Words) for m in statement.members[:-1]):
+        return
+    first, last = statement.members[0], statement.members[-1]
+    wordy = isinstance(last, Words) and not says_constant(last)
+    if wordy or isinstance(last, Sequence):
+        return
+    if isinstance(first, Sequence):
+        for item in first.items:
+            yield replace(statement, members=(item, *statement.members[1:]))
+    else:
+        yield statement
+    yield from _braces(statement)
+
+
+def _braces(statement: Statement) -> Iterator[Statement]:
+    """Yield what labels of braces say: that what they span is the label."""
+    for member in statement.members[int(statement.continues) :]:
+        for found in walk(member):
+            label = found.label if isinstance(found, Braced) else None
+            if isinstance(found, Braced) and label is not None and _is_quantity(label):
+                sign = Sign("=", span=found.span)
+                yield Statement((found.body, label), (sign,), found.span)
+
+
+def _is_quantity(node: Node) -> bool:
+    look = seen(node)
+    return look is not None and not (
+        look.look.style == "" and len(look.look.name) > 1 and _upright(node)
+    )
+
+
+def _upright(node: Node) -> bool:
+    return any(isinstance(n, Symbol) and n.style == "roman" and len(n.name) > 1 for n in walk(node))
+
+
+def says_constant(node: Node) -> bool:
+    """Return whether the end of a statement is the word for constant."""
+    text = node.text if isinstance(node, Words) else ""
+    if isinstance(node, Symbol) and node.style == "roman":
+        text = node.name
+    return text.strip(" .()").casefold() in _CONSTANTS
+
+
+_CONSTANTS = ("const", "constant", "konst")

@@ -209,3 +209,36 @@ def named_in(node: Node) -> Labels:
     """
     words = labels(node)
     return words if "/" in words or any(w.startswith("<") for w in words) else ()
+
+
+def called_symbol(node: Node) -> Node:
+    """Return a symbol without the letters behind it in brackets that it is a function of."""
+    symbol, inside = (
+        node.factors if isinstance(node, Product) and len(node.factors) == 2 else (node, None)
+    )
+    body = inside.body if isinstance(inside, Group) and inside.open == "(" else None
+    of = isinstance(body, Sequence) and all(map(seen, body.items)) and seen(symbol) is not None
+    return symbol if of else node
+
+
+def bracket_of(node: Node) -> Look | None:
+    """Return by what a definition of brackets of two letters is known; None for anything else."""
+    items = node.body.items if isinstance(node, Group) and isinstance(node.body, Sequence) else ()
+    found = [seen(item) for item in items]
+    if (
+        len(found) != 2
+        or None in found
+        or not isinstance(node, Group)
+        or node.open not in {"{", "["}
+    ):
+        return None
+    return Look(node.open, sub=tuple(f.look.text for f in found if f is not None))
+
+
+def approached_from(node: Node) -> tuple[Node, int]:
+    """Return a value that is approached, and from which side."""
+    if not isinstance(node, Scripts) or node.sub is not None or node.sup is None:
+        return node, 1
+    names = node.sup.names if isinstance(node.sup, Marks) else labels(node.sup)
+    sides = {("+",): 1, ("-",): -1}
+    return (node.base, sides[names]) if names in sides else (node, 1)

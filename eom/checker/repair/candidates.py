@@ -18,7 +18,7 @@ from typing import Generic, TypeVar
 from eom.checker.judge.models import Drawn
 from eom.checker.mean.claims import CONSTANT, STATEMENT
 from eom.checker.mean.values import GEOMETRIC, Value, components
-from eom.checker.read.paths import NOTHING, Path, at, put, set_down
+from eom.checker.read.paths import NOTHING, Path, at, disjoint, put, set_down
 from eom.checker.read.syntax import Addition, Missing, Node, walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.lines import (
@@ -674,7 +674,7 @@ def doubles(node: Node, single: Iterable[Edit]) -> list[Edit]:
     pairs = (
         (_joint(a, b), k, a, b)
         for k, (a, b) in enumerate(combinations(mild, 2))
-        if _disjoint(a.first.paths[0], b.first.paths[0])
+        if disjoint(a.first.paths[0], b.first.paths[0])
         and not {a.slip.name, b.slip.name} <= NUMBERS
     )
     found = []
@@ -695,8 +695,3 @@ def _joint(a: Edit, b: Edit) -> float:
     """Return how implausible two slips are together; the same one again weighs less."""
     again = a.slip.uniform and a.slip.name == b.slip.name
     return max(a.weight, b.weight) + min(a.weight, b.weight) * (ALL_OVER if again else 1.0)
-
-
-def _disjoint(a: Path, b: Path) -> bool:
-    n = min(len(a), len(b))
-    return a[:n] != b[:n]

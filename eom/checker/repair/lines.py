@@ -15,16 +15,7 @@ from eom.checker.judge.inequalities import ORDERS
 from eom.checker.judge.judge import models_of
 from eom.checker.judge.models import Models
 from eom.checker.judge.notes import Understood
-from eom.checker.mean.claims import (
-    CONSTANT,
-    DEFINITION,
-    EQUALITIES,
-    STATEMENT,
-    Claim,
-    says_constant,
-    single_statements,
-    without_root,
-)
+from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, STATEMENT, Claim, without_root
 from eom.checker.mean.dimensions import Dimension
 from eom.checker.mean.elaborate import RULES
 from eom.checker.mean.elaborator import Elaborator
@@ -32,7 +23,7 @@ from eom.checker.mean.lexicon import AXES, Lexicon
 from eom.checker.mean.values import Refusal, Value, mixed, overdot
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.paths import Path, at, find, operands
-from eom.checker.read.statements import Statement
+from eom.checker.read.statements import Statement, says_constant, single_statements
 from eom.checker.read.symbol_shape import DOTS, Labels, labels, seen
 from eom.checker.read.syntax import (
     Accent,

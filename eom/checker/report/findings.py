@@ -144,14 +144,20 @@ DECIDES: dict[str, tuple[str, ...]] = {
         *("what is raised here", "an operator without a", "a function without", "a list without"),
         *("angle brackets", "a table without", "a differential without", "a relation without"),
         *("what stands below this function", "a derivative by what", "wrong number of labels"),
-        "sine or cosine of what",
+        *("sine or cosine of what", "a matrix of", "the slopes of what is no column"),
     ),
     "a line above that defines it, or a system in the lexicon that says how it moves": (
         *("this is no quantity of the system", "no system says how", "only a system says"),
         *("it is not known how this depends", "no partial derivative", "this has no value on sol"),
         *("the coordinates of this system", "speeds that are not linear", "states on an unknown"),
         *("no body or motion is known", "this rotation was not", "there is no such angle"),
-        *("there are no rotors", "there is no slug"),
+        *(
+            "there are no rotors",
+            "there is no slug",
+            "nothing ties",
+            "an instant that is not known",
+        ),
+        *("rates that are not explicit", "only a system says when"),
     ),
     "a range, a sign or a value of what stands in it, as a condition of the line": (
         *(
@@ -162,7 +168,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
         ),
         *("no value is known of this function", "the functions in this", "zero in special cases"),
         *("a root of higher degree", "a power of a function", "no counterexample among"),
-        *("no bounds are known", "it has no value"),
+        *("no bounds are known", "it has no value", "this has no value in a field"),
     ),
     "limits, or the range that it runs over": (
         *(
@@ -179,6 +185,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
         ),
         *("the variable has a meaning", "the place of an element", "what this integral says"),
         *("a density under", "more than two instants", "a power of a density"),
+        *("a limit of what", "no limit is known", "this goes to no limit"),
     ),
     'words that say what is small, as "for small theta"': (
         *("what is small here", "this is nothing that may be small", "this has no value where"),
@@ -196,14 +203,27 @@ DECIDES: dict[str, tuple[str, ...]] = {
         *("no motion is known here that", "assumptions cannot stand", "no generator knows"),
         *("no solution of the system keeps", "unless more is assumed", "no counterexample in"),
     ),
+    "the number of the one that is meant, from the slowest, or a word for the damping": (
+        "more than one ",
+    ),
+    "a line of [notation] in the lexicon that says which": (
+        *("what a product of quaternions is", "no spatial vector"),
+    ),
     "the same in components, with their frame": (
+        "a derivative in another frame",
         *("a sum of unit vectors in", "a multiple of unit vectors", "derivatives of unit vectors"),
         *("the derivative of a matrix", "two sides have different", "tables of other sizes"),
         *("a diagonal of other", "only scalars are greater"),
     ),
     "the same written out, in shorter lines": (
         *("too long", "this is too large", "a number is too long", "a power is too large"),
-        *("an exponent is too large", "a determinant that is", "too many time", "more derivatives"),
+        *(
+            "a matrix that is too large",
+            "an exponent is too large",
+            "a determinant that is",
+            "too many time",
+            "more derivatives",
+        ),
         *("something is left out", "words within a formula", "the order of a derivative"),
         *(
             "only equations between",

@@ -5,8 +5,8 @@ from itertools import islice
 
 import pytest
 
+from eom.checker.judge.coordinates import equations
 from eom.checker.judge.notes import reread, understand
-from eom.checker.judge.systems import equations
 from eom.checker.judge.verdicts import GRAVE, verdict
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.read.documents import read_document
