@@ -182,7 +182,7 @@ def loosely(claim: Claim) -> Judgement:
     )
     if of_members(claim):
         timed = claim.model is not None and tells_time(claim, claim.model)
-        return Judgement(UNDECIDED, reason=LOOSE if timed else "")
+        return Judgement(UNDECIDED, reason=LOOSE) if timed else Judgement(UNDECIDED)
     if not plain or claim.parameters is not None or len(claim.members) < 2:
         return Judgement(UNDECIDED, reason=LOOSE)
     signs = tuple(next(iter(NEARLY)) for _ in claim.relations)
