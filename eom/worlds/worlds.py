@@ -718,7 +718,11 @@ def _open_force(world: World) -> Vector:
 
 
 def _particle(label: Any) -> int:
-    return 0 if label == "P" else int(label)
+    if label == "P":
+        return 0
+    if not str(label).isdigit():
+        raise InputError("an element stands under an integral alone", got=label)
+    return int(label)
 
 
 _PRIMITIVES: dict[str, Callable[..., Any]] = {

@@ -328,3 +328,8 @@ def test_free_quantities_change_with_time_name_and_world():
     assert decide(is_zero(der(quantity("fixed_vector", "a", "B"), "B")), (), {})
     assert not decide(is_zero(der(column(quantity("fixed_vector", "a", "B"), "I"))), (), {})
     assert not decide(Equation(integral(R), NOUGHT - quantity("vector", "a")), (), {})
+
+
+def test_an_element_has_no_mass_of_its_own():
+    with pytest.raises(InputError, match="under an integral alone"):
+        world(frozenset(), 0).primitive("mass", ("dm",))

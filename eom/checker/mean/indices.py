@@ -78,25 +78,31 @@ def numbered(look: Look, indices: Mapping[str, str]) -> Any:
     return sp.KroneckerDelta(*values) if shape == UNIT else sp.LeviCivita(*values)
 
 
+def _below(look: Look, known: Known) -> tuple[str, ...]:
+    """Return the letters below a symbol that stand for numbers, with which it has a meaning."""
+    letters = tuple(w for w in look.sub if w in LETTERS)
+    whole = letters and not known(look, {}) and known(look, dict.fromkeys(letters, "1"))
+    return letters if whole else ()
+
+
 def indexed(node: Node, known: Known) -> Iterator[tuple[Look, tuple[str, ...]]]:
     """Yield the symbols of a formula that have a meaning with numbers for indices below, and these."""
     found = seen(node)
-    if found is not None:
-        look = found.look
-        letters = tuple(w for w in look.sub if w in LETTERS)
-        if letters and not known(look, {}) and known(look, dict.fromkeys(letters, "1")):
-            yield look, letters
-    else:
+    if found is None:
         for part in children(node):
             yield from indexed(part, known)
+    elif letters := _below(found.look, known):
+        yield found.look, letters
 
 
 def letters_of(node: Node, known: Known) -> Iterator[str]:
     """Yield the indices of a term as often as they stand there, of a sum those of its terms once."""
     if isinstance(node, Addition):
         yield from frozenset[str]().union(*(once(t, known) for t in node.terms))
-    elif seen(node) is not None:
-        yield from (w for _, letters in indexed(node, known) for w in letters)
+        return
+    found = seen(node)
+    if found is not None:
+        yield from _below(found.look, known)
     else:
         for part in children(node):
             yield from letters_of(part, known)
