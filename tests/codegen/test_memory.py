@@ -151,7 +151,7 @@ def test_a_machine_that_says_nothing_has_all_that_it_has(machine, tmp_path, monk
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits of Linux")
 def test_the_limit_of_the_process_itself():
     code = (
-        "import resource; from codegen.native import memory; before = memory.available();"
+        "import resource; from codegen.ensembles import ensemble as memory; before = memory.available();"
         "resource.setrlimit(resource.RLIMIT_AS, (2**32, 2**32)); print(memory.available(), before)"
     )
     done = subprocess.run(
