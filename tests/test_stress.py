@@ -76,7 +76,7 @@ def deaf(integrator):
 # --- the table --------------------------------------------------------------------------------------
 
 
-@pytest.mark.sparse(only=("random-scenes", "accuracy-estimate", "extreme-bodies", "closed-forms"))
+@pytest.mark.sparse(only=("extreme-bodies", "closed-forms"))
 @needs_compiler
 @pytest.mark.parametrize("name", [n for n in checks.NAMES if n != "long-run"])
 def test_every_check_passes(run, tmp_path, name):
@@ -117,6 +117,7 @@ def test_rounding_errors_of_taylor_are_a_random_walk(monkeypatch):
     assert done.exit_code == 0, done.output
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_long_run_reports_exponents_with_error_bars(run):
     done = run("stress", "long-run", "--quick", *BOTH)
