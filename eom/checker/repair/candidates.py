@@ -97,9 +97,16 @@ def symbol_options(
 
 
 def double_options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
-    """Return what may stand for a term if there are two slips in it."""
-    found = doubles(addend.node, edits(addend.node, palette, kinds=(False,)))
-    return list(_valued(line, addend, worth(line, addend.node), found))
+    """Return what may stand for a term if there are two slips in it, neither of which changes nothing."""
+    value = worth(line, addend.node)
+    single = [e for e in edits(addend.node, palette, kinds=(False,)) if not _idle(line, value, e)]
+    return list(_valued(line, addend, value, doubles(addend.node, single)))
+
+
+def _idle(line: Line, value: Value | None, edit: Edit) -> bool:
+    """Return whether an edit leaves the value of a term as it is, as the transpose of a scalar does."""
+    new = None if value is None else worth(line, edit.tree)
+    return value is not None and new is not None and new.term == value.term
 
 
 def _valued(

@@ -77,24 +77,32 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Verified:
-    """A repair that was read again and judged: its claim and judgement."""
+    """A repair that was read again and judged: its claim and judgement.
+
+    ``special``: it needs a special case that the note has not stated.
+    """
 
     ranked: Ranked
     claim: Claim
     judgement: Judgement
     cost: float
+    special: bool
 
 
 def corrections(
     understood: Understood, shop: Workshop, given: Iterable[str] = (), stated: Iterable[str] = ()
 ) -> list[Verified]:
-    """Return verified repairs of a wrong line, the most plausible first."""
+    """Return verified repairs of a wrong line, the most plausible first.
+
+    Where none holds in general, those of one slip that hold in a special case.
+    """
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
     ranked: list[Ranked] = []
     for more, least in STAGES:
         if not ranked or ranked[0].far > least:
             ranked = sorted([*ranked, *_ranked(more(shop))], key=lambda r: r.cost)
     found: list[Verified] = []
+    special: list[Verified] = []
     unique: dict[Node, Ranked] = {}
     for one in ranked:
         unique.setdefault(one.tree, one)
@@ -102,10 +110,11 @@ def corrections(
     for one in near[:JUDGED]:
         made = verified(understood, shop.line, one, given, stated)
         if made is not None:
-            found.append(made)
+            (special if made.special else found).append(made)
         if len(found) == SHOWN:
             break
-    return sorted(found, key=lambda v: v.cost)
+    simple = [v for v in special if sum(len(o.changes) for o in v.ranked.candidate.options) == 1]
+    return sorted(found or simple, key=lambda v: v.cost)
 
 
 def _spares(shop: Workshop, addend: Addend) -> Callable[[Path], bool]:
@@ -314,10 +323,7 @@ def verified(
     given: tuple[str, ...],
     stated: frozenset[str],
 ) -> Verified | None:
-    """Return a repair that holds when it is read again as a whole, or None.
-
-    One that needs a special case that the note has not stated is none.
-    """
+    """Return a repair that holds when it is read again as a whole, or None."""
     claims = reread(understood, ranked.tree)
     if len(claims) != len(understood.claims):
         return None
@@ -332,10 +338,8 @@ def verified(
     if any(j.verdict not in {HOLDS, UNDER} for j in (found, *others)):
         return None
     needed = min((penalty(s, stated) for s in found.sets), default=0.0)
-    if needed >= UNUSUAL:
-        return None
     cost = ranked.candidate.weight + needed + (0.5 if needed else 0.0)
-    return Verified(ranked, claim, found, cost)
+    return Verified(ranked, claim, found, cost, needed >= UNUSUAL)
 
 
 REPLACING = frozenset(

@@ -12,7 +12,7 @@ from eom.checker.judge.notes import understand
 from eom.checker.judge.systems import Solutions
 from eom.checker.judge.verdicts import GRAVE, verdict
 from eom.checker.mean.claims import CONSTANT, Claim
-from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.mean.lexicon_files import parse_lexicon, preset
 from eom.checker.mean.model import load_model, model_of
 from eom.checker.note.review import review
 from eom.checker.read.documents import read_document
@@ -322,3 +322,21 @@ def test_corrections_alone_are_those_of_the_explanation():
     ):
         understood, judged, found = why(text, own)
         assert corrected(understood, judged, GIVEN) == found.corrections
+
+
+# -- what holds in a special case alone ----------------------------------------------------------------
+
+
+def test_a_slip_in_what_holds_in_a_special_case_alone_is_repaired_for_it():
+    text = r"I_1\dot\omega_1 = (I_2 + I_3)\omega_2\omega_3"
+    found = why(text, preset("kane"))[2].corrections
+    assert found[0].text == r"I_{2} - I_{3}"
+    assert set(found[0].sets[0]) == {"principal_axes", "torque_free"}
+    assert not any("transpose" in c.change for c in found)  # of a scalar, which changes nothing
+
+
+def test_a_repair_in_general_comes_before_those_of_special_cases():
+    text = r"I_1\dot\omega_1 = (I_2 + I_3)\omega_2\omega_3 + T_1"
+    found = why(text, preset("kane"))[2].corrections
+    assert found
+    assert not any("torque_free" in names for c in found for names in c.sets)
