@@ -29,7 +29,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from eom.checker.judge.coordinates import share
+from eom.checker.judge.coordinates import addends, share
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.mean.values import atoms_in, squared
 from eom.errors import InputError
@@ -492,19 +492,60 @@ class Worlds(Models):
         return bool(free) and "atom" in self._rated_sides
 
     def _is_law(self) -> bool:
-        """Return whether rates of quantities that are any are tied to one that stands on one side alone."""
-        rates = any(n.head == "der" for t in self.terms for n in nodes(t))
+        """Return whether quantities that are any may be tied to each other by more than kinematics."""
         for q in self.said:
             left, right = (atoms_in(side, self.scalars) for side in (q.left, q.right))
             kinds = {a.data[0] for a in left | right}
-            tied = left == right or ("function" in kinds and share(left, right, FREELY))
-            if (
-                (rates or "function" in kinds)
-                and not tied
-                and kinds <= FREELY | {"scalar", "vector", "function"}
-            ):
+            if not kinds <= FREELY | {"scalar", "vector", "function"}:
+                continue
+            if "function" in kinds:
+                law = left != right and not share(left, right, FREELY)
+            else:
+                law = self._gives(q, alone=left != right)
+            if law:
                 return True
         return False
+
+    def _gives(self, equation: Equation, *, alone: bool) -> bool:
+        """Return whether an equation with rates may be a law that gives one of its quantities.
+
+        A law gives a highest rate that is a term by itself, or, where ``alone``, what stands in one way:
+        as itself or as one of its rates. Where nothing is given, rates are compared with each other
+        and with what they are rates of: that is kinematics, which no law can make otherwise.
+        """
+        terms = [*addends(equation.left), *addends(equation.right)]
+        there = [self._ways(t) for t in terms]
+        ways = frozenset().union(*there)
+        orders = {a: max(len(frames) for b, frames in ways if b == a) for a, _ in ways}
+        if not any(orders.values()):
+            return False
+        if alone and any(sum(a == b for b, _ in ways) == 1 for a in orders):
+            return True
+        highest = [{a for a, frames in own if len(frames) == orders[a] > 0} for own in there]
+        by_itself = [
+            {a for a, frames in self._factored(t) if len(frames) == orders[a]} for t in terms
+        ]
+        return any(
+            sum(a in own for own in highest) == 1
+            for own, given in zip(highest, by_itself, strict=True)
+            for a in own & given
+        )
+
+    def _ways(self, term: Term) -> frozenset[tuple[Term, tuple[str, ...]]]:
+        """Return the quantities of a term, each with the frames in which it is differentiated there."""
+        if term.head == "atom":
+            return frozenset({(term, ())})
+        inside: Iterable[Term] = term.args
+        if term.head == "expr":
+            inside = (self.scalars[s] for s in term.data[0].free_symbols if s in self.scalars)
+        found = frozenset().union(*map(self._ways, inside))
+        return frozenset((a, (*f, term.data[0])) for a, f in found) if term.head == "der" else found
+
+    def _factored(self, term: Term) -> Iterator[tuple[Term, tuple[str, ...]]]:
+        """Yield the same of quantities, or of their rates, that multiply the rest of a term."""
+        for factor in self._factors(term):
+            if [p.head for p in self._factors(_rated(factor))] == ["atom"]:
+                yield from self._ways(factor)
 
     @cached_property
     def _rated_sides(self) -> frozenset[str]:
@@ -519,9 +560,7 @@ class Worlds(Models):
         moving = [p for p in factors if p.data[:1] != ("scalar",)]
         if len(moving) != 1 or (len(factors) > 1 and moving[0].head != "der"):
             return "atom" if side.is_zero else ""
-        inner = moving[0]
-        while inner.head == "der":
-            inner = inner.args[0]
+        inner = _rated(moving[0])
         named = inner.head == "expr" and inner.data[0] in self.scalars
         heads = [p.head for p in self._factors(inner)]
         return "expr" if named and heads == ["expr"] else "atom" if heads == ["atom"] else ""
@@ -636,6 +675,13 @@ class Worlds(Models):
             if all(found.number(t) is not None for t in terms):
                 return found
         return None
+
+
+def _rated(term: Term) -> Term:
+    """Return what a term is a time derivative of, itself where it is none."""
+    while term.head == "der":
+        term = term.args[0]
+    return term
 
 
 def relevant(names: Iterable[str], labels: Collection[str]) -> Iterator[str]:

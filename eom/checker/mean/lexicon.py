@@ -36,6 +36,7 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from eom.checker.mean.dimensions import dimension
@@ -450,23 +451,28 @@ class Lexicon:
 
         return replace(self, layers=tuple(map(others, self.layers)), system=None)
 
+    @cached_property
+    def _entries(self) -> Mapping[tuple[Any, ...], list[Entry]]:
+        """Entries by letter, style and accents, in the order in which they are looked at."""
+        found: dict[tuple[Any, ...], list[Entry]] = {}
+        for entry in (e for layer in self.layers for e in sorted(layer, key=lambda e: e.slots)):
+            found.setdefault(_nucleus(entry.look), []).append(entry)
+        return found
+
     def find(self, look: Look, indices: Mapping[str, str] | None = None) -> Found | None:
         """Return the meaning of a look; ``indices`` says what bound indices stand for."""
         look = self.notation.plain(look)
-        for layer in self.layers:
-            fitting = [e for e in layer if _nucleus(e.look) == _nucleus(look)]
-            for entry in sorted(fitting, key=lambda e: e.slots):
-                bound = self._match(entry.look, look, indices or {})
-                if bound is not None:
-                    meaning = entry.meaning.filled(bound, self._written(bound))
-                    return Found(look, meaning, entry, bound)
+        for entry in self._entries.get(_nucleus(look), ()):
+            bound = self._match(entry.look, look, indices or {})
+            if bound is not None:
+                meaning = entry.meaning.filled(bound, self._written(bound))
+                return Found(look, meaning, entry, bound)
         other = look.numbered(indices or {})
         return None if other == look else self.find(other)
 
     def names_behind(self, look: Look) -> bool:
         """Return whether symbols that look like this have names in brackets behind them."""
-        entries = (e.look for layer in self.layers for e in layer)
-        return any("(" in o.sub and _nucleus(o) == _nucleus(look) for o in entries)
+        return any("(" in e.look.sub for e in self._entries.get(_nucleus(look), ()))
 
     def frame(self, given: Labels) -> str | None:
         """Return the frame that labels name, or None."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 from eom.checker.read.symbol_shape import seen
@@ -96,7 +96,7 @@ def find(root: Node, wanted: Node) -> Path | None:
         path, here = stack.pop()
         if here is wanted:
             return path
-        for name in (f for f in vars(here) if f != "span"):
+        for name in (f.name for f in fields(here) if f.name != "span"):
             stack += [((*path, step), n) for step, n in _each(name, (), getattr(here, name))]
     return None
 

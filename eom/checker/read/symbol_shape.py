@@ -26,6 +26,7 @@ from eom.checker.read.syntax import (
     Sequence,
     Symbol,
     Words,
+    kept,
 )
 
 Labels = tuple[str, ...]
@@ -91,6 +92,7 @@ def grown(given: Seen) -> Look:
     return replace(given.look, accents=tuple(sorted((*given.look.accents, "Delta"))))
 
 
+@kept
 def seen(node: Node) -> Seen | None:
     """Return what a node looks like if it is one symbol with accents and scripts, else None."""
     if isinstance(node, Symbol):

@@ -17,7 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from functools import wraps
+from typing import Any, TypeVar
 
 from eom.checker.read.spans import NOWHERE, Span
 
@@ -404,6 +405,8 @@ MARKS = frozenset(
 """Names of accents; wide forms are the same as narrow ones."""
 
 
+T = TypeVar("T")
+
 _NAMES: dict[str, tuple[str, ...]] = {}
 
 
@@ -415,6 +418,22 @@ def _names(node: Node) -> tuple[str, ...]:
     return _NAMES[kind]
 
 
+def kept(rule: Callable[[Node], T]) -> Callable[[Node], T]:
+    """Return a function of a node that is worked out once, and kept with it: a node never changes."""
+    name = f"{rule.__name__}()"
+
+    @wraps(rule)
+    def found(node: Node) -> T:
+        own = node.__dict__
+        if name not in own:
+            own[name] = rule(node)
+        value: T = own[name]
+        return value
+
+    return found
+
+
+@kept
 def children(node: Node) -> tuple[Node, ...]:
     """Return the nodes directly below, in the order of the fields."""
     found: list[Node] = []

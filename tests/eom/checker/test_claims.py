@@ -361,7 +361,7 @@ HOSTILE = {
 }
 
 
-MOST_CALLS = 6_000_000
+MOST_CALLS = 4_500_000
 """About a second."""
 
 

@@ -35,9 +35,7 @@ def test_a_sample_of_edits(originals, most):
     assert count.total.total() == most
     assert count.alarms == 0, "\n".join(count.faults)
     assert count.false > most / 2
-    left_open = sum("false, undecided" in fault for fault in count.faults)
-    assert count.caught + left_open == count.false, "\n".join(count.faults)
-    assert 100 * count.caught >= 95 * count.false, "free vectors may obey a law of rates, not more"
+    assert 100 * count.caught >= 98 * count.false, "\n".join(count.faults)
 
 
 def test_the_oracle_sees_what_is_false(originals):

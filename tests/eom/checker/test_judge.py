@@ -78,6 +78,41 @@ def test_every_set_is_enough_and_no_smaller_one_is(text):
             assert judge(claim, (*STEADY, *fewer)).verdict != HOLDS
 
 
+FREE = parse_lexicon(
+    r"""
+preset = 'arrow-tilde'
+[symbols]
+'\vec a' = 'vector a'
+'\vec b' = 'vector b'
+'\vec c' = 'vector c'
+'q' = 'scalar q'
+'x' = 'coordinate x'
+'y' = 'coordinate y'
+'X' = '= x y'
+"""
+)
+RATES = {
+    r"\dot{\vec a} = q\vec b\times\vec c": UNDECIDED,
+    r"\dot{\vec a} = -\dot{\vec b}": UNDECIDED,
+    r"\dot{\vec a} = q\ddot{\vec a} + \vec b": UNDECIDED,
+    r"\ddot{\vec a} = \dot{\vec a}\times\vec a + \dot{\vec b}\times\vec b": UNDECIDED,
+    r"\ddot{\vec a} = -\vec a": UNDECIDED,
+    r"\ddot x y = x\ddot y": UNDECIDED,
+    r"\frac{^Id\vec a}{dt} = \frac{^Bd\vec a}{dt} + \dot{\vec c}\times\vec a": UNDECIDED,
+    r"\dot{\vec a} = \dot{\vec b}\times\vec a + \vec b\times\dot{\vec a}": WRONG,
+    r"\frac{d}{dt}(\vec a\times\vec b) = \dot{\vec b} + \dot{\vec a}\times\vec b": WRONG,
+    r"\frac{^Id\vec a}{dt} = \frac{^Bd\vec a}{dt} + \vec b\times\frac{^Bd\vec b}{dt} + \dot{\vec b}": WRONG,
+    r"\dot X = \dot x y - x\dot y": WRONG,
+    r"\dot X = \dot x y + x\dot y": HOLDS,
+}
+
+
+@pytest.mark.parametrize("text", RATES)
+def test_a_law_may_give_what_is_free_but_makes_no_other_kinematics(text):
+    (claim,) = claimed(text, FREE)
+    assert judge(claim).verdict == RATES[text]
+
+
 def test_what_is_refuted_is_false_in_that_world():
     (claim,) = claimed(r"\vec a\times\vec b = \vec b\times\vec a", LEXICON)
     names, seed = judge(claim).refuted

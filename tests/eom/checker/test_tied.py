@@ -1,34 +1,43 @@
 r"""Laws of a lexicon: equations that tie scalars, coordinates and vectors of a note together."""
 
+import json
+
 import pytest
 
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.errors import InputError
 from tests.eom.checker.system_lines import judged
 
-IMPACT = r"""
+
+def symbols(kind: str, *rows: str) -> str:
+    """Lines of a lexicon for quantities of a kind: letter, name and unit of each."""
+    parted = (row.split() for row in rows)
+    return "".join(
+        f'{json.dumps(letter)} = {{ is = "{kind} {name}", unit = "{unit}" }}\n'
+        for letter, name, unit in parted
+    )
+
+
+IMPACT = (
+    r"""
 laws = ["m u + M U = m u' + M U'", "u' - U' = -k (u - U)"]
 [symbols]
-'m' = { is = "scalar m", unit = "kg" }
-'M' = { is = "scalar M", unit = "kg" }
-'u' = { is = "scalar u", unit = "m/s" }
-'U' = { is = "scalar U", unit = "m/s" }
-"u'" = { is = "scalar u_after", unit = "m/s" }
-"U'" = { is = "scalar U_after", unit = "m/s" }
 'k' = "scalar k"
-'p' = { is = "scalar p", unit = "N*s" }
 '\Delta T' = "= \\frac12 m (u^2 - u'^2) + \\frac12 M (U^2 - U'^2)"
 """
-ROLLING = r"""
+    + symbols(
+        "scalar", "m m kg", "M M kg", "u u m/s", "U U m/s", "u' u_after m/s", "U' U_after m/s"
+    )
+    + symbols("scalar", "p p N*s")
+)
+ROLLING = (
+    r"""
 laws = ['x = R\varphi + c', 'z = \ell\cos\varphi']
 [symbols]
-'x' = { is = "coordinate x", unit = "m" }
-'z' = { is = "coordinate z", unit = "m" }
-'\varphi' = { is = "coordinate phi", unit = "rad" }
-'R' = { is = "scalar R", unit = "m" }
-'\ell' = { is = "scalar l", unit = "m" }
-'c' = { is = "scalar c", unit = "m" }
 """
+    + symbols("coordinate", "x x m", "z z m", r"\varphi phi rad")
+    + symbols("scalar", "R R m", r"\ell l m", "c c m")
+)
 VECTORS = r"""
 laws = ['\vec v = \vec\omega\times\vec r', '\vec r = a\,\vec n']
 [symbols]
