@@ -202,7 +202,7 @@ def _eom(folder):
             **scene, "model": "tree", "bodies": {"bob": {"mass": 1, "centre": [0, 0, -1]}},
             "joints": {"hinge": {"kind": "revolute", "parent": "ground", "child": "bob", "axis": "x"}},
         }),
-        "load_scene": (eom.load_scene, {"name": "t-handle"}),
+        "load_scene": (eom.load_scene, {"name": "t-handle", "strict": True, "floating": False}),
         "SpinningSymmetricBody": (eom.SpinningSymmetricBody, {
             "torque": (0, 0, 0), "parameters": (), "inputs": (),
         }),
