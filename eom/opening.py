@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from eom.errors import typed
+from eom.errors import InputError, typed
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.files.urdf import load_urdf
 from eom.scenes import catalogue
@@ -16,12 +16,14 @@ AnyScene = Scene | TreeScene
 
 
 @typed
-def load_scene(name: str | Path) -> AnyScene:
+def load_scene(name: str | Path, *, strict: bool = True, floating: bool = False) -> AnyScene:
     """Return a ready scene by its name, or one from a file: ``.toml``, or ``.urdf`` (extra ``urdf``).
 
     A word that is no file is a ``name`` of a ready scene. A `Scene` has one body, a `TreeScene` many;
-    both answer the same. Raises `InputError` for other names, and with the file's name for whatever is
-    wrong in it.
+    both answer the same. Of a robot's file: unless ``strict``, what no body or tree is gets mended, and the
+    scene's ``repairs`` say how; ``floating`` frees the root link. SI units, angles in radians; frames are
+    those of the ground, the bodies and the joints. Raises `InputError` for other names, with the file's
+    name for whatever is wrong in it, and for these words on other scenes than robots.
 
     >>> load_scene("double-pendulum").derive().state_names
     ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
@@ -29,6 +31,11 @@ def load_scene(name: str | Path) -> AnyScene:
     is_ready = isinstance(name, str) and not catalogue.is_file(name)
     file = catalogue.path_of(str(name)) if is_ready else Path(name)
     if file.suffix == catalogue.URDF:
-        return load_urdf(file)
+        return load_urdf(file, strict=strict, floating=floating)
+    if floating or not strict:
+        raise InputError(
+            "only robots from URDF files are read leniently, or freed of the ground", where=str(name),
+            hint="of other scenes write the joint of kind free",
+        )  # fmt: skip
     tree = catalogue.is_tree(data_of(file))
     return TreeScene.from_toml(file) if tree else Scene.from_toml(file)

@@ -217,6 +217,7 @@ FACTS = {
     ),
     "eom.multibody.Spring": (NONE, "(N/m)", "in its axes", NONE),
     "eom.multibody.Tree": ("(3,)", "(m/s^2)", "in the ground's axes", NONE),
+    "eom.multibody.TreeFunction": ("(n,)", "SI units", "frames of `Joint`", NONE),
     "eom.multibody.absolute_angles": (NONE, "(rad)", "against the ground", NONE),
     "eom.multibody.assemble": (NONE, "SI units", NONE, "Math. Anal. Appl. 15 (1966)"),
     "eom.multibody.base_parameters": (
@@ -224,6 +225,42 @@ FACTS = {
         "Units are those of `Regressor`",
         NONE,
         "Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990",
+    ),
+    "eom.multibody.centre_of_mass": (
+        "(3,)",
+        "(m)",
+        "in the ground's axes",
+        "Rigid Body Dynamics Algorithms (2008)",
+    ),
+    "eom.multibody.energies": (
+        "(2,)",
+        "(J)",
+        "axes and signs are those of `Joint`",
+        "Rigid Body Dynamics Algorithms (2008)",
+    ),
+    "eom.multibody.forward_dynamics": (
+        "(n,)",
+        "(rad/s^2 or m/s^2)",
+        "Signs and axes are those of `Joint`",
+        "Rigid Body Dynamics Algorithms (2008)",
+    ),
+    "eom.multibody.inverse_dynamics": (
+        "(n,)",
+        "(N m or N)",
+        "Signs and axes are those of `Joint`",
+        "Rigid Body Dynamics Algorithms (2008)",
+    ),
+    "eom.multibody.jacobian": (
+        "(6, n)",
+        "(rad/s)",
+        "in the ground's axes",
+        "Rigid Body Dynamics Algorithms (2008)",
+    ),
+    "eom.multibody.mass_matrix": (
+        "(n, n)",
+        "kg m^2",
+        "Signs and axes of speeds are those of `Joint`",
+        "Rigid Body Dynamics Algorithms (2008)",
     ),
     "eom.multibody.closed_form": (
         NONE,

@@ -89,7 +89,8 @@ MADE = {
     "codegen": "Accuracy AccuracyReport Compiled CompilerError Drift Ensemble Equilibrium FreeMotion "
     "Linear LinearMotion Result Sensitivities SparseJacobian Stop Summary",
     "eom": "Derivation AssumptionError InputError",
-    "eom.multibody": "Assembly BaseParameters ClosedForm Comparison Constraint Examination Regressor",
+    "eom.multibody": "Assembly BaseParameters ClosedForm Comparison Constraint Examination Regressor "
+    "TreeFunction",
 }
 """What the package alone makes: results, errors, and the class that all constraints share."""
 
@@ -202,7 +203,7 @@ def _eom(folder):
             **scene, "model": "tree", "bodies": {"bob": {"mass": 1, "centre": [0, 0, -1]}},
             "joints": {"hinge": {"kind": "revolute", "parent": "ground", "child": "bob", "axis": "x"}},
         }),
-        "load_scene": (eom.load_scene, {"name": "t-handle"}),
+        "load_scene": (eom.load_scene, {"name": "t-handle", "strict": True, "floating": False}),
         "SpinningSymmetricBody": (eom.SpinningSymmetricBody, {
             "torque": (0, 0, 0), "parameters": (), "inputs": (),
         }),
@@ -236,6 +237,10 @@ def _multibody():
     tree = m.Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -9.81))
     ends = {"first": "ground", "second": "bob"}
     return {
+        **{f: (getattr(m, f), {"tree": tree}) for f in (
+            "mass_matrix", "inverse_dynamics", "forward_dynamics", "centre_of_mass", "energies",
+        )},
+        "jacobian": (m.jacobian, {"tree": tree, "body": "bob", "point": (0, 0, 0)}),
         "Body": (m.Body, {
             "name": "bob", "mass": 1, "centre": (0, 0, 0), "inertia": (1, 1, 1), "about": "centre",
             "axes": sp.eye(3).tolist(),

@@ -22,7 +22,12 @@ PAGES = sorted(
     if page != MADE
     and any(b.language in {"python", "bash"} for b in blocks(page.read_text(encoding="utf-8")))
 )
-NEEDS = {"many-bodies": "yourdfpy", "monte-carlo": "zarr", "tutorial": "matplotlib"}
+NEEDS = {
+    "many-bodies": "yourdfpy",
+    "robots": "yourdfpy",
+    "monte-carlo": "zarr",
+    "tutorial": "matplotlib",
+}
 TASKS = 10
 
 

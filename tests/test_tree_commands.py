@@ -94,6 +94,29 @@ def test_a_robot_goes_all_the_way(run, tmp_path):
     assert [f.name for f in tmp_path.iterdir()] == ["walker.py"]
 
 
+def test_a_robot_is_read_leniently_and_freed_of_the_ground(run, tmp_path):
+    pytest.importorskip("yourdfpy")
+    file = tmp_path / "odd.urdf"
+    file.write_text(
+        '<robot name="odd"><link name="trunk"><inertial><mass value="2"/>'
+        '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="4"/></inertial></link></robot>',
+        encoding="utf-8",
+    )
+    assert "no body has this inertia" in run("derive", file).output
+    for words in (("derive", file), ("plot", file, "--list")):
+        done = run(*words, "--lenient", "--floating")
+        assert "note: inertias that no body has" in done.output
+        assert "link 'trunk': nearest possible inertia taken" in done.output
+    done = run("derive", file, "--lenient", "--floating")
+    assert "w_root" in done.output or "ω" in done.output
+    for name in ("double-pendulum", "heavy-top"):
+        done = run("derive", name, "--floating")
+        assert done.exit_code == 2
+        assert "only robots" in done.output
+    done = run("derive", "euler-equations", "--lenient")
+    assert "--lenient is for robots" in done.output
+
+
 def test_an_ensemble_varies_starts_and_parameters(run, spring):
     words = (
         "ensemble",

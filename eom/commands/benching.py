@@ -14,8 +14,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import Rows, WithTable, progress_of, report_files
+from eom.commands.shared import (
+    Rows,
+    WithTable,
+    progress_of,
+    reading_options,
+    report_files,
+    scene_of,
+)
 from eom.errors import InputError
+from eom.scenes.catalogue import URDF
 
 if TYPE_CHECKING:
     from codegen.measure.workprecision.measuring import Diagram, Plan
@@ -36,6 +44,7 @@ def _problems() -> Rows:
 
 @click.command(cls=WithTable, title="Problems", rows=_problems)
 @click.argument("names", metavar="[PROBLEM|SCENE]...", nargs=-1)
+@reading_options
 @click.option("--all", "everything", is_flag=True, help="Every reference problem and ready scene.")
 @click.option(
     "--methods",
@@ -87,7 +96,10 @@ def _chosen(names: tuple[str, ...], everything: bool) -> list[Problem]:
     from eom import problems
 
     wanted = [*names, *(problems.names() if everything else [])]
-    return [problems.ready(name) for name in dict.fromkeys(wanted)]
+    return [
+        problems.from_scene(scene_of(name)) if name.endswith(URDF) else problems.ready(name)
+        for name in dict.fromkeys(wanted)
+    ]
 
 
 def _plan(quick: bool, seed: int) -> Plan:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import click
 
-from eom.commands.shared import print_equations, scene_of, waiting_for
+from eom.commands.shared import print_equations, read_as, reading_options, scene_of, waiting_for
 from eom.errors import InputError, unknown_name
 from eom.scenes import catalogue
 
@@ -54,6 +56,7 @@ from eom.scenes import catalogue
     default=None,
     help="With --method: angles about parallel axes are measured against the ground.",
 )
+@reading_options
 def derive(
     name: str,
     style: str,
@@ -70,6 +73,7 @@ def derive(
     """
     if _is_derivation(name):
         _refuse(name, "scenes", {"--explain": explain})
+        _refuse(name, "robots from .urdf files", read_as())
         _refuse(name, _TREES, {"--method": method, "--absolute": absolute})
         if lexicon and style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
@@ -119,7 +123,7 @@ def _is_derivation(name: str) -> bool:
     return True
 
 
-def _refuse(name: str, kind: str, options: dict[str, object]) -> None:
+def _refuse(name: str, kind: str, options: Mapping[str, object]) -> None:
     for option, value in options.items():
         if value is not None:
             raise InputError(f"{option} is for {kind}", where=name, hint=f"leave out {option}")

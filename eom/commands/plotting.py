@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import Rows, WithTable, progress_of, report_files, scene_of
+from eom.commands.shared import (
+    Rows,
+    WithTable,
+    progress_of,
+    reading_options,
+    report_files,
+    scene_of,
+)
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,6 +30,7 @@ def _pictures() -> Rows:
 
 @click.command(cls=WithTable, title="Pictures", rows=_pictures)
 @click.argument("scene", metavar="[SCENE]", default="")
+@reading_options
 @click.option(
     "--what",
     "names",

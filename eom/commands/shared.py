@@ -27,7 +27,44 @@ Rows = list[tuple[str, str]]
 QUIET_SECONDS = 0.5
 """Work that is shorter shows no progress bar."""
 
-scene_argument = click.argument("scene", metavar="SCENE")
+READING = {"lenient": "eom.lenient", "floating": "eom.floating"}
+"""Options of reading a robot, by where the context of a command keeps them for `scene_of`."""
+
+
+def _kept(context: click.Context, option: click.Parameter, given: bool) -> None:
+    context.meta[READING[str(option.name)]] = given
+
+
+def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of reading a robot to a command that opens scenes by `scene_of`."""
+    lenient = click.option(
+        "--lenient",
+        is_flag=True,
+        expose_value=False,
+        callback=_kept,
+        help="Of a .urdf file: mend what no body or tree is, and print what was done.",
+    )
+    floating = click.option(
+        "--floating",
+        is_flag=True,
+        expose_value=False,
+        callback=_kept,
+        help="Of a .urdf file: free the root link of the ground.",
+    )
+    return lenient(floating(command))
+
+
+def read_as() -> dict[str, bool | None]:
+    """Return the options of reading a robot by name: True where they were given, else None."""
+    meta = click.get_current_context().meta
+    return {f"--{name}": meta.get(key) or None for name, key in READING.items()}
+
+
+def scene_argument(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the argument SCENE to a command, with the options of reading a robot."""
+    return click.argument("scene", metavar="SCENE")(reading_options(command))
+
+
 target_option = click.option(
     "--target",
     default="auto",
@@ -68,10 +105,17 @@ class WithTable(click.Command):
 
 
 def scene_of(name: str, **options: Any) -> AnyScene:
-    """Return a ready scene or one from a file, with the options that were given."""
+    """Return a ready scene or one from a file, with the options that were given.
+
+    What lenient reading did goes to standard error.
+    """
+    from eom.multibody.files.scene import told
     from eom.opening import load_scene
 
-    scene = load_scene(name)
+    asked = read_as()
+    scene = load_scene(name, strict=not asked["--lenient"], floating=bool(asked["--floating"]))
+    for line in told(getattr(scene, "repairs", ())):
+        click.echo(f"note: {line}", err=True)
     changed = {k: v for k, v in options.items() if v is not None}
     if not changed:
         return scene

@@ -36,7 +36,16 @@ from eom.multibody.model.model import (
     Tree,
 )
 from eom.multibody.recursion.quantities import Point
-from eom.multibody.system.derive import derive
+from eom.multibody.system.derive import (
+    TreeFunction,
+    centre_of_mass,
+    derive,
+    energies,
+    forward_dynamics,
+    inverse_dynamics,
+    jacobian,
+    mass_matrix,
+)
 from eom.multibody.system.reactions import Reaction, reaction
 
 __all__ = [
@@ -65,13 +74,20 @@ __all__ = [
     "SpeedEquation",
     "Spring",
     "Tree",
+    "TreeFunction",
     "absolute_angles",
     "assemble",
     "base_parameters",
+    "centre_of_mass",
     "closed_form",
     "compare",
     "derive",
+    "energies",
     "examine",
+    "forward_dynamics",
+    "inverse_dynamics",
+    "jacobian",
+    "mass_matrix",
     "reaction",
     "regressor",
     "tree_page",

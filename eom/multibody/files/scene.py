@@ -43,13 +43,52 @@ from eom.scenes.start import in_coordinates, number, sizes
 from eom.system import System
 
 
+@dataclass(frozen=True)
+class Repair:
+    """One thing that lenient reading did, in words.
+
+    ``reason``: a key of `REASONS`. ``part``: of the file. ``done``: to it, with the size of the change
+    relative to what was given, where there is one.
+    """
+
+    reason: str
+    part: str
+    done: str
+
+
+REASONS: Mapping[str, str] = {
+    "name": "names mapped",
+    "type": "types of joints beyond the standard",
+    "damping": "damping that brakes nothing",
+    "mimic": "joints that mimic others",
+    "idle": "joints without mass",
+    "inertia": "inertias that no body has (nearest: Frobenius norm of second moments)",
+    "massless": "inertia without mass",
+}
+"""Why something is repaired, in the words that are printed."""
+SHOWN = 8
+"""Repairs of one reason that are printed."""
+
+
+def told(repairs: Sequence[Repair]) -> tuple[str, ...]:
+    """Return what was repaired in words, a line a reason; of many the first, and how many more."""
+    lines = []
+    for reason, words in REASONS.items():
+        own = [r for r in repairs if r.reason == reason]
+        more = f"; and {len(own) - SHOWN} more (repairs of the scene)" if len(own) > SHOWN else ""
+        listed = "; ".join(f"{r.part}: {r.done}" for r in own[:SHOWN])
+        lines += [f"{words}: {listed}{more}"] if own else []
+    return tuple(lines)
+
+
 class TreeScene(BaseScene, TreeDescription):
     """A checked description, with the tree, systems and numbers that follow from it.
 
     Fields: see `eom.multibody.files.description.TreeDescription`; ``repeat`` writes out repeated parts
     first (`eom.multibody.files.scene`), and ``body`` is a tree of one (`of_one`). ``notes``: what a file
-    said that is not used, for `explain`; ``spare``: parameters that no formula need use. SI units, angles
-    in radians; frames are those of the ground, the bodies and the joints (`Joint`). Raises `InputError` for
+    said that is not used, for `explain`; ``repairs``: what was mended in reading it leniently; ``spare``:
+    parameters that no formula need use. SI units, angles in radians; frames are those of the ground, the
+    bodies and the joints (`Joint`). Raises `InputError` for
     anything that is misspelt, missing or impossible.
 
     >>> rod = {"mass": "m", "centre": (0, 0, "-l/2"), "moments": ("m*l**2/12", "m*l**2/12", 0)}
@@ -61,6 +100,7 @@ class TreeScene(BaseScene, TreeDescription):
 
     is_tree = True
     notes: tuple[str, ...] = ()
+    repairs: tuple[Repair, ...] = ()
     spare: tuple[str, ...] = ()
 
     def __init__(self, /, **data: Any) -> None:
@@ -156,7 +196,7 @@ class TreeScene(BaseScene, TreeDescription):
         """Return what was skipped, why, and the operations saved; print it to read it."""
         saved = savings(self.tree)
         left_out = (*map(Reduction, saved.reasons), *reductions(self._reduced[1]))
-        notes = tuple(map(Reduction, self.notes))
+        notes = tuple(map(Reduction, (*self.notes, *told(self.repairs))))
         return Explanation((*left_out, *notes), saved.without, saved.done, "without")
 
     @property

@@ -1,11 +1,13 @@
 """Robots from URDF files as scenes of trees; yourdfpy (extra ``urdf``) reads the elements.
 
-The root link is fixed to the ground. Joints of one degree of freedom have a motor, the input
+The root link is fixed to the ground, or floats. Joints of one degree of freedom have a motor, the input
 ``tau_<joint>``. Damping is used; what is not used (friction, limits, shapes) stands in the scene's notes.
 
 What a URDF file may hold, asked before any parser of robots sees it: XML without entities, known tags.
 
 Nothing is opened but the file: meshes and ``package://`` names stay text.
+
+Lenient reading mends what other readers let pass, by the passes of `MENDING`; what it did are `Repair`s.
 """
 
 from __future__ import annotations
@@ -13,14 +15,23 @@ from __future__ import annotations
 import importlib
 import io
 import logging
+import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 from xml.parsers import expat
 
+import mpmath
+
 from eom.errors import InputError
-from eom.multibody.files.scene import TreeScene
+from eom.multibody.algebra.spatial import IDENTITY, Matrix, product, transposed
+from eom.multibody.algebra.values import value
+from eom.multibody.files.scene import Repair, TreeScene
+from eom.multibody.model import checks
+from eom.multibody.model.model import GROUND
 from eom.scenes.naming import spelling
 from eom.scenes.scene_files import in_file, text_of
 
@@ -39,23 +50,45 @@ KINDS: Mapping[str, str] = {
     "planar": "planar",
 }
 """Kinds of joints here by those of URDF."""
+FURTHER_KINDS: Mapping[str, str] = {"spherical": "spherical"}
+"""Kinds that some programs write, and lenient reading takes."""
+RESERVED = frozenset({GROUND})
+"""Names that no body may have."""
+
+SINGLE = ("revolute", "continuous", "prismatic")
+"""Types of joints of one degree of freedom."""
+DIGITS = 30
+"""Of nearest inertias on the way."""
 
 _UNREADABLE = (AttributeError, IndexError, KeyError, SyntaxError, TypeError, ValueError)
 """What the parser raises for elements that it cannot read."""
 
 
-def load_urdf(path: str | Path, gravity: Sequence[float] = GRAVITY) -> TreeScene:
+def load_urdf(
+    path: str | Path,
+    gravity: Sequence[float] = GRAVITY,
+    *,
+    strict: bool = True,
+    floating: bool = False,
+) -> TreeScene:
     """Return the robot of a URDF file as a scene; ``gravity`` in the ground's axes (m/s^2).
 
-    Raises `InputError` with the file's name for files that are no URDF, entities, unknown and mimicking
-    joints, loops, inertias that no body has, and movable joints that move no mass.
+    ``strict``: refuse what no body or tree is; otherwise mend it (`MENDING`), and say so in the scene's
+    ``repairs``. ``floating``: free the root link, by a joint of kind ``free`` to the ground.
+
+    Raises `InputError` with the file's name for files that are no URDF, entities, unknown types of joints,
+    loops, a floating root without mass; if strict also for mimicking joints, inertias that no body has,
+    names that no symbol has, and movable joints that move no mass.
     """
     file = Path(path)
     with in_file(file):
-        data, left_out = checked(file)
-        robot = parsed(data)
-        _check(robot)
-        return TreeScene(**_scene(file.stem, robot, gravity, left_out))
+        data, left_out = checked(file, strict=strict)
+        robot = parsed(moving_part(data, file.stem))
+        _check(robot, strict)
+        repairs = () if strict else tuple(_mended(robot, data, floating))
+        scene = _scene(file.stem, robot, gravity, strict, floating)
+        notes = tuple(_notes(robot, gravity, left_out, floating))
+        return TreeScene(**scene, notes=notes, repairs=repairs)
 
 
 def parsed(data: bytes) -> Any:
@@ -76,20 +109,21 @@ def parsed(data: bytes) -> Any:
     return found.robot
 
 
-def _check(robot: Any) -> None:
+def _check(robot: Any, strict: bool) -> None:
     """Refuse what a tree cannot have."""
+    known = KINDS if strict else {**KINDS, **FURTHER_KINDS}
     for joint in robot.joints:
         where = f"joint {joint.name!r}"
-        if joint.type not in KINDS:
+        if joint.type not in known:
             raise InputError(
                 "unknown type of joint", where=where, got=joint.type, expected=", ".join(KINDS)
             )
-        if joint.mimic is not None:
+        if strict and joint.mimic is not None:
             raise InputError(
                 "joints that mimic others are not read",
                 where=where,
                 got=f"mimic of {joint.mimic.joint!r}",
-                hint="remove <mimic>, and couple the two joints otherwise",
+                hint="read it leniently, or remove <mimic> and couple the two joints otherwise",
             )
     children = {j.child for j in robot.joints}
     roots = [link.name for link in robot.links if link.name not in children]
@@ -101,33 +135,72 @@ def _check(robot: Any) -> None:
         )
 
 
-def _scene(
-    name: str, robot: Any, gravity: Sequence[float], left_out: Iterable[str]
-) -> dict[str, Any]:
-    links = _spelt("link", [link.name for link in robot.links])
-    joints = _spelt("joint", [joint.name for joint in robot.joints])
+def _root(robot: Any) -> str:
     children = {joint.child for joint in robot.joints}
-    (root,) = (link.name for link in robot.links if link.name not in children)
-    fixed = {"kind": "fixed", "parent": "ground", "child": links[root]}
+    return str(next(link.name for link in robot.links if link.name not in children))
+
+
+def _scene(
+    name: str, robot: Any, gravity: Sequence[float], strict: bool, floating: bool
+) -> dict[str, Any]:
+    links = names_of("link", [link.name for link in robot.links], strict)
+    joints = names_of("joint", [joint.name for joint in robot.joints], strict)
+    if floating:
+        _check_floating(robot)
+    first = {
+        "kind": "free" if floating else "fixed",
+        "parent": GROUND,
+        "child": links[_root(robot)],
+    }
     made = {joints[j.name]: _joint(j, links) for j in robot.joints}
+    bound = [j for j in robot.joints if j.mimic is not None and j.mimic.joint]
+    coupled = {f"mimic_{joints[j.name]}": _coupling(j, joints) for j in bound}
+    starts = {joints[j.name]: float(j.mimic.offset) for j in bound}
     return {
         "name": name,
         "title": f"{robot.name}, from {name}.urdf",
         "model": "tree",
         "gravity": [*gravity],
         "bodies": {links[link.name]: _body(link) for link in robot.links},
-        "joints": {_free_name("root", made): fixed, **made},
-        "notes": tuple(_notes(robot, root, gravity, left_out)),
+        "joints": {_free_name("root", made): first, **made},
+        "constraints": coupled,
+        "initial": {f"q_{joint}": offset for joint, offset in starts.items() if offset},
     }
+
+
+def _coupling(joint: Any, names: Mapping[str, str]) -> dict[str, Any]:
+    ratios = {names[joint.name]: 1, names[joint.mimic.joint]: -float(joint.mimic.multiplier)}
+    return {"kind": "coupling", "ratios": ratios}
+
+
+def _check_floating(robot: Any) -> None:
+    """Refuse a root that has no mass, and nothing heavy fixed to it: nothing would hold it back."""
+    links = {link.name: link for link in robot.links}
+    root = _root(robot)
+    if not any(mass_of(links[name]) > 0 for name in _rigid(robot, root)):
+        raise InputError(
+            "a base that floats has no mass", where=f"link {root!r}",
+            hint="give it mass, or leave it fixed to the ground",
+        )  # fmt: skip
 
 
 def _free_name(name: str, taken: Iterable[str]) -> str:
     return name if name not in set(taken) else _free_name(f"{name}_0", taken)
 
 
-def _spelt(kind: str, names: Sequence[str]) -> dict[str, str]:
-    """Return each name in letters that symbols can have."""
+def names_of(kind: str, names: Sequence[str], strict: bool = True) -> dict[str, str]:
+    """Return each name in letters that symbols can have; ``kind``: link or joint.
+
+    Unless ``strict``, names that begin with no letter, reserved ones and those that would be alike are
+    changed. Raises `InputError` for repeated names.
+    """
     found = {name: spelling(name) for name in names}
+    taken: set[str] = set()
+    for name, spelt in () if strict else tuple(found.items()):
+        letters = spelt if re.match("[A-Za-z]", spelt) else f"{kind}_{spelt}"
+        letters = f"{kind}_{spelt}" if letters in RESERVED else letters
+        found[name] = _free_name(letters, taken)
+        taken.add(found[name])
     if len(set(found.values())) < len(names):
         raise InputError(
             f"repeated name of a {kind}", got=", ".join(sorted(names)),
@@ -137,9 +210,10 @@ def _spelt(kind: str, names: Sequence[str]) -> dict[str, str]:
 
 
 def _notes(
-    robot: Any, root: str, gravity: Sequence[float], left_out: Iterable[str]
+    robot: Any, gravity: Sequence[float], left_out: Iterable[str], floating: bool
 ) -> Iterable[str]:
-    yield f"URDF: root link {root} fixed to the ground; gravity {tuple(gravity)} m/s^2"
+    held = "floats" if floating else "fixed to the ground"
+    yield f"URDF: root link {_root(robot)} {held}; gravity {tuple(gravity)} m/s^2"
     for place in left_out:
         yield f"URDF: not used: {place}"
     rubbing = [j.name for j in robot.joints if _dynamics(j, "friction")]
@@ -173,7 +247,7 @@ def _joint(joint: Any, links: Mapping[str, str]) -> dict[str, Any]:
         if end not in links:
             raise InputError(f"unknown link {end!r}", where=where)
     position, rotation = _frame(joint.origin, where)
-    kind = KINDS[joint.type]
+    kind = {**KINDS, **FURTHER_KINDS}[joint.type]
     found: dict[str, Any] = {
         "kind": kind,
         "parent": links[joint.parent],
@@ -190,7 +264,9 @@ def _joint(joint: Any, links: Mapping[str, str]) -> dict[str, Any]:
         found["on_child"] = {"rotation": {"matrix": across}}
     elif kind in {"revolute", "prismatic"}:
         found["axis"] = [float(x) for x in joint.axis]
-        found["motor"] = True
+        found["motor"] = joint.mimic is None
+        if joint.mimic is not None and not joint.mimic.joint:
+            found["motion"] = {"position": [float(joint.mimic.offset)]}
     if kind not in {"fixed", "free"}:
         found["damping"] = _dynamics(joint, "damping")
     elif _dynamics(joint, "damping"):
@@ -264,8 +340,9 @@ USED = frozenset(
 class _Reader:
     """Walks the elements: where it is, the link or joint it is in, what is left out."""
 
-    def __init__(self, parser: expat.XMLParserType) -> None:
+    def __init__(self, parser: expat.XMLParserType, strict: bool) -> None:
         self.parser = parser
+        self.strict = strict
         self.path: list[str] = []
         self.part = ""
         self.elements = 0
@@ -292,7 +369,7 @@ class _Reader:
 
     def _check(self, place: str, attributes: dict[str, str]) -> None:
         for name in NEEDED.get(place, ()):
-            if name not in attributes:
+            if name not in attributes and (self.strict or place != "robot"):
                 raise InputError(
                     f"missing attribute {name!r}", where=self.where(), got=f"<{self.path[-1]}>"
                 )
@@ -313,15 +390,17 @@ class _Reader:
             raise InputError("unusable encoding", got=encoding, expected="UTF-8")
 
 
-def checked(file: Path) -> tuple[bytes, tuple[str, ...]]:
+def checked(file: Path, *, strict: bool = True) -> tuple[bytes, tuple[str, ...]]:
     """Return the bytes of a URDF file, and what in it says nothing of the motion.
 
-    Raises `InputError` for what is no XML, has a document type, is nested or large beyond reason, or lacks
-    an attribute of `NEEDED`.
+    Unless ``strict``, blank lines may stand before the declaration, and the robot needs no name. Raises
+    `InputError` for what is no XML, has a document type, is nested or large beyond reason, or lacks an
+    attribute of `NEEDED`.
     """
-    data = text_of(file, "*.urdf").encode()
+    text = text_of(file, "*.urdf")
+    data = (text if strict else text.lstrip()).encode()
     parser = expat.ParserCreate("utf-8", " ")
-    reader = _Reader(parser)
+    reader = _Reader(parser, strict)
     parser.StartElementHandler = reader.start
     parser.EndElementHandler = reader.end
     parser.StartDoctypeDeclHandler = reader.doctype
@@ -332,3 +411,237 @@ def checked(file: Path) -> tuple[bytes, tuple[str, ...]]:
         raise InputError("not valid XML", got=str(error)) from None
     ignored = tuple(f"<{place}>, {n} of them" for place, n in sorted(reader.left_out.items()))
     return data, ignored
+
+
+def moving_part(data: bytes, name: str) -> bytes:
+    """Return what checked bytes say of the motion alone, of a robot that has at least this ``name``."""
+    root = ElementTree.fromstring(data)  # noqa: S314 - no document type, so no entities
+    root.attrib.setdefault("name", name)
+    _keep_used(root, "robot")
+    return ElementTree.tostring(root)
+
+
+def _keep_used(element: ElementTree.Element, place: str) -> None:
+    for child in [*element]:
+        inner = f"{place}/{child.tag}"
+        if inner in USED:
+            _keep_used(child, inner)
+        else:
+            element.remove(child)
+
+
+# -- what lenient reading mends ------------------------------------------------------------------------
+
+
+def _mended(robot: Any, data: bytes, floating: bool) -> Iterator[Repair]:
+    """Mend a robot that was parsed for this; yield what was done."""
+    if not re.search(rb"<robot[^>]*\sname", data):
+        yield Repair("name", "robot", f"no name: it is called {robot.name!r}")
+    for kind, parts in (("link", robot.links), ("joint", robot.joints)):
+        names = [part.name for part in parts]
+        for name, spelt in names_of(kind, names, strict=False).items():
+            if spelt != spelling(name):
+                yield Repair("name", f"{kind} {name!r}", f"called {spelt}")
+    for mend in MENDING:
+        yield from mend(robot, floating)
+
+
+def _mend_types(robot: Any, floating: bool) -> Iterator[Repair]:  # noqa: ARG001
+    """Take types of joints that some programs write; damping at fixed joints says nothing."""
+    for joint in robot.joints:
+        where = f"joint {joint.name!r}"
+        if joint.type in FURTHER_KINDS:
+            yield Repair("type", where, f"{joint.type} is no type of URDF, read as {joint.type}")
+        if KINDS.get(joint.type) in {"fixed", "free"} and _dynamics(joint, "damping"):
+            yield Repair("damping", where, f"ignored at a {joint.type} joint")
+            joint.dynamics = None
+
+
+def _mend_mimics(robot: Any, floating: bool) -> Iterator[Repair]:  # noqa: ARG001
+    """Couple joints that mimic others to one that mimics none."""
+    joints = {joint.name: joint for joint in robot.joints}
+    resolved = {j.name: _driver(j, joints) for j in robot.joints if j.mimic is not None}
+    for name, (driver, multiplier, offset) in resolved.items():
+        joint, where = joints[name], f"joint {name!r}"
+        given, joint.mimic = joint.mimic, None
+        if joint.type not in SINGLE:
+            yield Repair("mimic", where, f"ignored at a {joint.type} joint")
+        elif driver is None:
+            lacking = f"it mimics {given.joint!r}, which is not there or mimics it"
+            yield Repair("mimic", where, f"{lacking}: it moves by itself")
+        elif joints[driver].type not in SINGLE or not multiplier:
+            _fix(joint, replace(given, joint="", offset=offset) if offset else None)
+            yield Repair("mimic", where, f"held at {offset:g}, as {driver!r} does not move it")
+        else:
+            joint.mimic = replace(given, joint=driver, multiplier=multiplier, offset=offset)
+            rule = f"{multiplier:g} q_{driver}" + (f" + {offset:g}" if offset else "")
+            yield Repair("mimic", where, f"coupled: {rule}")
+
+
+def _driver(joint: Any, joints: Mapping[str, Any]) -> tuple[str | None, float, float]:
+    """Return the joint at the end of a chain of mimics, or None, with multiplier and offset to it."""
+    multiplier, offset = 1.0, 0.0
+    seen: set[str] = set()
+    while joint.mimic is not None:
+        own = 1.0 if joint.mimic.multiplier is None else float(joint.mimic.multiplier)
+        offset += multiplier * float(joint.mimic.offset or 0.0)
+        multiplier *= own
+        seen.add(joint.name)
+        if joint.mimic.joint in seen or joint.mimic.joint not in joints:
+            return None, 0.0, 0.0
+        joint = joints[joint.mimic.joint]
+    return joint.name, multiplier, offset
+
+
+def _fix(joint: Any, held: Any = None) -> None:
+    """Fix a joint at zero; or ``held`` at a constant, as what mimics nothing, with an offset."""
+    joint.type, joint.dynamics, joint.mimic = joint.type if held else "fixed", None, held
+
+
+def mass_of(link: Any) -> float:
+    """Return the mass of a link (kg); 0 where none is given."""
+    return float(getattr(link.inertial, "mass", None) or 0.0)
+
+
+def _mend_inertias(robot: Any, floating: bool) -> Iterator[Repair]:  # noqa: ARG001
+    """Take the nearest inertia that a body has."""
+    for link in robot.links:
+        if mass_of(link) > 0 and link.inertial.inertia is not None:
+            given = [[float(x) for x in row] for row in link.inertial.inertia]
+            if not _possible(given):
+                near, share = nearest_inertia(given)
+                link.inertial.inertia = near
+                done = f"nearest possible inertia taken, {share:.2g} of its size away"
+                yield Repair("inertia", f"link {link.name!r}", done)
+
+
+def _possible(J: Sequence[Sequence[float]]) -> bool:
+    """Return whether a body has this inertia about its centre of mass; one that is not finite waits."""
+    try:
+        exact = tuple(tuple(value(x, "inertia") for x in row) for row in J)
+    except InputError:
+        return True
+    try:
+        checks.body(1, exact, "inertia")
+    except InputError:
+        return False
+    return True
+
+
+def nearest_inertia(J: Sequence[Sequence[float]]) -> tuple[list[list[float]], float]:
+    """Return the nearest inertia that a body has about its centre of mass, and how far it is.
+
+    ``J``: symmetric, 3 x 3 (kg m^2). Near is meant of the second moments of mass S = tr(J)/2 1 - J, in the
+    Frobenius norm: negative principal second moments become zero. The distance is relative to the norm
+    of the given S. A body has an inertia if no principal second moment is negative.
+
+    Source: Higham, Linear Algebra and its Applications 103, 1988, p. 103, theorem 2.1, for the nearest
+    matrix; Wensing, Kim and Slotine, IEEE Robotics and Automation Letters 3(1), 2018, p. 60, for S.
+
+    >>> nearest_inertia([[1, 0, 0], [0, 1, 0], [0, 0, 4]])
+    ([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 4.0]], 0.3333333333333333)
+    """
+    half = sum(J[k][k] for k in range(3)) / 2
+    S = [[(half if i == j else 0.0) - J[i][j] for j in range(3)] for i in range(3)]
+    with mpmath.workdps(DIGITS):
+        values, axes = mpmath.eigsy(mpmath.matrix(S))
+        kept = [max(v, mpmath.mpf(0)) for v in values]
+        lost = mpmath.norm([v - k for v, k in zip(values, kept, strict=True)])
+        near = axes * mpmath.diag(kept) * axes.T
+        inertia = [
+            [float((sum(kept) if i == j else 0) - (near[i, j] + near[j, i]) / 2) for j in range(3)]
+            for i in range(3)
+        ]
+        size = mpmath.norm(list(values))
+        return inertia, float(lost / size) if size else 0.0
+
+
+def _mend_massless(robot: Any, floating: bool) -> Iterator[Repair]:
+    """Add inertia without mass to a link with mass that is fixed to it, or drop it."""
+    links = {link.name: link for link in robot.links}
+    grounded = {} if floating else _rigid(robot, _root(robot))
+    for link in robot.links:
+        own = link.inertial
+        if own is None or mass_of(link) or not any(x for row in _rows(own) for x in row):
+            continue
+        turns = _rigid(robot, link.name)
+        heavy = [
+            n for n in turns if mass_of(links[n]) > 0 and links[n].inertial.inertia is not None
+        ]
+        done = "dropped"
+        if link.name in grounded:
+            done += ": it is fixed to the ground, and moves nothing"
+        elif heavy:
+            _lump(own, links[heavy[0]].inertial, turns[heavy[0]])
+            done = f"lumped with link {heavy[0]!r}, to which it is fixed"
+        own.inertia = [[0.0] * 3] * 3
+        yield Repair("massless", f"link {link.name!r}", done)
+
+
+def _rows(inertial: Any) -> Matrix:
+    return () if inertial.inertia is None else [[float(x) for x in r] for r in inertial.inertia]
+
+
+def _lump(light: Any, heavy: Any, turn: Matrix) -> None:
+    """Add the inertia of a link without mass to another; ``turn``: from its axes to those of the other."""
+    outer, inner = _frame(light.origin, "inertia")[1], _frame(heavy.origin, "inertia")[1]
+    C = product(inner, product(turn, transposed(outer)))
+    more = product(C, product(_rows(light), transposed(C)))
+    heavy.inertia = [
+        [(a + b) / 2 for a, b in zip(*rows, strict=True)]
+        for rows in zip(_sum(_rows(heavy), more), transposed(_sum(_rows(heavy), more)), strict=True)
+    ]
+
+
+def _sum(A: Matrix, B: Matrix) -> Matrix:
+    return [[a + b for a, b in zip(*rows, strict=True)] for rows in zip(A, B, strict=True)]
+
+
+def _rigid(robot: Any, link: str) -> dict[str, Matrix]:
+    """Return the links that fixed joints hold to a link, itself first: C from its axes to theirs."""
+    found: dict[str, Matrix] = {link: IDENTITY}
+    waiting = [link]
+    fixed: list[tuple[Any, Matrix]] = [
+        (j, _frame(j.origin, f"joint {j.name!r}")[1]) for j in robot.joints if j.type == "fixed"
+    ]
+    while waiting:
+        name = waiting.pop()
+        steps = [(j.child, C) for j, C in fixed if j.parent == name]
+        steps += [(j.parent, transposed(C)) for j, C in fixed if j.child == name]
+        for other, C in steps:
+            if other not in found:
+                found[other] = product(C, found[name])
+                waiting.append(other)
+    return found
+
+
+def _mend_idle(robot: Any, floating: bool) -> Iterator[Repair]:  # noqa: ARG001
+    """Fix joints that move no mass."""
+    moving = _heavy(robot)
+    idle = [j for j in robot.joints if j.type != "fixed" and j.child not in moving]
+    for joint in idle:
+        _fix(joint)
+        yield Repair("idle", f"joint {joint.name!r}", "fixed, as it moves no mass")
+    gone = {joint.name for joint in idle}
+    for joint in (j for j in robot.joints if j.mimic is not None and j.mimic.joint in gone):
+        done = f"moves by itself, as {joint.mimic.joint!r} is fixed"
+        joint.mimic = None
+        yield Repair("mimic", f"joint {joint.name!r}", done)
+
+
+def _heavy(robot: Any) -> set[str]:
+    """Return the links that have mass, or carry some."""
+    leading = {j.child: j.parent for j in robot.joints}
+    found: set[str] = set()
+    for link in robot.links:
+        name: str | None = link.name if mass_of(link) else None
+        while name is not None and name not in found:
+            found.add(name)
+            name = leading.get(name)
+    return found
+
+
+MENDING: tuple[Callable[[Any, bool], Iterator[Repair]], ...] = (
+    _mend_types, _mend_mimics, _mend_idle, _mend_inertias, _mend_massless,
+)  # fmt: skip
+"""What lenient reading does, in this order: each changes a robot, and yields what it did."""

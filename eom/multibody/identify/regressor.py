@@ -106,6 +106,17 @@ class Regressor:
     columns: tuple[Parameter, ...]
     places: tuple[tuple[int, int], ...]
 
+    def array(self, values: Sequence[Any]) -> list[list[Any]]:
+        """Return Y as nested lists: ``values`` of the outputs in their order, others 0."""
+        found = dict(zip(self.places, values, strict=True))
+        return [
+            [found.get((r, c), 0) for c in range(len(self.columns))] for r in range(len(self.rows))
+        ]
+
+    def parameters(self, tree: Tree) -> tuple[Value, ...]:
+        """Return pi: the values that a ``tree`` gives the columns, in their order."""
+        return values_of(tree, self.columns)
+
 
 def parameters_of(
     tree: Tree, *, armature: bool = False, damping: bool = False

@@ -1,6 +1,8 @@
 """A tree of bodies as a `System`, by articulated bodies with every intermediate named.
 
 What is computed of a motion beside its rates: outputs, points, reactions, constants.
+
+Functions of a tree as systems to compile: mass matrix, dynamics, Jacobians, centre of mass, energies.
 """
 
 from __future__ import annotations
@@ -12,11 +14,11 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import typed, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.multibody.algebra.lazy_sums import Naming, plain, used
 from eom.multibody.algebra.scalars import add, is_zero, mul, reciprocal, sub
 from eom.multibody.algebra.spatial import cross, forward, plus
-from eom.multibody.algebra.values import is_number
+from eom.multibody.algebra.values import is_number, triple
 from eom.multibody.constrained.constraint_plan import (
     Binding,
     Plan,
@@ -39,6 +41,7 @@ from eom.multibody.model.names import (
     symbols_in,
     values_of,
 )
+from eom.multibody.recursion import quantities, recursions
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates, motion, places
 from eom.multibody.recursion.quantities import (
@@ -54,7 +57,7 @@ from eom.multibody.recursion.quantities import (
     momentum,
     point,
 )
-from eom.multibody.recursion.recursions import applied, end, forward_dynamics, twice_potential
+from eom.multibody.recursion.recursions import applied, end, twice_potential
 from eom.multibody.system import reactions
 from eom.multibody.system.reactions import Reaction, joint_named, of_all
 from eom.quantities import TIME, Definition, Quantity
@@ -333,7 +336,8 @@ def derive(
 def _accelerations(lumped: LumpedTree, given: Variables, work: Naming) -> list[Any]:
     if given.binding.tree.constraints:
         return given.binding.accelerations(given.tau, given.prescribed)
-    return forward_dynamics(lumped, given.q, given.u, given.tau, work, given.prescribed)
+    forward = recursions.forward_dynamics
+    return forward(lumped, given.q, given.u, given.tau, work, given.prescribed)
 
 
 def _asked(tree: Tree, wanted: Iterable[str | Reaction | Point]) -> frozenset[str]:
@@ -461,3 +465,234 @@ def _with_inertia(stated: BodyAttitude, derived: Derived) -> BodyAttitude:
     x, y, z = (plain(t) for t in torque)
     inertia = sp.Matrix([[plain(e) for e in row] for row in part.inertia.I])
     return replace(stated, inertia=inertia, torque=(x, y, z))
+
+
+@dataclass(frozen=True)
+class TreeFunction:
+    """An array over the coordinates and speeds of a tree, as a ``system`` to compile for any target.
+
+    ``system``: its states are those of the tree, its outputs the entries that are not zero by structure,
+    in SI units and the frames of `Joint`; its rates move the coordinates at constant speeds, or as the
+    inputs say. ``shape``: of the array, (n,) or (n, m). ``places``: the index of each output.
+    ``symmetric``: whether an output stands at its mirror image, too.
+    """
+
+    system: System
+    shape: tuple[int, ...]
+    places: tuple[tuple[int, ...], ...]
+    symmetric: bool = False
+
+    def array(self, values: Sequence[Any]) -> list[Any]:
+        """Return the array as nested lists: ``values`` of the outputs in their order, others 0."""
+        found = dict(zip(self.places, values, strict=True))
+        if self.symmetric:
+            found |= {place[::-1]: x for place, x in found.items()}
+        if len(self.shape) == 1:
+            return [found.get((k,), 0) for k in range(self.shape[0])]
+        rows, columns = self.shape
+        return [[found.get((r, c), 0) for c in range(columns)] for r in range(rows)]
+
+    @property
+    def expressions(self) -> Expr:
+        """The array as a SymPy matrix, every intermediate put in; of one dimension, a column."""
+        return sp.Matrix(
+            self.array([self.system.expand(o.expression) for o in self.system.outputs])
+        )
+
+
+class _Function:
+    """A tree without motors and constraints, over named scalars, and what a function of it is made of."""
+
+    def __init__(self, tree: Tree, word: str, inputs: str = "") -> None:
+        for joint in tree.joints:
+            if joint.motion is not None:
+                raise InputError(
+                    "a function of a tree takes all coordinates and speeds",
+                    where=f"joint {joint.name!r}: motion", hint="leave out the prescribed motion",
+                )  # fmt: skip
+        self.word = word
+        self.tree = replace(
+            tree, joints=tuple(replace(j, motor=False) for j in tree.joints), constraints=()
+        )
+        speeds = [s for j in tree.ordered for s in j.speeds]
+        self.inputs = tuple(_per_speed(inputs, s) for s in speeds) if inputs else ()
+        self.work = Naming(q.name for q in (*named_of(self.tree), *self.inputs))
+        self.lumped = lumped_tree(
+            self.tree, self.work.atom, self.work, [b.name for b in tree.bodies]
+        )
+        self.variables = variables_of(self.tree, self.lumped, Plan(), self.work)
+        self.given = [self.work.atom(i.symbol) for i in self.inputs]
+        self.derived = Derived(self.tree, self.lumped, self.variables, self.work, (), frozenset())
+
+    def made(
+        self,
+        entries: Mapping[tuple[int, ...], Any],
+        shape: tuple[int, ...],
+        rates: Sequence[Any] = (),
+        *,
+        unit: str = "",
+        symmetric: bool = False,
+    ) -> TreeFunction:
+        """Return the function of these entries; ``rates``: of the speeds, which else are constant."""
+        tree, given, work = self.tree, self.variables, self.work
+        kept = {place: x for place, x in entries.items() if not is_zero(x)}
+        names = {place: "_".join([self.word, *(str(k + 1) for k in place)]) for place in kept}
+        outputs = tuple(
+            _definition(names[place], unit, f"{self.word.replace('_', ' ')}, entry {place}", x)
+            for place, x in kept.items()
+        )
+        moved = [*coordinate_rates(self.lumped, given.q, given.u, work)]
+        moved += [*(rates or [0] * len(given.u)), *_of_rotors(tree, self.lumped, given, work)]
+        expressions = tuple(plain(x) for x in moved)
+        system = System(
+            name=f"{tree.name}_{self.word}",
+            states=states_of(tree),
+            rates=expressions,
+            parameters=parameters_of(tree),
+            inputs=(*inputs_of(tree), *self.inputs),
+            definitions=used(work.definitions, [*expressions, *(o.expression for o in outputs)]),
+            outputs=outputs,
+        )
+        return TreeFunction(system, shape, tuple(kept), symmetric)
+
+
+def _per_speed(letter: str, speed: Quantity) -> Quantity:
+    if letter == "dot":
+        unit, meaning = speed.unit.replace("/s", "/s^2"), f"rate of {speed.name}"
+    else:
+        unit = "N m" if speed.unit == "rad/s" else "N"
+        meaning = f"generalised force at {speed.name}"
+    return Quantity(sp.Symbol(f"{letter}_{speed.name}", real=True), unit, meaning)
+
+
+def _listed(values: Sequence[Any]) -> dict[tuple[int, ...], Any]:
+    return {(k,): x for k, x in enumerate(values)}
+
+
+@typed
+def mass_matrix(tree: Tree) -> TreeFunction:
+    """Return M(q), symmetric, (n, n), over the speeds of a tree in the order of its joints.
+
+    Units are kg m^2, kg m or kg as the speeds are rad/s or m/s. Constraints are left out: M is that of the
+    tree without them. Signs and axes of speeds are those of `Joint`. Raises `InputError` for prescribed
+    motions. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 6.2, composite bodies.
+
+    >>> from eom.multibody import Body, Joint
+    >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> mass_matrix(Tree("pendulum", (bob,), (hinge,))).expressions
+    Matrix([[18]])
+    """
+    made = _Function(tree, "mass_matrix")
+    M = recursions.mass_matrix(made.lumped, made.variables.q, made.work)
+    lower: dict[tuple[int, ...], Any] = {
+        (r, c): M[r][c] for r in range(len(M)) for c in range(r + 1)
+    }
+    return made.made(lower, (len(M), len(M)), symmetric=True)
+
+
+@typed
+def inverse_dynamics(tree: Tree) -> TreeFunction:
+    """Return the generalised forces (N m or N), (n,), that the rates of all speeds take.
+
+    Inputs: ``dot_<speed>`` (rad/s^2 or m/s^2). Gravity, loads, and springs, dampers and forces in the
+    joints act; what is returned is what motors must give beside them. Constraints are left out: their
+    forces are part of it. Signs and axes are those of `Joint`. Raises `InputError` for prescribed motions.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, recursive Newton-Euler.
+
+    >>> from eom.multibody import Body, Joint
+    >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> inverse_dynamics(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions
+    Matrix([[18*dot_u_hinge + 60*sin(q_hinge)]])
+    """
+    made = _Function(tree, "inverse_dynamics", "dot")
+    given = made.variables
+    needed = recursions.inverse_dynamics(made.lumped, given.q, given.u, made.given, made.work)
+    forces = [sub(f, held) for f, held in zip(needed, given.tau, strict=True)]
+    return made.made(_listed(forces), (len(forces),), made.given)
+
+
+@typed
+def forward_dynamics(tree: Tree) -> TreeFunction:
+    """Return the rates of all speeds (rad/s^2 or m/s^2), (n,), under generalised forces at them.
+
+    Inputs: ``tau_<speed>`` (N m or N), beside gravity, loads, and springs, dampers and forces in the
+    joints: the inverse of `inverse_dynamics`. Signs and axes are those of `Joint`. Raises `InputError` for
+    prescribed motions, and for constraints, whose forces it lacks (`derive` has them).
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, articulated bodies.
+
+    >>> from eom.multibody import Body, Joint
+    >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> forward_dynamics(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions
+    Matrix([[tau_u_hinge/18 - 10*sin(q_hinge)/3]])
+    """
+    if tree.constraints:
+        raise InputError(
+            "forward dynamics of a tree with constraints", where=f"tree {tree.name!r}",
+            hint="eom.multibody.derive has their forces; or leave the constraints out",
+        )  # fmt: skip
+    made = _Function(tree, "forward_dynamics", "tau")
+    given = made.variables
+    tau = [add(t, held) for t, held in zip(made.given, given.tau, strict=True)]
+    rates = recursions.forward_dynamics(made.lumped, given.q, given.u, tau, made.work)
+    return made.made(_listed(rates), (len(rates),), rates)
+
+
+@typed
+def jacobian(tree: Tree, body: str, point: Sequence[Any] = (0, 0, 0)) -> TreeFunction:
+    """Return the angular velocity of a ``body`` and the velocity of a ``point`` by the speeds, (6, n).
+
+    ``point``: from the body's origin, in its axes (m). Rows 1 to 3: angular velocity (rad/s); 4 to 6:
+    velocity of the point (m/s); both by speed, in the ground's axes. Raises `InputError` for unknown bodies
+    and prescribed motions. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 4.4.
+
+    >>> from eom.multibody import Body, Joint
+    >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> jacobian(Tree("pendulum", (bob,), (hinge,)), "bob", (0, 0, -3)).expressions[:, 0].T
+    Matrix([[1, 0, 0, 0, 3*cos(q_hinge), 3*sin(q_hinge)]])
+    """
+    made = _Function(tree, "jacobian")
+    if body not in made.lumped.seats:
+        raise unknown_name("body", body, made.lumped.seats, f"tree {tree.name!r}")
+    place = [made.work.atom(x) for x in triple(point, "point")]
+    parts = quantities.jacobian(made.lumped, made.variables.q, body, place, made.work)
+    entries: dict[tuple[int, ...], Any] = {
+        (3 * half + row, column): vector[row]
+        for half, columns in enumerate(parts)
+        for column, vector in enumerate(columns)
+        for row in range(3)
+    }
+    return made.made(entries, (6, made.lumped.speeds))
+
+
+@typed
+def centre_of_mass(tree: Tree) -> TreeFunction:
+    """Return the centre of mass (m), (3,), from the ground's origin, in the ground's axes.
+
+    Of all that moves; what is fixed to the ground is none of it. Raises `InputError` for prescribed
+    motions.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.13.
+
+    >>> from eom.multibody import Body, Joint
+    >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> centre_of_mass(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions.T
+    Matrix([[0, 3*sin(q_hinge), -3*cos(q_hinge)]])
+    """
+    made = _Function(tree, "centre_of_mass")
+    values = [made.work.atom(d.expression) for d in _centre(made.derived)]
+    return made.made(_listed(values), (3,), unit="m")
+
+
+@typed
+def energies(tree: Tree) -> TreeFunction:
+    """Return kinetic and potential energy (J), (2,): of gravity and springs, zero at the ground's origin.
+
+    The axes and signs are those of `Joint`. Raises `InputError` for prescribed motions.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.14.
+
+    >>> from eom.multibody import Body, Joint
+    >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> energies(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions.T
+    Matrix([[9*u_hinge**2, -60*cos(q_hinge)]])
+    """
+    made = _Function(tree, "energies")
+    return made.made(_listed([made.derived.kinetic(), made.derived.potential()]), (2,), unit="J")

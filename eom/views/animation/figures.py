@@ -22,9 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from eom.errors import InputError
 from eom.mass.meshes import read_mesh
-from eom.multibody.files.urdf import checked, parsed
+from eom.multibody.files.urdf import checked, names_of, parsed
 from eom.scenes import catalogue
-from eom.scenes.naming import spelling
 from eom.views.draw.meshes import Mesh, of_solid
 
 Floats = NDArray[np.float64]
@@ -215,13 +214,17 @@ def shapes_of_file(name: str | Path) -> dict[str, tuple[Shape, ...]]:
     if not catalogue.is_file(str(name)) or Path(name).suffix != catalogue.URDF:
         return {}
     file = Path(name)
-    robot = parsed(checked(file)[0])
+    try:
+        robot = parsed(checked(file, strict=False)[0])
+    except InputError:
+        return {}  # its motion is known, but not all of its shapes are
+    names = names_of("link", [link.name for link in robot.links], strict=False)
     found = {}
     for link in robot.links:
         shapes = tuple(_shapes(link.visuals, file)) or tuple(_shapes(link.collisions, file))
         size = sum(len(s.mesh.faces) for s in shapes)
         if size <= left:
-            found[spelling(link.name)] = shapes
+            found[names[link.name]] = shapes
             left -= size
     return found
 

@@ -294,3 +294,241 @@ def test_without_the_parser_one_message_says_what_to_install(monkeypatch):
     with pytest.raises(InputError, match="need the package yourdfpy") as caught:
         eom.load_scene(WALKER)
     assert "eom-toolkit[urdf]" in caught.value.hint
+
+
+# -- lenient reading, and a base that floats -----------------------------------------------------------
+
+LINK = (
+    '<link name="{}"><inertial><mass value="{}"/>'
+    '<inertia ixx="{}" ixy="0" ixz="0" iyy="{}" iyz="0" izz="{}"/></inertial></link>'
+)
+MIMIC = f"""{pin("revolute")}</joint><joint name="bend" {
+    pin(
+        "revolute",
+        '<mimic joint="pin" multiplier="-2" offset="0.5"/>',
+        '<parent link="arm"/><child link="tip"/>',
+    )
+}"""
+
+
+def mended(tmp_path, *arguments, floating=False, **keys):
+    file = robot(tmp_path, *arguments, **keys)
+    with pytest.raises(InputError):
+        eom.load_scene(file, floating=floating)
+    return eom.load_scene(file, strict=False, floating=floating)
+
+
+def reasons(scene):
+    return [(r.reason, r.part) for r in scene.repairs]
+
+
+def second_moments(J):
+    return np.trace(J) / 2 * np.eye(3) - J
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_nearest_inertia_is_possible_and_no_possible_one_is_nearer(seed):
+    """Against random possible inertias near it: the projection on a cone beats them all."""
+    draw = np.random.default_rng(seed)
+    J = draw.normal(size=(3, 3)) * 10.0 ** draw.uniform(-9, 3)
+    J += J.T
+    near, share = urdf.nearest_inertia(J.tolist())
+    S, N = second_moments(J), second_moments(np.array(near))
+    assert np.linalg.eigvalsh(N).min() >= -1e-15 * np.abs(N).max()
+    distance = np.linalg.norm(S - N)
+    assert share == pytest.approx(distance / np.linalg.norm(S), rel=1e-9)
+    for _ in range(50):
+        step = draw.normal(size=(3, 3)) * np.linalg.norm(S) * 10.0 ** draw.uniform(-6, 0)
+        root = np.linalg.cholesky(N + 1e-12 * np.linalg.norm(S) * np.eye(3)) + step
+        assert np.linalg.norm(S - root @ root.T) >= distance * (1 - 1e-6)
+    again, moved = urdf.nearest_inertia(near)
+    assert moved <= 1e-15
+    np.testing.assert_allclose(again, near, rtol=1e-14, atol=1e-15 * np.abs(near).max())
+
+
+def test_an_impossible_inertia_becomes_the_nearest(tmp_path):
+    scene = mended(tmp_path, pin("revolute"), body=BODY.replace('izz="1"', 'izz="4"'))
+    assert reasons(scene) == [("inertia", "link 'arm'")]
+    assert scene.tree.body["arm"].central_inertia == ((2, 0, 0), (0, 2, 0), (0, 0, 4))
+    assert "0.33 of its size away" in scene.repairs[0].done
+    assert "nearest: Frobenius norm of second moments" in str(scene.explain())
+
+
+def test_a_mimicking_joint_is_coupled(tmp_path):
+    scene = mended(tmp_path, MIMIC, more=LINK.format("tip", 1, 1, 1, 1))
+    assert reasons(scene) == [("mimic", "joint 'bend'")]
+    (coupling,) = scene.tree.constraints
+    assert dict(coupling.ratios) == {"bend": 1, "pin": 2}
+    start = scene.initial_values()
+    assert start["q_bend"] + 2 * start["q_pin"] == 0.5
+    assert scene.derive().input_names == ("tau_pin",)
+
+
+@pytest.mark.parametrize(
+    ("mimic", "done"),
+    [
+        ('joint="other"', "moves by itself"),
+        ('joint="bend"', "moves by itself"),
+        ('joint="weld" offset="0.25"', "held at 0.25"),
+        ('joint="weld"', "held at 0"),
+        ('joint="pin" multiplier="0" offset="1"', "held at 1"),
+    ],
+)
+def test_mimics_of_what_does_not_move(tmp_path, mimic, done):
+    ends = '<parent link="arm"/><child link="tip"/>', '<parent link="tip"/><child link="end"/>'
+    bend, weld = pin("revolute", f"<mimic {mimic}/>", ends[0]), pin("fixed", "", ends[1])
+    joints = f'{pin("revolute")}</joint><joint name="bend" {bend}</joint><joint name="weld" {weld}'
+    more = LINK.format("tip", 1, 1, 1, 1) + LINK.format("end", 1, 1, 1, 1)
+    scene = mended(tmp_path, joints, more=more)
+    (repair,) = scene.repairs
+    assert done in repair.done
+    assert ("q_bend" in scene.derive().state_names) == (done == "moves by itself")
+    if "held at 1" in done or "0.25" in done:
+        assert float(scene.joints["bend"].motion.position[0]) == float(done.split()[-1])
+
+
+def test_a_chain_of_mimics_ends_at_what_moves(tmp_path):
+    joints = MIMIC + '</joint><joint name="curl" ' + pin(
+        "revolute", '<mimic joint="bend" multiplier="3" offset="1"/>',
+        '<parent link="tip"/><child link="end"/>',
+    )  # fmt: skip
+    more = LINK.format("tip", 1, 1, 1, 1) + LINK.format("end", 1, 1, 1, 1)
+    scene = mended(tmp_path, joints, more=more)
+    rows = {c.name: dict(c.ratios) for c in scene.tree.constraints}
+    assert rows["mimic_curl"] == {"curl": 1, "pin": 6}
+    assert scene.initial_values()["q_curl"] == 2.5
+    assert sum(n.startswith("u_") for n in scene.derive().state_names) == 1
+
+
+def test_a_joint_that_moves_no_mass_is_fixed(tmp_path):
+    joints = pin("revolute") + '</joint><joint name="bend" ' + pin(
+        "revolute", "", '<parent link="arm"/><child link="tip"/>'
+    )  # fmt: skip
+    scene = mended(tmp_path, joints, more='<link name="tip"/>')
+    assert reasons(scene) == [("idle", "joint 'bend'")]
+    assert scene.derive().state_names == ("q_pin", "u_pin")
+
+
+def test_inertia_without_mass_is_lumped_where_it_is_fixed(tmp_path):
+    """The sum of both, in the axes of the one with mass."""
+    joints = pin("revolute") + '</joint><joint name="weld" ' + pin(
+        "fixed", '<origin rpy="0 1.5707963267948966 0"/>', '<parent link="arm"/><child link="tip"/>'
+    )  # fmt: skip
+    scene = mended(tmp_path, joints, more=LINK.format("tip", 0, 0.1, 0.2, 0.3))
+    assert reasons(scene) == [("massless", "link 'tip'")]
+    J = np.array(scene.tree.body["arm"].central_inertia, float)
+    np.testing.assert_allclose(J, np.diag([1.3, 1.2, 1.1]), rtol=1e-15)
+    assert not any(x for row in scene.tree.body["tip"].central_inertia for x in row)
+
+
+@pytest.mark.parametrize("floating", [False, True])
+def test_inertia_without_mass_at_the_root(tmp_path, floating):
+    base = LINK.format("base", 0, 0.1, 0.2, 0.3)
+    text = robot(tmp_path, pin("fixed")).read_text(encoding="utf-8")
+    file = tmp_path / "robot.urdf"
+    file.write_text(text.replace('<link name="base"/>', base), encoding="utf-8")
+    scene = eom.load_scene(file, strict=False, floating=floating)
+    (repair,) = scene.repairs
+    assert ("lumped" in repair.done) == floating
+    assert ("moves nothing" in repair.done) != floating
+
+
+def test_names_that_no_symbol_has_are_mapped(tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_text(
+        '\n<?xml version="1.0"?><robot><link name="ground"/>' + LINK.format("8", 1, 1, 1, 1)
+        + '<joint name="a-b" type="revolute"><parent link="ground"/><child link="8"/></joint>'
+        + LINK.format("9", 1, 1, 1, 1)
+        + '<joint name="a_b" type="revolute"><parent link="8"/><child link="9"/></joint></robot>',
+        encoding="utf-8",
+    )  # fmt: skip
+    with pytest.raises(InputError, match="not valid XML"):
+        eom.load_scene(file)
+    scene = eom.load_scene(file, strict=False)
+    assert set(scene.bodies) == {"link_ground", "link_8", "link_9"}
+    assert scene.derive().state_names == ("q_a_b", "q_a_b_0", "u_a_b", "u_a_b_0")
+    assert [r.part for r in scene.repairs] == [
+        "robot", "link 'ground'", "link '8'", "link '9'", "joint 'a_b'",
+    ]  # fmt: skip
+
+
+def test_damping_of_fixed_joints_and_ball_joints(tmp_path):
+    scene = mended(tmp_path, pin("fixed", '<dynamics damping="1"/>'))
+    assert reasons(scene) == [("damping", "joint 'pin'")]
+    scene = mended(tmp_path, pin("spherical"))
+    assert reasons(scene) == [("type", "joint 'pin'")]
+    assert scene.joints["pin"].kind == "spherical"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "keys", "what"),
+    [
+        ((pin("screw"),), {}, "unknown type"),
+        ((pin("revolute"),), {"body": BODY.replace('"2"', '"-2"')}, "mass is negative"),
+        ((pin("revolute"),), {"body": BODY.replace('ixx="1"', 'ixx="nan"')}, "unusable value"),
+        ((pin("revolute", '<axis xyz="0 0 0"/>'),), {}, "axis is zero"),
+        ((pin("fixed"),), {"more": '<link name="arm"/>'}, "repeated name|one root"),
+        ((pin("fixed"),), {"more": '<link name="c"/>'}, "one root link"),
+        ((pin("fixed"),), {"start": BILLION}, "no document type"),
+        (
+            (pin("fixed", mid='<parent link="bse"/><child link="arm"/>'),),
+            {},
+            "unknown link|one root",
+        ),
+    ],
+)
+def test_lenient_reading_refuses_what_nobody_can_mend(tmp_path, arguments, keys, what):
+    with pytest.raises(InputError, match=what):
+        eom.load_scene(robot(tmp_path, *arguments, **keys), strict=False).derive()
+
+
+def test_nothing_is_mended_where_nothing_is_wrong():
+    strict, lenient = eom.load_scene(WALKER), eom.load_scene(WALKER, strict=False)
+    assert lenient.repairs == ()
+    for part in ("bodies", "joints", "constraints", "initial", "notes"):
+        assert getattr(lenient, part) == getattr(strict, part)
+
+
+def test_a_floating_base_falls_with_all_it_carries():
+    """Free of the ground, the robot's centre of mass falls with gravity, whatever its joints do."""
+    scene = eom.load_scene(WALKER, floating=True)
+    system = scene.full_system
+    assert [n for n in system.state_names if "root" in n][:3] == ["x_root", "y_root", "z_root"]
+    assert "root link world-plate floats" in "\n".join(scene.notes)
+    values = {**scene.initial_values(), "q_hip": 0.4, "u_knee": 2.0}
+    x = [values[n] for n in system.state_names]
+    names = system.state_names
+    groups = interpret(lower_system(system), Point(x=x, u=[0.3] * len(system.inputs)))
+    rates = dict(zip(names, groups["rates"], strict=True))
+    tree = scene.tree
+    centre = momentum_rate(tree, values, rates)
+    np.testing.assert_allclose(centre, [0, 0, -9.81], atol=1e-9)
+
+
+def momentum_rate(tree, values, rates):
+    """The acceleration of the centre of mass, by the difference of momenta of two states close in time."""
+    from eom.multibody import derive
+
+    system = derive(tree, ["momentum"])
+    names = system.state_names
+    program = lower_system(system)
+    mass = sum(float(b.mass) for b in tree.bodies)
+    h = 1e-6
+
+    def momentum(sign):
+        x = [values[n] + sign * h * rates[n] for n in names]
+        found = interpret(program, Point(x=x, u=[0.3] * len(system.inputs)))["outputs"]
+        return np.array(found[:3])
+
+    return (momentum(1) - momentum(-1)) / (2 * h) / mass
+
+
+def test_a_floating_base_without_mass_is_refused(tmp_path):
+    with pytest.raises(InputError, match="a base that floats has no mass"):
+        eom.load_scene(robot(tmp_path, pin("revolute")), floating=True)
+
+
+def test_other_scenes_are_not_read_so():
+    for words in ({"strict": False}, {"floating": True}):
+        with pytest.raises(InputError, match="only robots"):
+            eom.load_scene("double-pendulum", **words)
