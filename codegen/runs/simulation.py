@@ -20,7 +20,7 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event, Given, Occurrences
 from codegen.compiling.signals import Inputs
-from codegen.frontend.layout import names_of, to_array
+from codegen.frontend.layout import completed, names_of, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
@@ -389,8 +389,9 @@ def compile_once(key: SameObject[System]) -> Compiled:
 
 
 def _start(compiled: Compiled, initial: Values) -> Array:
-    free = compiled.structure.without("state", initial)
-    return to_array(free, names_of(compiled.layout.states), "initial value")
+    states = compiled.layout.states
+    free = completed(compiled.structure.without("state", initial), states)
+    return to_array(free, names_of(states), "initial value")
 
 
 def _inputs(compiled: Compiled, given: Mapping[str, InputValue]) -> tuple[Array, Inputs | None]:
@@ -407,14 +408,16 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
     """Return the parameters in order; test all values against what the system assumes."""
     layout = compiled.layout
     names = names_of(layout.parameters)
-    given = compiled.structure.without("parameter", parameters)
-    spoken = given if isinstance(parameters, Mapping) else {}
+    given = completed(
+        compiled.structure.without("parameter", parameters), compiled.layout.parameters
+    )
+    spoken = given if isinstance(given, Mapping) else {}
     kept = {n: v for n, v in spoken.items() if n in names}
     known = dict(zip(names_of(layout.states), x0, strict=True))
     known |= dict(zip(names_of(layout.inputs), held, strict=True))
     if spoken != kept:
         compiled.guard.check(compiled.structure.completed({**known, **spoken}))
-    values = to_array(kept if isinstance(parameters, Mapping) else parameters, names, "parameter")
+    values = to_array(kept if isinstance(given, Mapping) else given, names, "parameter")
     everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
     compiled.guard.check(compiled.structure.completed(everything))
     return values
