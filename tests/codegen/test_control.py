@@ -204,3 +204,115 @@ def test_live_pages_and_closed_forms_say_that_they_hold_no_laws():
     for scene in (eom.Scene(**ONE), tree(laws={"tau_hinge": "-k*u_hinge"})):
         with pytest.raises(InputError, match="no laws of control"):
             page(scene)
+
+
+# -- Python functions of time and state ----------------------------------------------------------
+
+PENDULUM = eom.System.from_rates(
+    "pendulum", {X: V, V: U - sp.sin(X)}, inputs=[U], outputs={"speed": V}
+)
+
+
+def feedback(t, x):
+    return -2 * x["v"] - 3 * x["x"] + np.sin(t)
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    return codegen.compile(PENDULUM, "numpy")
+
+
+@pytest.fixture(scope="module")
+def by_law():
+    law = PENDULUM.with_control({"u": -2 * V - 3 * X + sp.sin(PENDULUM.time)})
+    return codegen.simulate(codegen.compile(law, "numpy"), [1, 0], (0, 5), rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    "method", ["auto", "DP5", "Tsit5", "scipy:Radau", "scipy:BDF", "scipy:LSODA"]
+)
+def test_a_function_of_time_and_state_is_the_symbolic_law(pendulum, by_law, method):
+    run = codegen.simulate(pendulum, [1, 0], (0, 5), method=method, inputs={"u": feedback})
+    assert run.y[:, -1] == pytest.approx(by_law.y[:, -1], abs=1e-7)
+    assert "how smooth it is in the states is not known" in run.notice
+
+
+@pytest.mark.parametrize("make", [
+    lambda t, x: {"u": feedback(t, x)},
+    lambda t, x: [feedback(t, x)],
+    lambda t, x: np.array([feedback(t, x)]),
+], ids=["by name", "a list", "an array"])  # fmt: skip
+def test_one_function_of_all_inputs(pendulum, by_law, make):
+    run = codegen.simulate(pendulum, [1, 0], (0, 5), inputs=make)
+    assert run.y[:, -1] == pytest.approx(by_law.y[:, -1], abs=1e-8)
+
+
+def test_states_that_no_output_needs_are_there_for_a_function(pendulum, by_law):
+    run = codegen.simulate(pendulum, [1, 0], (0, 5), inputs={"u": feedback}, outputs=["speed"])
+    assert run["speed"][-1] == pytest.approx(by_law["v"][-1], abs=1e-8)
+    assert run.left_out == ()
+
+
+def test_late_runs_give_functions_the_users_time(pendulum):
+    late = codegen.simulate(pendulum, [1, 0], (100, 105), inputs={"u": feedback})
+    early = codegen.simulate(
+        pendulum, [1, 0], (0, 5), inputs={"u": lambda t, x: feedback(t + 100, x)}
+    )
+    assert late.y[:, -1] == pytest.approx(early.y[:, -1], abs=1e-8)
+
+
+def test_accuracy_of_a_closed_loop_is_estimated_and_growth_is_not_known(pendulum, by_law):
+    run = codegen.simulate(pendulum, [1, 0], (0, 5), inputs={"u": feedback}, rtol=1e-7)
+    found = run.accuracy()
+    assert np.all(found.error[:, -1] >= 0.1 * np.abs(run.y[:, -1] - by_law.y[:, -1]))
+    assert np.all(np.isnan(found.growth))
+
+
+def test_stiff_feedback_is_taken_by_an_implicit_method(pendulum):
+    def hard(t, x):
+        return -1e5 * x["v"] - 1e5 * x["x"]
+
+    law = codegen.compile(PENDULUM.with_control({"u": -100000 * (V + X)}), "numpy")
+    runs = [codegen.simulate(pendulum, [1, 0], (0, 5), inputs={"u": hard}, rtol=1e-7),
+            codegen.simulate(law, [1, 0], (0, 5), rtol=1e-7)]  # fmt: skip
+    for run in runs:
+        assert run.success
+        assert "stiff" in run.why
+        assert run.steps < 5000
+    assert runs[0]["x"][-1] == pytest.approx(runs[1]["x"][-1], rel=1e-5)
+
+
+def test_the_signature_decides_what_a_function_is_of(pendulum):
+    seen = []
+
+    def of_time(t, gain=2.0):
+        seen.append(gain)
+        return gain * 0.0
+
+    codegen.simulate(pendulum, [1, 0], (0, 1), inputs={"u": of_time})
+    assert set(seen) == {2.0}
+    with pytest.raises(InputError, match="neither the time alone nor time and states"):
+        codegen.simulate(pendulum, [1, 0], (0, 1), inputs={"u": lambda t, x, p: 0.0})
+    with pytest.raises(InputError, match="unknown state 'w'"):
+        codegen.simulate(pendulum, [1, 0], (0, 1), inputs={"u": lambda t, x: x["w"]})
+
+
+@pytest.mark.parametrize(("given", "message"), [
+    (lambda t, x: {"w": 0.0}, "unknown input 'w'"),
+    (lambda t, x: 0.0, "not a value for each input"),
+    (lambda t, x: [0.0, 1.0], "not a value for each input"),
+    (lambda t, x: {}, "does not return a number"),
+    (lambda t, x: ["0"], "does not return a number"),
+])  # fmt: skip
+def test_what_a_function_of_all_inputs_may_not_return(pendulum, given, message):
+    with pytest.raises(InputError, match=message):
+        codegen.simulate(pendulum, [1, 0], (0, 1), inputs=given)
+
+
+def test_a_switch_in_the_state_that_a_signal_states_nothing_of_is_resolved_by_steps():
+    free = codegen.compile(eom.System.from_rates("slider", {X: V, V: U}, inputs=[U]), "numpy")
+    bang = codegen.Signal(lambda t, x: -1.0 if x["x"] > 0 else 1.0, max_step=0.1)
+    run = codegen.simulate(free, [1, 0], (0, 3), inputs={"u": bang}, rtol=1e-8)
+    quarter = np.sqrt(2)  # then x is zero, and the force turns
+    left = 3 - quarter
+    assert run["x"][-1] == pytest.approx(-quarter * left + left**2 / 2, abs=1e-5)
