@@ -137,7 +137,7 @@ ONE = {
     "parameters": {"k": 1, "d": {"value": 4, "unit": "N m s"}, "M": 0.3},
     "control": {"laws": {"u_1": "saturate(raw, -M, M)"},
                 "definitions": {"raw": "-k*q0*q1 - d*omega_1 - 0.1*z"},
-                "states": {"z": {"rate": "q0*q1 + u_1 - raw", "unit": "s"}}},
+                "states": {"z": {"rate": "q0*q1 + raw - u_1", "unit": "s"}}},
     "initial": {"omega_1": 0.1, "omega_2": 0, "omega_3": 0},
     "initial_attitude": {"sequence": "3-2-1", "degrees": (0, 0, 60)},
 }  # fmt: skip
@@ -155,7 +155,7 @@ def test_a_scene_of_one_body_is_the_loop_that_python_makes():
     q0, q1, w = sp.symbols("q0 q1 omega_1")
     raw = -sp.Symbol("k") * q0 * q1 - sp.Symbol("d") * w - z / 10
     law = eom.saturate(raw, -sp.Symbol("M"), sp.Symbol("M"))
-    by_hand = open_loop.full_system.with_control({"u_1": law}, {"z": q0 * q1 + law - raw})
+    by_hand = open_loop.full_system.with_control({"u_1": law}, {"z": q0 * q1 + raw - law})
     ends = []
     for made in (system, by_hand):
         values = scene.initial_values(), (0, 20), scene.parameter_values()
