@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from eom.derivations.derivation import Derivation as Derivation
     from eom.errors import AssumptionError as AssumptionError
     from eom.errors import InputError as InputError
+    from eom.expressions import saturate as saturate
     from eom.mechanics.rigidbody import euler_equations as euler_equations
     from eom.mechanics.rigidbody import free_rigid_body as free_rigid_body
     from eom.mechanics.rigidbody import full_inertia as full_inertia
@@ -55,6 +56,7 @@ _HOME = {
     "Scene": "scenes.scene",
     "TreeScene": "multibody.files.scene",
     "load_scene": "opening",
+    "saturate": "expressions",
     "SpinningSymmetricBody": "mechanics.spinning",
     "lecture_torque": "mechanics.spinning",
     "Assumption": "quantities",

@@ -30,6 +30,25 @@ def as_expression(value: Any) -> Expr:
         ) from None
 
 
+def saturate(value: Any, low: Any, high: Any) -> Expr:
+    """Return ``value`` where it is between ``low`` and ``high``, else the nearer of the two.
+
+    Numbers or SymPy expressions, in one unit. Of expressions it is max(low, min(value, high)), whose kinks
+    runs find as they find those of any formula; where ``low`` is above ``high`` that is ``low``. Raises
+    `InputError` for numbers in the wrong order, and what is no expression.
+
+    >>> x = sp.Symbol("x")
+    >>> saturate(x, -1, 1).subs(x, 3)
+    1
+    """
+    value, low, high = map(as_expression, (value, low, high))
+    if (low > high) == True:  # noqa: E712 - may be undecided
+        raise InputError("limits are in the wrong order", where="saturate",
+                         got=f"{low} to {high}", expected="the lower one first")  # fmt: skip
+    as_written = not value.is_number  # comparing long expressions would take SymPy minutes
+    return sp.Max(low, sp.Min(value, high, evaluate=not as_written), evaluate=not as_written)
+
+
 def nodes(expressions: Iterable[Expr]) -> Iterator[Expr]:
     """Yield each distinct subexpression of some expressions once."""
     stack = list(expressions)

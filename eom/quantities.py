@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
@@ -22,13 +23,15 @@ class Quantity:
 
     ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s;
     ``1`` or nothing where there is none. ``meaning``, ``latex``: for pages; nothing is computed from them.
-    Raises `InputError` for what is no symbol, and no text.
+    ``default``: of a state or parameter, its value in runs that give none by name.
+    Raises `InputError` for what is no symbol, no text, and a default that is no finite number.
     """
 
     symbol: Expr
     unit: str = ""
     meaning: str = ""
     latex: str = ""
+    default: float | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.symbol, sp.Symbol):
@@ -40,6 +43,9 @@ class Quantity:
             and isinstance(self.latex, str)
         ):
             raise InputError("unit, meaning and LaTeX are texts", where=f"quantity {self.name!r}")
+        if self.default is not None and not is_finite(self.default):
+            raise InputError("the default is no finite number", where=f"quantity {self.name!r}",
+                             got=shown(self.default))  # fmt: skip
 
     @property
     def name(self) -> str:
@@ -127,6 +133,14 @@ class Assumption:
         if not self.tolerance >= 0:
             raise InputError("the tolerance is negative", where=f"assumption {self.name!r}",
                              got=self.tolerance)  # fmt: skip
+
+
+def is_finite(value: Any) -> bool:
+    """Return whether a value is a finite real number."""
+    try:
+        return not isinstance(value, str | bytes) and math.isfinite(value)
+    except (TypeError, OverflowError):
+        return False
 
 
 def as_symbol(value: Any, where: str) -> Expr:

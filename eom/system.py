@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
 from eom import proof
-from eom.errors import InputError, entries, is_text, shown, typed
+from eom.errors import InputError, entries, is_text, shown, typed, unknown_name
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
 from eom.quantities import (
     TIME,
@@ -211,9 +211,178 @@ class System:
         ]
         return sp.Add(*terms, full.diff(self.time))
 
+    @typed
+    def with_control(
+        self,
+        laws: Mapping[Any, Any],
+        states: Mapping[Any, Any] | None = None,
+        *,
+        definitions: Mapping[Any, Any] | None = None,
+        parameters: Iterable[Any] = (),
+    ) -> System:
+        """Return the closed loop: a system in which inputs are laws over states, outputs and time.
+
+        ``laws``: an expression for each input that is controlled, by its name or symbol, in its unit.
+        ``states``: of the control itself (an integrator, observer or filter), with their rates, a name,
+        symbol or `Quantity` each; a run starts them at zero, or at the ``default`` of the quantity, where
+        it gives no value by name. ``definitions``: named expressions that laws and rates share.
+        ``parameters``: quantities with units for some of the symbols that the system does not have; each of
+        these becomes a parameter.
+
+        Expressions are over states, parameters, inputs, outputs and time of the system, and over what is
+        defined here, in any order; symbols count by their names. Controlled inputs and definitions become
+        outputs. Invariants that an input is part of are left out; others hold for any law.
+
+        Raises `InputError` for what is no input, names that are taken, laws that need their own results,
+        and intermediate definitions of the system, which have no lasting names.
+
+        >>> x, v, u, k, d = sp.symbols("x v u k d", real=True)
+        >>> cart = System.from_rates("cart", {x: v, v: u}, inputs=[u])
+        >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
+        -d*v - k*x
+        """
+        held = {q.name: q for q in self.inputs}
+        by_name = {_name_of(key): law for key, law in laws.items()}
+        for name in by_name:
+            if name not in held:
+                raise unknown_name("input", name, held, f"laws of control of {self.name!r}")
+        moved = {_as_state(key): rate for key, rate in (states or {}).items()}
+        shared = {_as_quantity(key): e for key, e in (definitions or {}).items()}
+        spoken = _Spoken(self, (*moved, *shared), parameters)
+        rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
+        made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
+        rates = {q: spoken.over(rate) for q, rate in moved.items()}
+        return _closed(self, made, rates, tuple(spoken.gains.values()))
+
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
     return _definitions(group, "outputs or invariants")
+
+
+# -- closed loops --------------------------------------------------------------------------------
+
+
+def _name_of(key: Any) -> str:
+    return key if is_text(key) else _quantity(key, "a control").name
+
+
+def _as_quantity(key: Any) -> Quantity:
+    return _quantity(sp.Symbol(key, real=True) if is_text(key) else key, "a control")
+
+
+def _as_state(key: Any) -> Quantity:
+    """Return a state of a control, which starts at zero unless it says otherwise."""
+    found = _as_quantity(key)
+    found = replace(found, meaning=found.meaning or "state of the control")
+    return found if found.default is not None else replace(found, default=0.0)
+
+
+class _Spoken:
+    """What laws of control speak of by name: of a system, and of the control's ``own`` quantities.
+
+    ``gains``: the parameters that are new, by name.
+    """
+
+    def __init__(self, system: System, own: Sequence[Quantity], parameters: Iterable[Any]) -> None:
+        self.system = system
+        self.given = {q.name: q for q in _quantities(parameters, "parameters of a control")}
+        self.gains: dict[str, Quantity] = {}
+        time = Quantity(system.time)
+        variables = (*system.states, *system.parameters, *system.inputs, time)
+        self.known = {d.name: d.expression for d in system.outputs}
+        self.known |= {q.name: q.symbol for q in variables}
+        for q in own:
+            if q.name in self.known:
+                raise InputError("this name is taken", where=self._where, got=q.name,
+                                 expected="new names for what the control defines")  # fmt: skip
+        self.known |= {q.name: q.symbol for q in own}
+        self.hidden = {d.name for d in system.definitions} - {*self.known}
+
+    @property
+    def _where(self) -> str:
+        return f"control of {self.system.name!r}"
+
+    def over(self, given: Any) -> Expr:
+        """Return an expression over the symbols of the system."""
+        law = as_expression(given)
+        symbols = sorted(free_symbols((law,)), key=lambda s: str(s.name))
+        return replaced(law, {s: self._meant(s) for s in symbols})
+
+    def _meant(self, symbol: Expr) -> Expr:
+        name = str(symbol.name)
+        if name in self.known:
+            return self.known[name]
+        if name in self.hidden:
+            raise InputError(
+                "a law speaks of an intermediate definition of the system",
+                where=self._where,
+                got=name,
+                expected="states, parameters, inputs, outputs or time",
+                hint="call a gain otherwise; to read the definition, write its expression",
+            )
+        return self.gains.setdefault(name, self.given.get(name, Quantity(symbol))).symbol
+
+
+def _closed(
+    system: System,
+    laws: tuple[Definition, ...],
+    states: Mapping[Quantity, Expr],
+    gains: tuple[Quantity, ...],
+) -> System:
+    """Return a system with laws as definitions before what reads them, and the states of a control."""
+    controlled = {d.symbol for d in laws}
+    definitions = _in_order((*laws, *system.definitions), system.name)
+    changed = set(controlled)
+    for d in definitions:
+        if free_symbols((d.expression,)) & changed:
+            changed.add(d.symbol)
+    invariants = tuple(d for d in system.invariants if not free_symbols((d.expression,)) & changed)
+    matrix = system.mass_matrix
+    if matrix is not None and states:
+        matrix = sp.diag(sp.Matrix(matrix), sp.eye(len(states)))
+    shown = tuple(
+        Definition(d.quantity, d.symbol) for d in laws if d.name not in system.output_names
+    )
+    return replace(
+        system,
+        states=(*system.states, *states),
+        rates=(*system.rates, *states.values()),
+        parameters=(*system.parameters, *gains),
+        inputs=tuple(q for q in system.inputs if q.symbol not in controlled),
+        definitions=definitions,
+        mass_matrix=matrix,
+        outputs=(*system.outputs, *shown),
+        invariants=invariants,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+    )
+
+
+def _in_order(rows: Sequence[Definition], where: str) -> tuple[Definition, ...]:
+    """Return definitions, each behind those that it reads, otherwise in order.
+
+    Raises `InputError` where some need each other.
+    """
+    missing = {d.symbol for d in rows}
+    waiting = [(d, free_symbols((d.expression,)) & missing) for d in rows]
+    ordered: list[Definition] = []
+    while waiting:
+        left = []
+        for d, reads in waiting:
+            if reads & missing:
+                left.append((d, reads))
+            else:
+                ordered.append(d)
+                missing.discard(d.symbol)
+        if len(left) == len(waiting):
+            raise InputError(
+                "laws of control need their own results",
+                where=where,
+                got=", ".join(d.name for d, _ in left[:6]),
+                expected="laws over states, or over outputs that do not depend on the controlled inputs",
+                hint="a filter, a state of the control, makes a loop of laws one of states",
+            )
+        waiting = left
+    return tuple(ordered)
 
 
 # -- fields as users write them ------------------------------------------------------------------

@@ -113,6 +113,7 @@ FACTS = {
         NONE,
     ),
     "eom.load_scene": (NONE, NONE, NONE, NONE),
+    "eom.saturate": (NONE, "in one unit", NONE, NONE),
     "eom.SpinningSymmetricBody": (
         "(M1, M2, M3)",
         "Angles in rad",

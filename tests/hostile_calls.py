@@ -96,7 +96,8 @@ MADE = {
 
 
 METHODS = (
-    "System.from_rates", "System.expand", "System.rate_of", "Table.__call__", "Compiled.rates",
+    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "Table.__call__",
+    "Compiled.rates",
     "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
     "FreeMotion.__call__", "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix",
     "SparseJacobian.__call__", "SparseJacobian.dense",
@@ -204,6 +205,7 @@ def _eom(folder):
             "joints": {"hinge": {"kind": "revolute", "parent": "ground", "child": "bob", "axis": "x"}},
         }),
         "load_scene": (eom.load_scene, {"name": "t-handle", "strict": True, "floating": False}),
+        "saturate": (eom.saturate, {"value": y, "low": -1, "high": 1}),
         "SpinningSymmetricBody": (eom.SpinningSymmetricBody, {
             "torque": (0, 0, 0), "parameters": (), "inputs": (),
         }),
@@ -215,7 +217,9 @@ def _eom(folder):
             "inertia": None, "torque": None, "directions": (), "unspun": False, "body": "",
         }),
         "Definition": (eom.Definition, {"quantity": eom.Quantity(y), "expression": y}),
-        "Quantity": (eom.Quantity, {"symbol": y, "unit": "", "meaning": "", "latex": ""}),
+        "Quantity": (eom.Quantity, {
+            "symbol": y, "unit": "", "meaning": "", "latex": "", "default": None,
+        }),
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
@@ -334,6 +338,9 @@ def _methods():
         }),
         "System.expand": (OSCILLATOR.expand, {"expression": y}),
         "System.rate_of": (OSCILLATOR.rate_of, {"expression": y}),
+        "System.with_control": (OSCILLATOR.with_control, {
+            "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+        }),
         "Table.__call__": (eom.Table("a", (0, 1), (0, 1)), {"argument": y}),
         "Compiled.rates": (lambda **a: compiled.functions["rates"](a["t"], a["x"], a["p"], a["u"]), at),
         "Compiled.jacobian": (compiled.jacobian, {"wrt": "states", "of": "rates"}),

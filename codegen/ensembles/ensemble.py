@@ -276,7 +276,8 @@ def _shared(
     for name, value in inputs.items():
         if callable(value):
             raise InputError(
-                f"input {name} is a function", hint="write it into the system as a function of time"
+                f"input {name} is a function",
+                hint="write it into the system by System.with_control",
             )
     return Shared(
         t_span=span,

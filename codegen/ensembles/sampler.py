@@ -27,7 +27,7 @@ from scipy.special import ndtri
 
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
-from codegen.frontend.layout import names_of
+from codegen.frontend.layout import completed, names_of
 from codegen.frontend.structure import Condition
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import Array
@@ -119,6 +119,8 @@ def population(compiled: Compiled, initial: Many, parameters: Many) -> Populatio
         raise InputError("parameters are a sampler", hint="give one sampler of both as initial")
     columns = {} if sampler else _columns(compiled, "state", initial, states)
     columns |= _columns(compiled, "parameter", parameters, [n for n in others if n not in drawn])
+    standing = [q for q in (*layout.states, *layout.parameters) if q.name not in drawn]
+    columns = {n: np.asarray(c, dtype=np.float64) for n, c in completed(columns, standing).items()}
     missing = [n for n in (*states, *others) if n not in columns and n not in drawn]
     if missing:
         raise InputError(f"missing states or parameters: {', '.join(missing)}")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +106,14 @@ class Layout:
 def names_of(quantities: Sequence[Quantity]) -> tuple[str, ...]:
     """Return the names of quantities."""
     return tuple(q.name for q in quantities)
+
+
+def completed(values: Any, quantities: Sequence[Quantity]) -> Any:
+    """Return values by name with the defaults of quantities that have none; values in order as they are."""
+    standing = {q.name: q.default for q in quantities if q.default is not None}
+    if not standing or not (values is None or isinstance(values, Mapping)):
+        return values
+    return standing | dict(values or {})
 
 
 def to_array(

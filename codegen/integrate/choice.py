@@ -64,6 +64,7 @@ class Task:
     events: tuple[events.Event, ...] = ()
 
 
+InputsAt = Callable[[float, Array], Array]
 DOP853_REACH = 6.1
 """S of DOP853: Hairer and Wanner II, sect. IV.2."""
 NEAR = 0.6
@@ -109,7 +110,7 @@ def taylor_reach(order: int) -> float:
     return z
 
 
-def promising(compiled: Compiled, problem: Problem, u: Array, worth: int) -> bool:
+def promising(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> bool:
     """Return whether stability may cost more than ``worth`` steps of DOP853, judged by the start alone.
 
     Costs as many calls of the rates as there are states where the norm of the Jacobian excludes it.
@@ -129,7 +130,7 @@ def limited(
     compiled: Compiled,
     problem: Problem,
     at: tuple[float, Array, float],
-    u: Array,
+    u: InputsAt,
     reach: float,
     worth: int,
 ) -> Stiff | None:
@@ -150,15 +151,15 @@ def limited(
 
 
 def _differences(
-    compiled: Compiled, problem: Problem, t: float, x: Array, u: Array
+    compiled: Compiled, problem: Problem, t: float, x: Array, u: InputsAt
 ) -> tuple[Array, Array]:
     """Return by how much each state is moved, about 1e-8 of its size, and in rows how the rates change."""
     rates, p, n = compiled.rhs, problem.parameters, len(x)
     moved = x + ROOT * np.maximum(np.abs(x), _least(compiled, problem, x))
-    point, slopes, here = x.copy(), np.empty((n, n)), rates(t, x, p, u)
+    point, slopes, here = x.copy(), np.empty((n, n)), rates(t, x, p, u(t, x))
     for j in range(n):
         point[j] = moved[j]
-        rates(t, point, p, u, slopes[j])
+        rates(t, point, p, u(t, point), slopes[j])
         point[j] = x[j]
     with np.errstate(invalid="ignore"):  # rates that overflow; the caller looks for them
         slopes -= here
@@ -257,13 +258,14 @@ MANY = 100
 """States from which on LSODA's full matrices cost more than sparse ones of BDF."""
 
 
-def _inputs(task: Task, t: float) -> Array:
-    return task.problem.inputs if task.signals is None else task.signals(t)
+def _inputs(task: Task) -> InputsAt:
+    """Return the inputs (m,) as a function of time and state (n,)."""
+    return task.signals or (lambda t, x: task.problem.inputs)
 
 
 def _stiff_from_the_start(task: Task, methods: Mapping[str, Prepare]) -> Stiff | None:
     compiled, problem = task.compiled, task.problem
-    u, worth = _inputs(task, problem.t_span[0]), WORTH[_is_native(task)]
+    u, worth = _inputs(task), WORTH[_is_native(task)]
     if not promising(compiled, problem, u, worth):
         return None
     trial = replace(
@@ -278,7 +280,6 @@ def _stiff_from_the_start(task: Task, methods: Mapping[str, Prepare]) -> Stiff |
         return None
     h = float(np.median(np.diff(made.t[-TRIAL // 4 :])))
     at = made.stop.t, made.state_at_stop, h
-    u = _inputs(task, made.stop.t)
     return limited(compiled, problem, at, u, DOP853_REACH, worth)
 
 
@@ -372,7 +373,7 @@ class _Look:
         return replace(self.problem, watch=self._limited, watch_every=WATCH[self.native])
 
     def _limited(self, t: float, x: Array, h: float) -> bool:
-        at, u = (t, x, h), _inputs(self.task, t)
+        at, u = (t, x, h), _inputs(self.task)
         reach, worth = self.chosen.reach, WORTH[self.native]
         self.stiff = limited(self.task.compiled, self.problem, at, u, reach, worth)
         return self.stiff is not None

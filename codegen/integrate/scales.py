@@ -212,16 +212,16 @@ def of_run(
     start: Point,
     t_span: tuple[float, float],
     rtol: float,
-    signals: Callable[[float], Array] | None,
+    signals: Callable[[float, Array], Array] | None,
 ) -> tuple[Array, str]:
     """Return default absolute tolerances (n,) of a run, and what to report.
 
-    ``signals``: inputs over time, where they are functions.
+    ``signals``: inputs over time and state, where they are functions.
     """
 
     def rates(t: Array, x: Array) -> Array:
         now, state = start.epoch + float(t[0]), np.ascontiguousarray(x[:, 0])
-        u = start.inputs if signals is None else signals(float(t[0]))
+        u = start.inputs if signals is None else signals(float(t[0]), state)
         return compiled.rhs(now, state, start.parameters, u)[:, None]
 
     column = start.states[:, None]

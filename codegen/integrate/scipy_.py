@@ -10,7 +10,6 @@ The rules are those of `codegen.loops.projection` and of `projection.c`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -52,23 +51,21 @@ def _places(compiled: Compiled, problem: Problem) -> list[int]:
 class Projector:
     """Projection over the compiled functions, as `projection.c` does it."""
 
-    def __init__(
-        self, compiled: Compiled, problem: Problem, inputs: Callable[[float], Array] | None = None
-    ) -> None:
+    def __init__(self, compiled: Compiled, problem: Problem, inputs: Inputs | None = None) -> None:
         self.problem, self.inputs = problem, inputs
         self.places = _places(compiled, problem)
         self.jacobian = compiled.jacobian("states", INVARIANTS)
-        self.kept = _kept(compiled, problem, self._u(problem.t_span[0]))
+        self.kept = _kept(compiled, problem, self._u(problem.t_span[0], problem.x0))
         self.units = np.array(units(compiled.layout))
         self.allowed = max(problem.rtol, LEAST_TOLERANCE) / SHARE
 
-    def _u(self, t: float) -> Array:
-        return self.problem.inputs if self.inputs is None else self.inputs(t)
+    def _u(self, t: float, x: Array) -> Array:
+        return self.problem.inputs if self.inputs is None else self.inputs(t, x)
 
     def __call__(self, t: float, x: Array) -> Array:
         """Return the state ``x``, of shape (n,), on the invariants: itself if it is there."""
-        u = self._u(t)
         for _ in range(TURNS):
+            u = self._u(t, x)
             scale = self._scale(x)
             whole, entries = self.jacobian.with_value(t, x, self.problem.parameters, u)
             value = whole[self.places]
@@ -216,8 +213,9 @@ class _Run:
         self.singular_function = compiled.functions.get("singularities")
         self.coordinates = compiled.layout.coordinates
         self.rhs = compiled.rhs
-        self.jacobian = jacobian_of(compiled) if method in IMPLICIT else None
-        self.sparsity = sparsity(compiled) if method in WITH_SPARSITY else None
+        known = inputs is None or not inputs.of_state  # else rates depend on states in Python, too
+        self.jacobian = jacobian_of(compiled) if known and method in IMPLICIT else None
+        self.sparsity = sparsity(compiled) if known and method in WITH_SPARSITY else None
         self.inputs = inputs
         self.projector = Projector(compiled, problem, inputs) if problem.project else None
         self.method = method
@@ -242,12 +240,12 @@ class _Run:
         self.singular = self._singularities(problem.t_span[0], problem.x0)
         self.closest = np.abs(self.singular)
 
-    def _u(self, t: float) -> Array:
-        return self.problem.inputs if self.inputs is None else self.inputs(t)
+    def _u(self, t: float, x: Array) -> Array:
+        return self.problem.inputs if self.inputs is None else self.inputs(t, x)
 
     def _slope(self, t: float, x: Array) -> Array:
         self.evaluations += 1
-        slope = self.rhs(t, x, self.problem.parameters, self._u(t))
+        slope = self.rhs(t, x, self.problem.parameters, self._u(t, x))
         finite = np.isfinite(slope)
         if not finite.all():
             self.broken = int(np.argmin(finite))
@@ -257,7 +255,7 @@ class _Run:
         """Return the entries of the Jacobian of the rates; they count as one evaluation."""
         assert self.jacobian is not None
         self.evaluations += 1
-        entries = self.jacobian(float(t), x, self.problem.parameters, self._u(t))
+        entries = self.jacobian(float(t), x, self.problem.parameters, self._u(t, x))
         finite = np.isfinite(entries)
         self.steep = -1 if finite.all() else self.jacobian.rows[int(np.argmin(finite))]
         return entries
@@ -276,7 +274,7 @@ class _Run:
     def _singularities(self, t: float, x: Array) -> Array:
         if self.singular_function is None:
             return np.empty(0)
-        return self.singular_function(float(t), x, self.problem.parameters, self._u(t))
+        return self.singular_function(float(t), x, self.problem.parameters, self._u(t, x))
 
     def run(self) -> Trajectory:
         problem = self.problem

@@ -189,13 +189,14 @@ class Watcher:
         times[-1] = t
         u = self.problem.inputs
         if self.inputs is not None:
-            if self.inputs.hides(t_old, t, self.span):
+            if self.inputs.hides(t_old, t, self.span, dense):
                 return Cut(0.25 * abs(h))
-            u = self.inputs.along(times)
-        return None if self.f.watched is None else self._cut(times, ends, dense, u)
-
-    def _cut(self, times: Array, ends: Sequence[Array], dense: Dense, u: Array) -> Cut | None:
+            if self.f.watched is None:
+                return None
         x = np.column_stack([ends[0], dense(times[1:-1]), ends[1]])
+        return self._cut(times, x, u if self.inputs is None else self.inputs.along(times, x))
+
+    def _cut(self, times: Array, x: Array, u: Array) -> Cut | None:
         p = self.problem.parameters
         values = self.f.watched(times, np.ascontiguousarray(x), p, u)[len(x) :]
         if not np.all(np.isfinite(values)) or self._is_quiet(values):

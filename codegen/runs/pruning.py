@@ -104,7 +104,7 @@ class Terms:
         chosen = np.unique(np.linspace(0, len(t) - 1, conditioning.POINTS).round().astype(int))
         u = self.problem.inputs
         if self.signals is not None:
-            u = np.array([self.signals(at) for at in t[chosen]]).reshape(len(chosen), len(u)).T
+            u = self.signals.along(t[chosen], y[:, chosen])
         sizes, p = conditioning.Sizes(self.compiled), self.problem.parameters
         at = t[chosen], y[:, chosen], p, u
         with np.errstate(all="ignore"):

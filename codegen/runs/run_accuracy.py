@@ -191,10 +191,12 @@ def _over_run(result: Run, origin: Origin, limit: float | None) -> Accuracy:
     if isinstance(second, str):
         return _unknown(origin, _sizes(origin.compiled.layout, track.y), second)
     size = _sizes(origin.compiled.layout, second.y)
-    grown = growth(
-        origin.compiled, origin.problem.parameters, origin.inputs, second.nodes, second.path, size,
-        track.steps,
-    )  # fmt: skip
+    grown = None
+    if origin.is_open:
+        grown = growth(
+            origin.compiled, origin.problem.parameters, lambda t: origin.inputs(t, second.path),
+            second.nodes, second.path, size, track.steps,
+        )  # fmt: skip
     return _judged(origin, track, size, second, grown)
 
 
@@ -296,7 +298,10 @@ def _lost(origin: Origin, second: Second, error: Array) -> tuple[str, ...]:
     sizes = Sizes(origin.compiled, RATES)
     with np.errstate(all="ignore"):
         terms = sizes.terms(
-            second.nodes, second.path, origin.problem.parameters, origin.inputs(second.nodes)
+            second.nodes,
+            second.path,
+            origin.problem.parameters,
+            origin.inputs(second.nodes, second.path),
         )
     noise = UNIT_ROUNDOFF * np.nansum(terms[:, 1:] * np.abs(np.diff(second.nodes)), axis=1)
     gone = (error[:, -1] >= LOST * own) & (own > NOISY * noise)

@@ -102,11 +102,14 @@ class Origin:
         """Integrate a changed problem by a method."""
         return integrator_of(Task(self.compiled, problem, self.signals), method)[0](problem)
 
-    def inputs(self, t: Array) -> Array:
-        """Return the inputs at times (K,): (m,) if they are held, else (m, K)."""
-        if self.signals is None:
-            return self.problem.inputs
-        return np.array([self.signals(at) for at in t.tolist()]).reshape(len(t), -1).T
+    def inputs(self, t: Array, y: Array) -> Array:
+        """Return the inputs at times (K,) in states (n, K): (m,) if they are held, else (m, K)."""
+        return self.problem.inputs if self.signals is None else self.signals.along(t, y)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the derivatives of the compiled rates by the states are all there are."""
+        return self.signals is None or not self.signals.of_state
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from codegen.compiling import events as looked_for
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event, Given, Occurrences
-from codegen.compiling.signals import Inputs
-from codegen.frontend.layout import names_of, to_array
+from codegen.compiling.signals import Inputs, reads_state
+from codegen.frontend.layout import completed, names_of, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
@@ -39,7 +39,8 @@ from eom.system import Singularity, System
 DEFAULT_MARGIN = 1e-6
 
 Values = Mapping[str, float] | Sequence[float] | Array | None
-InputValue = float | Callable[[float], float]
+InputValue = float | Callable[..., float]
+InputsGiven = Mapping[str, InputValue] | Callable[..., Any]
 
 
 @dataclass(frozen=True)
@@ -191,7 +192,7 @@ def simulate(
     atol: ArrayLike | None = None,
     t_eval: ArrayLike | None = None,
     *,
-    inputs: Mapping[str, InputValue] | None = None,
+    inputs: InputsGiven | None = None,
     outputs: Sequence[str] | None = None,
     dense_output: bool = False,
     first_step: float | None = None,
@@ -206,8 +207,10 @@ def simulate(
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
-    ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function of
-    time for each input; functions are called from Python, and may state their knots and longest step
+    ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function for
+    each input, or one function of all that returns them by name or in order. Functions are of time, f(t),
+    or of time and states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time
+    alone is f(t). They are called from Python, and may state their knots and longest step
     (`codegen.Signal`). ``method``: one of `METHODS`.
     ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
     ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 of the
@@ -249,7 +252,7 @@ def simulate(
     (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
-    part = _part(_compiled(system), outputs, found)
+    part = _part(_compiled(system), outputs, found, inputs)
     x0, values, held, signals = _numbers(part, initial, parameters, inputs or {})
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
     point = sizes_of.Point(x0, values, held, since)
@@ -302,16 +305,23 @@ def _projected(
 
 
 def _part(
-    compiled: Compiled, outputs: Sequence[str] | None, events: Sequence[Event]
+    compiled: Compiled,
+    outputs: Sequence[str] | None,
+    events: Sequence[Event],
+    inputs: InputsGiven | None,
 ) -> pruning.Part:
-    """Return what the outputs, and the expressions of events, need of a system."""
-    if outputs is None:
+    """Return what the outputs, and the expressions of events, need of a system.
+
+    That is all of it where a Python function reads states: nobody knows which.
+    """
+    functions = [inputs] if callable(inputs) else (inputs or {}).values()
+    if outputs is None or any(reads_state(f, "an input") for f in functions if callable(f)):
         return pruning.part(compiled, None)
     return pruning.part(compiled, [*outputs, *looked_for.states_of(compiled, events)])
 
 
 def _numbers(
-    part: pruning.Part, initial: Values, parameters: Values, inputs: Mapping[str, InputValue]
+    part: pruning.Part, initial: Values, parameters: Values, inputs: InputsGiven
 ) -> tuple[Array, Array, Array, Inputs | None]:
     """Return initial state, parameters, held inputs, and the function of all if one is a function."""
     held, signals = _inputs(part.compiled, inputs)
@@ -389,32 +399,40 @@ def compile_once(key: SameObject[System]) -> Compiled:
 
 
 def _start(compiled: Compiled, initial: Values) -> Array:
-    free = compiled.structure.without("state", initial)
-    return to_array(free, names_of(compiled.layout.states), "initial value")
+    states = compiled.layout.states
+    free = completed(compiled.structure.without("state", initial), states)
+    return to_array(free, names_of(states), "initial value")
 
 
-def _inputs(compiled: Compiled, given: Mapping[str, InputValue]) -> tuple[Array, Inputs | None]:
+def _inputs(compiled: Compiled, given: InputsGiven) -> tuple[Array, Inputs | None]:
     """Return held values and, if any input is a function, the function of all inputs."""
-    names = names_of(compiled.layout.inputs)
+    names, states = names_of(compiled.layout.inputs), names_of(compiled.layout.states)
+    if callable(given):
+        if not names:
+            raise InputError("the system has no inputs", got="a function of all inputs")
+        held = np.zeros(len(names))
+        return held, Inputs(held, names, given, states)
     inputs = compiled.structure.without("input", given)
     functions = {n: v for n, v in inputs.items() if callable(v)}
     values = {n: (0.0 if callable(v) else v) for n, v in inputs.items()}
     held = to_array(values, names, "input")
-    return held, Inputs(held, names, functions) if functions else None
+    return held, Inputs(held, names, functions, states) if functions else None
 
 
 def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) -> Array:
     """Return the parameters in order; test all values against what the system assumes."""
     layout = compiled.layout
     names = names_of(layout.parameters)
-    given = compiled.structure.without("parameter", parameters)
-    spoken = given if isinstance(parameters, Mapping) else {}
+    given = completed(
+        compiled.structure.without("parameter", parameters), compiled.layout.parameters
+    )
+    spoken = given if isinstance(given, Mapping) else {}
     kept = {n: v for n, v in spoken.items() if n in names}
     known = dict(zip(names_of(layout.states), x0, strict=True))
     known |= dict(zip(names_of(layout.inputs), held, strict=True))
     if spoken != kept:
         compiled.guard.check(compiled.structure.completed({**known, **spoken}))
-    values = to_array(kept if isinstance(parameters, Mapping) else parameters, names, "parameter")
+    values = to_array(kept if isinstance(given, Mapping) else given, names, "parameter")
     everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
     compiled.guard.check(compiled.structure.completed(everything))
     return values
@@ -463,7 +481,7 @@ def _evaluate(
     count = len(trajectory.t)
     if function is None:
         return np.empty((0, count))
-    u = problem.inputs if signals is None else signals.along(trajectory.t)
+    u = problem.inputs if signals is None else signals.along(trajectory.t, trajectory.y)
     return function(trajectory.t, trajectory.y, problem.parameters, u)
 
 

@@ -53,7 +53,7 @@ class Sampled:
 
     def evaluate(self, group: str, t: Array, y: Array) -> Array:
         """Return a group of results at times (K,) and states (n, K)."""
-        u = self.problem.inputs if self.signals is None else self.signals.along(t)
+        u = self.problem.inputs if self.signals is None else self.signals.along(t, y)
         return self.compiled.functions[group](t, y, self.problem.parameters, u)
 
 

@@ -99,9 +99,16 @@ def _closed_form(name: str, method: str, style: str, absolute: bool) -> str:
     """Return the page of a tree's closed form. Raises `InputError` for other scenes."""
     from eom.multibody import absolute_angles, tree_page
 
-    tree = scene_of(name).tree
+    scene = scene_of(name)
+    tree = scene.tree
     if tree is None:
         raise InputError(f"--method is for {_TREES}", where=name, hint="leave out --method")
+    if scene.control.laws:
+        raise InputError(
+            "the closed form is that of the open loop: laws of control are no part of it",
+            where=f"{name}: --method",
+            hint="leave out --method, or [control]",
+        )
     angles = absolute_angles(tree) if absolute else {}
     if absolute and not angles:
         raise InputError(

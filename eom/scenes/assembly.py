@@ -184,8 +184,8 @@ def components(
     ]
     acting = set().union(*(c.free_symbols for c in parsed))
     groups = [tuple(q for q in group if q.symbol in acting) for group in groups]
-    used = {str(s.name) for s in acting} | initial_names(scene)
-    check_used(own, used, "use it in [torque] components or [initial], or remove it")
+    used = {str(s.name) for s in acting} | initial_names(scene) | scene.control.words
+    check_used(own, used, "use it in [torque] components, [control] or [initial], or remove it")
     inputs = groups[1]
     if general_torque:
         free = [k for k, c in enumerate(parsed) if c == 0 and general[k] not in own]

@@ -14,6 +14,7 @@ from eom.errors import InputError, unknown_name
 from eom.kinematics.coordinates import SEQUENCES
 from eom.kinematics.frames import tilde
 from eom.mass import inertia, solids
+from eom.scenes import parse
 from eom.scenes.naming import check_names
 
 
@@ -175,6 +176,48 @@ def _as_value(value: Any) -> Any:
 Values = dict[str, Annotated[Value, pydantic.BeforeValidator(_as_value)]]
 
 
+def _as_rate(value: Any) -> Any:
+    return value if isinstance(value, dict | StateOfControl) else {"rate": value}
+
+
+class StateOfControl(Part):
+    """A state of a control by its ``rate``, a formula, with ``unit`` and ``meaning``, texts for pages."""
+
+    rate: Formula
+    unit: str = ""
+    meaning: str = ""
+
+
+Rates = dict[str, Annotated[StateOfControl, pydantic.BeforeValidator(_as_rate)]]
+
+
+class Control(Part):
+    """Laws by which inputs follow states and outputs: the scene is then a closed loop.
+
+    ``laws``: a formula for each input that is controlled, in its unit; such an input need not stand in
+    ``inputs``. ``states``: of the control itself (an integrator, observer or filter), each by the formula
+    of its rate; they start at zero unless ``initial`` says otherwise. ``definitions``: formulas that others
+    share, by name. All are over parameters, inputs, states, outputs, t, what the scene defines, and each
+    other, in any order. Laws and definitions can be asked for as outputs.
+    """
+
+    laws: dict[str, Formula] = Field(default_factory=dict)
+    states: Rates = Field(default_factory=dict)
+    definitions: dict[str, Formula] = Field(default_factory=dict)
+
+    @property
+    def formulas(self) -> dict[str, dict[str, str | float]]:
+        """All formulas, by section and name."""
+        rates = {n: s.rate for n, s in self.states.items()}
+        return {"laws": self.laws, "states": rates, "definitions": self.definitions}
+
+    @property
+    def words(self) -> set[str]:
+        """The names that its formulas speak of."""
+        texts = (f for group in self.formulas.values() for f in group.values())
+        return set().union(*(parse.words(f) for f in texts if isinstance(f, str)))
+
+
 class Request(Part):
     """What scenes of every model have: names, numbers of formulas, and what is asked for.
 
@@ -182,7 +225,7 @@ class Request(Part):
     ``parameters``: numbers, or numbers with unit and meaning, by the names that formulas use;
     ``inputs``: the same, for what may vary with time, at the value that it is held at. ``outputs``:
     names of states and outputs; nothing else is derived. Empty means all states. ``integration``: how
-    the scene is simulated.
+    the scene is simulated. ``control``: laws for inputs.
     """
 
     name: str = "scene"
@@ -192,6 +235,7 @@ class Request(Part):
     inputs: Values = Field(default_factory=dict)
     outputs: tuple[str, ...] = ()
     integration: Integration = Integration()
+    control: Control = Control()
 
 
 class Description(Request):
@@ -235,6 +279,7 @@ def check(scene: Description) -> None:
     """Raise `InputError` for what one field alone cannot show."""
     check_names([*scene.parameters], "[parameters]")
     check_names([*scene.inputs], "[inputs]")
+    check_names([*scene.control.states, *scene.control.definitions], "[control]")
     _check_attitude(scene)
     _check_body(scene)
     _check_torque(scene)

@@ -17,6 +17,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError, near_matches
+from eom.expressions import saturate
 
 Expr = Any
 
@@ -33,6 +34,7 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Expr]]] = {
     "atan2": (2, sp.atan2),
     "min": (2, sp.Min),
     "max": (2, sp.Max),
+    "saturate": (3, saturate),
 }
 CONSTANTS: dict[str, Expr] = {"pi": sp.pi}
 
@@ -81,6 +83,12 @@ def parse(text: str, names: Mapping[str, Expr], where: str = "") -> Expr:
     if parser.token.kind != "end":
         raise parser.error("unexpected text after the formula")
     return expression
+
+
+def words(text: str) -> set[str]:
+    """Return the names of quantities that a formula speaks of, whatever else is in it."""
+    found = {m["name"] for m in _TOKEN.finditer(text) if m["name"]}
+    return found - {*FUNCTIONS, *CONSTANTS}
 
 
 _SYMPY_FAILURES = (ArithmeticError, AttributeError, RecursionError, TypeError, ValueError)

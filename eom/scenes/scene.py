@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any, Self
 
 import pydantic
+import sympy as sp
 
 from eom.errors import unknown_name
 from eom.kinematics.coordinates import attitude
@@ -78,10 +79,19 @@ class Scene(BaseScene, Description):
     @cached_property
     def full_system(self) -> System:
         """The general system of this scene: every state and output that can be asked for."""
-        return assembly.full_system(self)
+        return self._closed(assembly.full_system(self))
 
     def _general(self) -> System:
-        return assembly.full_system(self, general_torque=True)
+        return self._closed(assembly.full_system(self, general_torque=True))
+
+    def _closed(self, system: System) -> System:
+        """Return the system of the body under the scene's control."""
+        named = (*system.states, *system.parameters, *system.inputs)
+        symbols = {q.name: q.symbol for q in named}
+        outputs = (*system.output_names, *self.parameters, *self.inputs)
+        others = {n: sp.Symbol(n, real=True) for n in outputs}
+        names = {**others, **start.sizes(self), **symbols, "t": system.time}
+        return self._closed_loop(system, names)
 
     def _passes(self) -> Mapping[str, Pass]:
         return assembly.passes(self, self.full_system, self.requested)

@@ -11,14 +11,17 @@ from pathlib import Path
 from typing import Any, ClassVar, Self, get_args
 
 import pydantic
+import sympy as sp
 
 from eom.errors import InputError, entries, near_matches, quoted
-from eom.scenes import catalogue, reduce
-from eom.scenes.description import Request
+from eom.quantities import Quantity
+from eom.scenes import catalogue, parse, reduce
+from eom.scenes.description import Control, Request
 from eom.scenes.reduce import Explanation, Pass, Step
 from eom.scenes.start import pick
 from eom.system import System
 
+Expr = Any
 MAX_FILE_BYTES = 1_000_000
 
 
@@ -63,7 +66,7 @@ class BaseScene(Request):
 
     def __init__(self, /, **data: Any) -> None:
         try:
-            super().__init__(**self._written_out(limited(data)))
+            super().__init__(**_with_inputs(self._written_out(limited(data))))
         except pydantic.ValidationError as error:
             raise readable(error, type(self)) from None
 
@@ -131,6 +134,46 @@ class BaseScene(Request):
     def requested(self) -> tuple[str, ...]:
         """What is asked for: the outputs, or all states and more where none are named."""
         raise NotImplementedError
+
+    def _closed_loop(self, system: System, names: Mapping[str, Expr]) -> System:
+        """Return a system under the laws of the scene's control.
+
+        ``names``: what its formulas may speak of beside what the control defines. Raises `InputError` for
+        names that are taken, and as `eom.system.System.with_control` does.
+        """
+        if self.control == Control():
+            return system
+        read = self._control_over(names)
+        own = {
+            n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
+            for n, s in self.control.states.items()
+        }
+        gains = (
+            Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the control")
+            for n, v in self.parameters.items()
+        )
+        return system.with_control(
+            read["laws"],
+            {own[n]: rate for n, rate in read["states"].items()},
+            definitions=read["definitions"],
+            parameters=gains,
+        )
+
+    def _control_over(self, names: Mapping[str, Expr]) -> dict[str, dict[str, Expr]]:
+        """Return the formulas of the control, by section. Raises `InputError` with their places."""
+        own = (*self.control.states, *self.control.definitions)
+        for name in own:
+            if name in names:
+                raise InputError(
+                    f"name {name!r} is used twice",
+                    where="[control.states] and [control.definitions]",
+                    expected="names that the scene does not have otherwise",
+                )
+        known = {**names, **{n: sp.Symbol(n, real=True) for n in own}}
+        return {
+            section: {n: _read(f, known, f"[control.{section}] {n}") for n, f in group.items()}
+            for section, group in self.control.formulas.items()
+        }
 
     def _general(self) -> System:
         """Return the system that passes make smaller."""
@@ -202,6 +245,24 @@ class BaseScene(Request):
     def attitudes(self) -> tuple[tuple[str, ...], ...]:
         """Names of the states that are one attitude together, and cannot vary alone."""
         raise NotImplementedError
+
+
+def _with_inputs(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the data of a scene whose controlled inputs are inputs, at zero where no law sets them."""
+    control, inputs = data.get("control", {}), data.get("inputs", {})
+    laws = control.laws if isinstance(control, Control) else dict(control).get("laws", {})
+    if not laws or not isinstance(laws, Mapping) or not isinstance(inputs, Mapping):
+        return data
+    return {**data, "inputs": {**dict.fromkeys(laws, 0.0), **inputs}}
+
+
+def _read(formula: str | float, names: Mapping[str, Expr], where: str) -> Expr:
+    return parse.parse(formula, names, where) if isinstance(formula, str) else exact(formula)
+
+
+def exact(number: float) -> Expr:
+    """Return a number of a file as the fraction that is written there."""
+    return sp.Rational(str(number))
 
 
 @contextmanager

@@ -106,7 +106,8 @@ def states(scene: Description, full: System) -> dict[str, float]:
     An output that is given must determine one missing state; it must be linear in it.
     """
     states, given = full.state_names, initial(scene)
-    values = {n: v for n, v in given.items() if n in states}
+    values = dict.fromkeys(scene.control.states, 0.0)
+    values |= {n: v for n, v in given.items() if n in states}
     for name, value in {**_turned(scene), **_initial_attitude(scene)}.items():
         if name in values:
             raise InputError(

@@ -414,7 +414,7 @@ def test_plain_functions_are_sampled_within_steps_and_reported(method: str) -> N
     assert "M is a Python function" in run.notice
 
 
-@pytest.mark.parametrize("function", [lambda: 1.0, lambda a, b: 1.0, lambda s: None, lambda s: "1",
+@pytest.mark.parametrize("function", [lambda: 1.0, lambda a, b, c: 1.0, lambda s: None, lambda s: "1",
                                       lambda s: 1j, lambda s: np.array([1.0])])  # fmt: skip
 def test_functions_that_are_no_inputs_are_refused(function: Any) -> None:
     """Of the wrong arity, or without a number: one message that names the input."""

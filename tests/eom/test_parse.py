@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from eom.errors import InputError
 from eom.exact.identity import equal
+from eom.expressions import saturate
 from eom.scenes import parse as parser
 from eom.scenes.parse import FUNCTIONS, parse
 from tests.clock import calls
@@ -69,10 +70,10 @@ def test_reading(text, expected):
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_every_function_is_sympy_s_of_the_same_name(name):
-    special = {"abs": sp.Abs, "min": sp.Min, "max": sp.Max}
-    count = 2 if name in {"atan2", "min", "max"} else 1
+    special = {"abs": sp.Abs, "min": sp.Min, "max": sp.Max, "saturate": saturate}
+    count = {"atan2": 2, "min": 2, "max": 2, "saturate": 3}.get(name, 1)
     expected = special.get(name) or getattr(sp, name)
-    arguments = [x, y][:count]
+    arguments = [x, y, z][:count]
     assert parse(f"{name}({', '.join(map(str, arguments))})", NAMES) == expected(*arguments)
     with pytest.raises(InputError, match=f"{name} takes {count} argument"):
         parse(f"{name}({', '.join('x' for _ in range(count + 1))})", NAMES)

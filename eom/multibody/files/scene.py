@@ -116,14 +116,18 @@ class TreeScene(BaseScene, TreeDescription):
         check_end(self)
         states, choice, angles = self._start, self._choice, self._angles
         read = self._reading
-        hint = "use it in a formula of a body, joint, load or the like, or remove it"
+        hint = (
+            "use it in a formula of a body, joint, load, law of control or the like, or remove it"
+        )
         names = (q.name for q in (*read.parameters, *read.inputs) if q.name not in self.spare)
-        check_used(names, read.used, hint)
+        self._control_over(self._names)
+        check_used(names, read.used | self.control.words, hint)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
-            if not (name in states or name in angles or choice.is_known(name)):
-                known = [*states, *angles, *choice.known()]
+            own = (*states, *angles, *self.control.laws, *self.control.definitions)
+            if not (name in own or choice.is_known(name)):
+                known = [*own, *choice.known()]
                 raise unknown_name("output", name, known, "outputs")
         return self
 
@@ -165,6 +169,12 @@ class TreeScene(BaseScene, TreeDescription):
         """
         return self._named(derive(self.tree, self._choice.everything, start=self._near))
 
+    @cached_property
+    def _names(self) -> dict[str, Any]:
+        """What formulas of its control may name: what loads may, what bodies define, and outputs."""
+        outputs = (*self._choice.sources, *self._angles)
+        return {**{n: sp.Symbol(n, real=True) for n in outputs}, **self._reading.acting.names}
+
     @property
     def _near(self) -> dict[str, float]:
         """Where constraints are tested for dependence: parameters and coordinates at the start."""
@@ -173,7 +183,8 @@ class TreeScene(BaseScene, TreeDescription):
     @cached_property
     def _whole(self) -> System:
         """The system with the outputs asked for, and all states."""
-        wanted = self._choice.needed(self._asked)
+        read = (n for n in sorted(self.control.words) if n in self._choice.sources)
+        wanted = self._choice.needed((*self._asked, *read))
         return self._named(derive(self.tree, wanted, start=self._near))
 
     def _general(self) -> System:
@@ -185,7 +196,8 @@ class TreeScene(BaseScene, TreeDescription):
 
     def _named(self, system: System) -> System:
         named = replace(system, name=self.name, title=self.title)
-        return reduce(lambda whole, angles: angles.of(whole), self._joint_angles, named)
+        shown = reduce(lambda whole, angles: angles.of(whole), self._joint_angles, named)
+        return self._closed_loop(shown, self._names)
 
     @property
     def requested(self) -> tuple[str, ...]:
@@ -415,6 +427,7 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
     found |= {q.name: 0.0 for rotor in tree.rotors for q in rotor.states}
     for names in quaternions(tree):
         found[names[0]] = 1.0
+    found |= dict.fromkeys(reading.scene.control.states, 0.0)
     parameters = {n: v.value for n, v in reading.scene.parameters.items()}
     for name, given in reading.scene.initial.items():
         if name not in found:
@@ -435,8 +448,9 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
 def _assembled(
     tree: Tree, reading: Reading, found: dict[str, float], parameters: dict[str, float]
 ) -> dict[str, float]:
-    """Return the nearest values that meet the constraints; rotors are as they are."""
-    free = {q.name: found[q.name] for rotor in tree.rotors for q in rotor.states}
+    """Return the nearest values that meet the constraints; rotors and control are as they are."""
+    rotors = (q.name for rotor in tree.rotors for q in rotor.states)
+    free = {name: found[name] for name in (*rotors, *reading.scene.control.states)}
     bound = {name: x for name, x in found.items() if name not in free}
     inputs = {q.name: reading.scene.inputs[q.name].value for q in reading.inputs}
     given = {**parameters, **inputs, **bound}

@@ -313,6 +313,7 @@ def tree_of(reading: Reading) -> Tree:
     scene = reading.scene
     check_names([*scene.parameters], "[parameters]")
     check_names([q.name for q in reading.inputs], "[inputs]")
+    check_names([*scene.control.states, *scene.control.definitions], "[control]")
     _check_clash(reading)
     parts: dict[str, Any] = {
         key: tuple(make(part, reading, name) for name, part in getattr(scene, key).items())

@@ -63,8 +63,8 @@ def page(scene: AnyScene) -> str:
     """Return the live page of ``scene``, one file of HTML; the same scene gives the same bytes.
 
     Numbers on it are in SI units, the angles of a body's attitude at the start in degrees. Raises
-    `InputError` for scenes that a page cannot hold: constraints, motion backwards in time, and operations
-    that JavaScript has none for.
+    `InputError` for scenes that a page cannot hold: constraints, laws of control, motion backwards in time,
+    and operations that JavaScript has none for.
 
     >>> import eom
     >>> made = page(eom.load_scene("t-handle"))
@@ -74,6 +74,13 @@ def page(scene: AnyScene) -> str:
     end = scene.integration.t_end
     if end < 0:
         raise InputError("a live page runs forward in time", where=scene.name, got=end)
+    if scene.control.laws or scene.control.states:
+        raise InputError(
+            "a live page holds no laws of control",
+            where=f"{scene.name}: [control]",
+            got=", ".join((*scene.control.laws, *scene.control.states)),
+            hint="eom animate shows its motion with the scene's numbers",
+        )
     return written(subject_of(scene), speed_of(end))
 
 
