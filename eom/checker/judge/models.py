@@ -54,6 +54,7 @@ UNBOUND = FREELY | {"scalar", "function", "vector"}
 """Quantities of which no assumption says anything."""
 SIGNED_TRIALS = 40
 """Worlds that are drawn at most, where signs and branches matter."""
+BOUND = "it may follow from the laws of motion, which have no such functions here"
 SOME = "it holds for some values of these letters and not for others; a sign or a range decides"
 MAX_ROOTS = 3
 """Square roots in a claim at most, whose signs are looked at."""
@@ -531,8 +532,9 @@ class Worlds(Models):
                 "what leaves a body whose mass changes, and with which velocity, is not known here"
             )
         cases = self.cases(Search(self).base[1])
-        if cases and any(true for _, true, _ in cases):
-            return self._branch(cases)
+        bound = not self._kinds() <= UNBOUND
+        if cases and (bound or any(true for _, true, _ in cases)):
+            return BOUND if bound else self._branch(cases)
         if self._scalars() == "tied":
             return "nothing here says what these letters are"
         if "expr" not in self._rated_sides and self._of_a_motion():
@@ -632,7 +634,7 @@ class Worlds(Models):
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield smallest sets below every largest one; with rare ones where there are no others."""
-        if self.signed and self._kinds() <= UNBOUND:
+        if self.signed:
             return
         names = [n for n in self._applicable() if n not in RARE]
         rows = (names[k:] + names[:k] for k in range(len(names)))
