@@ -148,6 +148,14 @@ class Field:
         scale = self.inverse(1 + square)
         return self.reduce((1 - square) * scale), self.reduce(2 * tangent * scale)
 
+    def vanish(self, values: Iterable[Any]) -> bool:
+        """Return whether all elements are zero."""
+        return not any(values)
+
+    def quarter(self, angle: Any, drawn: Any) -> Any:  # noqa: ARG002 - nothing algebraic ties it to that
+        """Return the tangent of a quarter of an angle: the one that was ``drawn``."""
+        return drawn
+
     def draw(self, generator: random.Random) -> Any:
         """Return a random element that is not zero: any, or a small fraction."""
         if self.prime:

@@ -10,7 +10,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.exact.integrals import antiderivative
-from eom.fields import Singular
+from eom.fields import RATIONALS, Singular
 from eom.terms import rules
 from eom.terms.terms import MATRIX, SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import definition
@@ -161,7 +161,7 @@ def _verify_sign(equation: Equation, scalars: Scalars, assumptions: Names, where
             raise DerivationError(
                 "the sign cannot be decided", where=where, got=plain(equation.left)
             )
-        for world in worlds(assumptions, SIGN_WORLDS, prime=0):
+        for world in worlds(assumptions, SIGN_WORLDS, field=RATIONALS):
             value = Evaluator(world, scalars).lowest(equation.left)
             if value < 0:
                 raise DerivationError(

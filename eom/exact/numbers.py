@@ -1,4 +1,4 @@
-"""Real numbers taken exactly from input, and compared exactly.
+"""Real numbers taken exactly from input, and compared exactly; real numbers to many digits as a field.
 
 Integers, fractions and SymPy numbers stay what they are; floats become the fractions that they
 are, and carry the relative tolerance `TOLERANCE` in comparisons.
@@ -6,14 +6,18 @@ are, and carry the relative tolerance `TOLERANCE` in comparisons.
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
+from mpmath import MPContext
 from sympy.core.evalf import PrecisionExhausted
 
 from eom.errors import InputError
 from eom.expressions import as_expression
+from eom.fields import Field, Singular
 
 Expr = Any
 
@@ -55,3 +59,75 @@ def sign(value: Expr, slack: Expr = 0) -> int:
     except PrecisionExhausted:
         zero = not value.is_algebraic or sp.minimal_polynomial(value, x) == x
         return 0 if zero else int(sp.sign(value.evalf(40, maxn=100000)))
+
+
+# -- to many digits --------------------------------------------------------------------------------
+
+MANY = 120
+MP = MPContext()
+MP.dps = MANY
+
+Number = Any
+"""A number of mpmath."""
+
+
+@dataclass(frozen=True)
+class Reals(Field):
+    """Numbers of mpmath to the digits of a context, as a field."""
+
+    prime: int = 0
+    context: Any = MP
+
+    @property
+    def is_rational(self) -> bool:
+        """Whether elements are fractions."""
+        return False
+
+    def of(self, numerator: Any, denominator: int = 1) -> Number:
+        """Return a fraction."""
+        return self.context.mpf(numerator) / denominator
+
+    def inverse(self, value: Number) -> Number:
+        """Return the reciprocal; raises `Singular` for zero."""
+        if not value:
+            raise Singular
+        return 1 / self.context.convert(value)
+
+    def root(self, value: Number) -> Number:
+        """Return the square root, imaginary of what is negative; raises `Singular` for zero."""
+        if not value:
+            raise Singular
+        return self.context.sqrt(value)
+
+
+TINY = MP.mpf(10) ** (-MANY // 2)
+"""What is smaller is zero in a comparison, among numbers of the size of one."""
+
+
+class Signed(Reals):
+    """Numbers with a sign: none is imaginary, angles have their own sines, zeros are nearly so."""
+
+    def root(self, value: Number) -> Number:
+        """Return the square root that is positive; raises `Singular` for what is not."""
+        if value < TINY:
+            raise Singular
+        return self.context.sqrt(value)
+
+    def vanish(self, values: Iterable[Number]) -> bool:
+        """Return whether all numbers are nearly zero."""
+        return all(abs(v) < TINY for v in values)
+
+    def quarter(self, angle: Number, drawn: Number) -> Number:  # noqa: ARG002 - the angle has its own
+        """Return the tangent of a quarter of an angle."""
+        return self.context.tan(self.context.convert(angle) / 4)
+
+    def draw(self, generator: random.Random) -> Number:
+        """Return a random number between 1/3 and 3 in size, positive three times in four."""
+        sign = generator.choice((-1, 1, 1, 1))
+        above = generator.randrange(10**6, 3 * 10**6)
+        value = self.context.mpf(above) / (10**6 + 3)
+        return sign * (value if generator.random() < HALF else 1 / value)
+
+
+HALF = 0.5
+SIGNED = Signed()

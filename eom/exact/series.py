@@ -75,7 +75,7 @@ class Series:
             raise InputError(
                 "more derivatives than a world holds", expected=f"at most {LENGTH - 1} in all"
             )
-        return not any(self.coefficients)
+        return self.field.vanish(self.coefficients)
 
 
 def _series(field: Field, values: Sequence[Any]) -> Series:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property, reduce
 from itertools import combinations, product
 from typing import Any
 
@@ -17,8 +17,10 @@ import sympy as sp
 from eom import limits
 from eom.errors import InputError
 from eom.exact import series
-from eom.exact.rings import ARITHMETIC, TRIGONOMETRY, Evaluation, Row, none, summands
+from eom.exact.numbers import MANY, SIGNED, TINY, Number
+from eom.exact.rings import ARITHMETIC, TRIGONOMETRY, Evaluation, Row, arguments, none, summands
 from eom.exact.series import LENGTH, Series
+from eom.fields import Singular
 from eom.terms.terms import INDICES, Equation, Term, nodes
 from eom.terms.vocabulary import definition
 from eom.worlds.worlds import TURNING, World
@@ -87,8 +89,15 @@ class Evaluator:
         """Return the value of a SymPy expression over known symbols."""
         memo = self.memo.setdefault(("scalars", *sorted(env.items())), {})
         known = memo.get(expression)
-        result: Series = _Scalars(self, env, memo).value(expression) if known is None else known
+        kind = _InNumbers if self.world.field == SIGNED else _Scalars
+        result: Series = kind(self, env, memo).value(expression) if known is None else known
         return result
+
+    @property
+    def branches(self) -> dict[Any, int]:
+        """Which case of those with conditions was the one that applies, as far as was looked at."""
+        found: dict[Any, int] = self.memo.setdefault("branches", {})
+        return found
 
     def meaning(self, symbol: Any) -> Term:
         """Return what a SymPy symbol stands for. Raises `InputError` for unknown ones."""
@@ -159,6 +168,137 @@ _Scalars.rows = (
         sp.cot: Row(none, lambda e, n, _: e.tangent(n.args[0]).reciprocal()),
     }
 )
+
+
+# -- numbers with a sign -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _InNumbers(_Scalars):
+    """Values where numbers have a sign and all functions their own values."""
+
+    def first(self, node: Any) -> Number:
+        """Return the value at t = 0."""
+        return SIGNED.context.convert(self.value(node).coefficients[0])
+
+    def transcendental(self, node: Any) -> Series:
+        """Return the number itself."""
+        return self.evaluator.world.constant(SIGNED.context.mpf(str(node.evalf(MANY))))
+
+    def root(self, node: Any) -> Series:
+        """Return any power of what is positive."""
+        base, exponent = node.as_base_exp()
+        if exponent.is_Rational and exponent.q == 2:
+            return super().root(node)
+        found: Series = self.value(sp.exp(exponent * sp.log(base)))
+        return found
+
+    def rotation(self, angle: Any) -> tuple[Series, Series]:
+        """Return cosine and sine of any angle."""
+        value, context = self.value(angle), SIGNED.context
+        start = context.convert(value.coefficients[0])
+        sine, cosine = series.sine_cosine(value, context.sin(start), context.cos(start))
+        return cosine, sine
+
+    def function(self, node: Any, values: list[Series]) -> Series:
+        """Return a function by its value at t = 0 and the integral of its derivative along the motion."""
+        try:
+            start = getattr(SIGNED.context, type(node).__name__)(*map(self.first, node.args))
+        except (ValueError, ZeroDivisionError):
+            raise Singular from None
+        if not isinstance(start, type(TINY)):
+            raise Singular
+        slopes = (self.value(s) for s in _slopes(node))
+        parts = (s * v.derivative() for s, v in zip(slopes, values, strict=True))
+        rate = reduce(lambda a, b: a + b, parts)
+        return Series(SIGNED, (start, *rate.primitive().coefficients[1:]))
+
+    def exponential(self, value: Series) -> Series:
+        """Return the exponential: its rate is the value's rate times itself."""
+        rate = value.derivative().coefficients
+        found = [SIGNED.context.exp(SIGNED.context.convert(value.coefficients[0]))]
+        for n in range(len(rate)):
+            found.append(sum(rate[k] * found[n - k] for k in range(n + 1)) / (n + 1))
+        return Series(SIGNED, tuple(found))
+
+    def signed(self, node: Any) -> int:
+        """Return the sign of a value at t = 0; raises `Singular` for zero."""
+        value = self.first(node)
+        if abs(value) < TINY:
+            raise Singular
+        return 1 if value > 0 else -1
+
+    def case(self, node: Any) -> Series:
+        """Return the first case whose condition is met; raises `Singular` where none is."""
+        for k, (value, condition) in enumerate(node.args):
+            if self.met(condition):
+                self.evaluator.branches[node] = k
+                found: Series = self.value(value)
+                return found
+        raise Singular
+
+    def met(self, condition: Any) -> bool:
+        """Return whether a condition is met at t = 0."""
+        if condition in {sp.true, sp.false}:
+            return bool(condition)
+        if isinstance(condition, sp.And | sp.Or):
+            join = all if isinstance(condition, sp.And) else any
+            return join(self.met(a) for a in condition.args)
+        if isinstance(condition, sp.Not):
+            return not self.met(condition.args[0])
+        apart = self.first(condition.lhs) - self.first(condition.rhs)
+        sign = 0 if abs(apart) < TINY else 1 if apart > 0 else -1
+        return sign in _MET[condition.rel_op]
+
+
+_MET = {"==": {0}, "!=": {-1, 1}, "<": {-1}, ">": {1}, "<=": {-1, 0}, ">=": {0, 1}}
+"""Which signs of a difference the relations of SymPy mean."""
+
+
+@cache
+def _slopes(node: Any) -> tuple[Any, ...]:
+    """Return the slopes of a function along its arguments."""
+    letters = [sp.Dummy(real=True) for _ in node.args]
+    bare = node.func(*letters)
+    own = dict(zip(letters, node.args, strict=True))
+    return tuple(bare.diff(x).xreplace(own) for x in letters)
+
+
+_OWN = (sp.log, sp.atan, sp.asin, sp.acos, sp.atan2)
+_HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh)
+_InNumbers.rows = {
+    **_Scalars.rows,
+    **TRIGONOMETRY,
+    **dict.fromkeys(_OWN, Row(arguments, lambda e, n, v: e.function(n, v))),
+    **dict.fromkeys(_HYPERBOLIC, Row(lambda _, n: (n.rewrite(sp.exp),), lambda _, __, v: v[0])),
+    sp.exp: Row(arguments, lambda e, n, v: e.exponential(v[0])),
+    sp.Abs: Row(arguments, lambda e, n, v: v[0].scaled(e.signed(n.args[0]))),
+    sp.sign: Row(arguments, lambda e, n, _: e.ring.of(e.signed(n.args[0]))),
+    sp.Piecewise: Row(none, lambda e, n, _: e.case(n)),
+}
+
+
+def is_signed(expression: Any, scalars: Mapping[Any, Term]) -> bool:
+    """Return whether an expression has a value where numbers have a sign alone, and in no other field."""
+    for part in sp.preorder_traversal(expression):
+        if isinstance(part, (*_OWN, *_HYPERBOLIC, sp.exp, sp.Abs, sp.sign, sp.Piecewise)):
+            return True
+        if part.is_Pow and not (part.exp.is_Rational and part.exp.q in {1, 2}):
+            return True
+        if isinstance(part, sp.sin | sp.cos | sp.tan | sp.cot) and not _turns(
+            part.args[0], scalars
+        ):
+            return True
+    return False
+
+
+def _turns(angle: Any, scalars: Mapping[Any, Term]) -> bool:
+    """Return whether all terms of an angle are multiples of what is drawn as one."""
+    meanings = [(scalars.get(s), count) for s, count in summands(sp.expand(angle))]
+    return all(
+        m is not None and m.head == "atom" and m.data[0] in TURNING and count.q in {1, 2}
+        for m, count in meanings
+    )
 
 
 def half_powers(expression: Any) -> Iterator[Any]:

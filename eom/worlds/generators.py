@@ -15,7 +15,7 @@ from typing import Any
 
 from eom.exact import series
 from eom.exact.series import LENGTH, Matrix, Series, Vector
-from eom.fields import PRIME, Field, Singular, solve
+from eom.fields import RESIDUES, Field, Singular, solve
 from eom.worlds.shapes import (
     SYMMETRIES,
     Draw,
@@ -296,7 +296,7 @@ def _external_forces(
 
 
 @lru_cache(maxsize=1024)
-def world(assumptions: frozenset[str], seed: int, prime: int = PRIME) -> World:
+def world(assumptions: frozenset[str], seed: int, field: Field = RESIDUES) -> World:
     """Return the world of a seed; a singular draw is repeated with the next one.
 
     Raises `InputError` for assumptions that are unknown or cannot stand together.
@@ -304,7 +304,7 @@ def world(assumptions: frozenset[str], seed: int, prime: int = PRIME) -> World:
     assumed = closure(assumptions)
     for attempt in range(100):
         text = f"{sorted(assumed)} {seed} {attempt}"
-        draw = Draw(Field(prime), random.Random(text), seed)  # noqa: S311 - reproducible
+        draw = Draw(field, random.Random(text), seed)  # noqa: S311 - reproducible
         try:
             return _build(draw, assumed, seed)
         except Singular:
@@ -346,10 +346,10 @@ def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
     )
 
 
-def worlds(assumptions: Iterable[str], count: int, prime: int = PRIME) -> Iterator[World]:
+def worlds(assumptions: Iterable[str], count: int, field: Field = RESIDUES) -> Iterator[World]:
     """Yield ``count`` independent worlds under ``assumptions``."""
     assumed = closure(assumptions)
-    return (world(assumed, seed, prime) for seed in range(count))
+    return (world(assumed, seed, field) for seed in range(count))
 
 
 Turns = dict[str, Turned]

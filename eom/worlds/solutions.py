@@ -22,10 +22,11 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import sympy as sp
-from mpmath import MPContext, fp
+from mpmath import fp
 
 from eom.errors import InputError
 from eom.exact import series
+from eom.exact.numbers import MANY, Number, Reals
 from eom.exact.rings import (
     ARITHMETIC,
     FLOATS,
@@ -527,43 +528,6 @@ def unit_quaternion(gibbs: list[Expr]) -> tuple[Expr, ...]:
 
 
 # -- in real numbers -------------------------------------------------------------------------------
-
-
-MANY = 120
-MP = MPContext()
-MP.dps = MANY
-
-Number = Any
-"""A number of mpmath."""
-
-
-@dataclass(frozen=True)
-class Reals(Field):
-    """Numbers of mpmath to the digits of a context, as a field."""
-
-    prime: int = 0
-    context: Any = MP
-
-    @property
-    def is_rational(self) -> bool:
-        """Whether elements are fractions."""
-        return False
-
-    def of(self, numerator: Any, denominator: int = 1) -> Number:
-        """Return a fraction."""
-        return self.context.mpf(numerator) / denominator
-
-    def inverse(self, value: Number) -> Number:
-        """Return the reciprocal; raises `Singular` for zero."""
-        if not value:
-            raise Singular
-        return 1 / self.context.convert(value)
-
-    def root(self, value: Number) -> Number:
-        """Return the square root, imaginary of what is negative; raises `Singular` for zero."""
-        if not value:
-            raise Singular
-        return self.context.sqrt(value)
 
 
 _FUNCTIONS = (*INVERSES, sp.exp, sp.sinh, sp.cosh, sp.tanh)

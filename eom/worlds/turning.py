@@ -53,9 +53,9 @@ Build = Callable[[Sequence[Angle]], Turned]
 
 
 def angle(value: Series, quarter: Any) -> Angle:
-    """Return an angle from its series and the tangent of a quarter of it at t = 0."""
+    """Return an angle from its series and the tangent of a quarter of it at t = 0, if not its own."""
     field = value.field
-    c, s = field.circle(quarter)
+    c, s = field.circle(field.quarter(value.coefficients[0], quarter))
     sine, cosine = series.sine_cosine(value.scaled(field.of(1, 2)), s, c)
     return Angle(value, (sine * cosine).scaled(2), cosine * cosine - sine * sine, sine, cosine)
 

@@ -21,7 +21,7 @@ from eom.derivations.verification import not_negative
 from eom.errors import InputError
 from eom.exact import series
 from eom.exact.series import LENGTH, Series, Vector
-from eom.fields import Field, Singular
+from eom.fields import RATIONALS, Field, Singular
 from eom.terms import rules
 from eom.terms.terms import SCALAR, VECTOR, Term, add, nodes, number, replace, zero
 from eom.terms.vocabulary import definition, quantity, unit
@@ -116,14 +116,14 @@ def _values(term: Term, scalars: Mapping[Any, Term], base: tuple[str, ...]) -> I
             assumed = closure([*base, *family])
         except InputError:
             continue
-        for world in worlds(assumed, COUNT // 4 if family else COUNT, prime=0):
+        for world in worlds(assumed, COUNT // 4 if family else COUNT, field=RATIONALS):
             place = (tuple(sorted(assumed)), world.seed)
             short = _cut(world, length)
             yield from _in(short, term, scalars, place, ", ".join(family))
             for special, change in changed.items() if not family else ():
                 yield from _in(change(short), term, scalars, place, special)
     where = (tuple(sorted(given)), 0)
-    (world,) = worlds(given, 1, prime=0)
+    (world,) = worlds(given, 1, field=RATIONALS)
     for special, rule in _specials(term, scalars):
         other = {s: replace(m, rule) for s, m in scalars.items()}
         yield from _in(_cut(world, length), replace(term, rule), other, where, special)

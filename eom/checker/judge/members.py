@@ -36,14 +36,13 @@ from eom.checker.judge.systems import Pair
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.model import DERIVED, FIRST, Model, Particular
 from eom.errors import InputError
+from eom.exact.numbers import MP, Number
 from eom.fields import PRIME, RESIDUES, Singular, solve
 from eom.system import Expr
 from eom.terms.terms import Term
 from eom.worlds.solutions import (
-    MP,
     Inconsistent,
     Motion,
-    Number,
     Placed,
     Restriction,
     approached,

@@ -33,12 +33,13 @@ from eom.checker.judge.coordinates import addends, share
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.mean.values import atoms_in, squared
 from eom.errors import InputError
+from eom.exact.numbers import SIGNED
 from eom.exact.series import Series
 from eom.fields import PRIME, Singular
 from eom.limits import Overdue
 from eom.terms.terms import Equation, Term, expr, mul, nodes, number, zero
 from eom.terms.terms import replace as rewritten
-from eom.worlds.evaluate import Evaluator, flat, half_powers, subsets
+from eom.worlds.evaluate import Evaluator, flat, half_powers, is_signed, subsets
 from eom.worlds.generators import worlds
 from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, OPEN, SEQUENCES, closure, sequence_of
 
@@ -49,6 +50,12 @@ TRIALS = 12
 """Worlds that are drawn at most, where a claim is undefined in some."""
 FREELY = frozenset({"coordinate", "free_angle"})
 """Quantities that move in any way."""
+UNBOUND = FREELY | {"scalar", "function", "vector"}
+"""Quantities of which no assumption says anything."""
+SIGNED_TRIALS = 40
+"""Worlds that are drawn at most, where signs and branches matter."""
+BOUND = "it may follow from the laws of motion, which have no such functions here"
+SOME = "it holds for some values of these letters and not for others; a sign or a range decides"
 MAX_ROOTS = 3
 """Square roots in a claim at most, whose signs are looked at."""
 MAX_TESTS = 160
@@ -57,6 +64,8 @@ NUMBERINGS = 3
 """How many ways to number free indices are looked at."""
 _WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
 
+Cases = tuple[tuple[int, bool, tuple[Any, ...]], ...]
+"""Of models: seed, whether a claim holds, and which of the cases that it or a definition names applied."""
 Said = Any
 """One equation that a claim says, in the form that its models compare."""
 
@@ -132,6 +141,14 @@ class Models(ABC):
     @abstractmethod
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield sets beyond a base under which the claim holds, each of them a smallest one."""
+
+    def cases(self, names: frozenset[str]) -> Cases | None:  # noqa: ARG002 - rows may do without
+        """Return what was found in each of many models where signs and branches matter, else None."""
+        return None
+
+    def missed(self, cases: Cases) -> str:  # noqa: ARG002 - rows may do without
+        """Return the condition of a case that applied in none of many models, "" for no such."""
+        return ""
 
     def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:  # noqa: ARG002
         """Yield models where terms have values: without more than is given, and one of each level."""
@@ -227,6 +244,11 @@ class Search:
         return self.holds(names) and not self.models.empties(names)
 
     def _true_in(self, names: frozenset[str], count: int) -> bool:
+        cases = self.models.cases(names)
+        if cases is not None:
+            against = [seed for seed, true, _ in cases if not true]
+            self.seeds |= {names: against[0]} if against else {}
+            return not against and not self.models.missed(cases)
         defined = 0
         for model in self.models.draw(names):
             try:
@@ -354,6 +376,8 @@ class InWorld(Drawn):
             return [0]
         if not self.evaluator.labels(term) <= self.labels | {"dm"} and self._indices(term):
             return None
+        if self.evaluator.world.field == SIGNED:
+            return None
         try:
             numberings = islice(self.evaluator.numberings(self.labels), NUMBERINGS)
             return [_first(s) for env in numberings for s in flat(self.evaluator.value(term, env))]
@@ -444,8 +468,58 @@ class Worlds(Models):
 
     def draw(self, names: frozenset[str]) -> Iterator[InWorld]:
         """Yield worlds under a closed set."""
+        if self.signed:
+            for world in worlds(names, SIGNED_TRIALS, SIGNED):
+                yield InWorld(names, world.seed, Evaluator(world, self.scalars))
+            return
         for world in worlds(names, TRIALS << min(len(self.roots), MAX_ROOTS)):
             yield InWorld(names, world.seed, Evaluator(world, self.scalars))
+
+    @cached_property
+    def signed(self) -> bool:
+        """Whether the claim has functions that no field has but that of numbers with a sign."""
+        found = (n for t in self.terms for n in nodes(t) if n.head == "expr")
+        return any(is_signed(n.data[0], self.scalars) for n in found)
+
+    def cases(self, names: frozenset[str]) -> Cases | None:
+        """Return what is found among numbers with a sign, None where other fields know all functions.
+
+        Raises `InputError` where there is no value.
+        """
+        if not self.signed:
+            return None
+        if names not in self._cases:
+            self._cases[names] = self._found(names)
+        if len(self._cases[names]) < ENOUGH:
+            raise InputError(self.undefined)
+        return self._cases[names]
+
+    @cached_property
+    def _cases(self) -> dict[frozenset[str], Cases]:
+        return {}
+
+    def _found(self, names: frozenset[str]) -> Cases:
+        found = []
+        for drawn in self.draw(names):
+            with suppress(Singular):
+                true = all(map(drawn.agrees, self.said))
+                met = tuple(sorted(drawn.evaluator.branches.items(), key=str))
+                found.append((drawn.seed, true, met))
+        return tuple(found)
+
+    def missed(self, cases: Cases) -> str:
+        """Return the condition of a case that applied in none of many models, "" for no such."""
+        met = {pair for _, _, own in cases for pair in own}
+        wanted = {(node, k) for node, _ in met for k in range(len(node.args))} - met
+        return min((str(node.args[k][1]) for node, k in wanted), default="")
+
+    def _branch(self, cases: Cases) -> str:
+        """Return why a claim may hold though it is not seen to: "" where it fails in a whole case."""
+        missed = self.missed(cases)
+        if missed and all(true for _, true, _ in cases):
+            return f"no values are known here for which a case applies: {missed}"
+        groups = ([true for _, true, m in cases if m == met] for _, _, met in cases)
+        return "" if any(len(g) >= ENOUGH and not any(g) for g in groups) else SOME
 
     def needs(self, name: str) -> frozenset[str]:
         """Return an assumption with all that it needs."""
@@ -457,12 +531,18 @@ class Worlds(Models):
             return (
                 "what leaves a body whose mass changes, and with which velocity, is not known here"
             )
+        cases = self.cases(Search(self).base[1])
+        bound = not self._kinds() <= UNBOUND
+        if cases and (bound or any(true for _, true, _ in cases)):
+            return BOUND if bound else self._branch(cases)
         if self._scalars() == "tied":
             return "nothing here says what these letters are"
         if "expr" not in self._rated_sides and self._of_a_motion():
             return "no system says how these coordinates move"
         if "expr" not in self._rated_sides and self._is_law():
             return "this may be a law for quantities that are any, and nothing here ties to others"
+        if cases is not None:
+            return self._branch(cases)
         if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, subsets(self.roots))):
             return "this rests on the signs of its roots"
         return ""
@@ -470,7 +550,7 @@ class Worlds(Models):
     def is_open(self) -> bool:
         """Return whether a claim has roots and no other factor of a side makes it true."""
         factors = (number(-1), number(2), number(1, 2))
-        return bool(self.roots) and not any(map(self._with_factor, factors))
+        return bool(self.roots) and not self.signed and not any(map(self._with_factor, factors))
 
     def _with_factor(self, factor: Term) -> bool:
         """Return whether the claim holds with a factor on its last side, or does so under something."""
@@ -593,6 +673,8 @@ class Worlds(Models):
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
         """Yield smallest sets below every largest one; with rare ones where there are no others."""
+        if self.signed:
+            return
         names = [n for n in self._applicable() if n not in RARE]
         rows = (names[k:] + names[:k] for k in range(len(names)))
         found = False
@@ -635,12 +717,16 @@ class Worlds(Models):
             if not new or new in filled(base, [new]):
                 yield from below(filled(base, row))
 
+    def _kinds(self) -> set[str]:
+        """Return the names of the quantities that the claim has."""
+        return {a.data[0] for t in self.terms for a in atoms_in(t, self.scalars)}
+
     def _applicable(self) -> list[str]:
         """Return the assumptions that say something of what the claim is about."""
         labels = labels_in(self.terms)
         wanted = (n for n in ASSUMPTIONS if n not in SPECIAL)
         names = [n for n in wanted if MENTIONS.get(n, frozenset()) <= labels]
-        kinds = {a.data[0] for t in self.terms for a in atoms_in(t, self.scalars)}
+        kinds = self._kinds()
         unmeant = (SHAPES if kinds - GEOMETRY else frozenset()) | (
             AXIAL if kinds & ATTITUDES else frozenset()
         )

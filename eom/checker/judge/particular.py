@@ -16,13 +16,12 @@ import sympy as sp
 
 from eom.checker.mean.model import FIRST, PLACES, Model, Particular
 from eom.errors import InputError
+from eom.exact.numbers import MP, Number
 from eom.fields import PRIME, RESIDUES, Singular
 from eom.system import Expr, System
 from eom.worlds.solutions import (
-    MP,
     Double,
     Motion,
-    Number,
     Real,
 )
 

@@ -9,16 +9,17 @@ else stands below the integral is refused, so that no search is ever started.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
 from sympy.simplify.fu import TR8
 
 from eom.checker.mean import dimensions, instants
-from eom.checker.mean.dimensions import LENGTH, MASS, TIME, product
+from eom.checker.mean.dimensions import LENGTH, MASS, NONE, TIME, product
 from eom.checker.mean.elaborator import Elaborator, number, powered, pure, quotient
 from eom.checker.mean.indices import indices_of
 from eom.checker.mean.lexicon import Entry, Meaning
@@ -29,6 +30,7 @@ from eom.checker.mean.values import (
     ROW,
     TABLES,
     UNDECIDED,
+    Refusal,
     Value,
     assembled,
     cells,
@@ -48,11 +50,13 @@ from eom.checker.read.symbol_shape import Look, approached_from, labels, seen
 from eom.checker.read.syntax import (
     BigOperator,
     Call,
+    Cases,
     Derivative,
     Differential,
     Group,
     Integral,
     Matrix,
+    Missing,
     Node,
     Number,
     Product,
@@ -60,6 +64,7 @@ from eom.checker.read.syntax import (
     Root,
     Sequence,
     Symbol,
+    Words,
     walk,
 )
 from eom.terms import terms
@@ -118,14 +123,12 @@ def _limits(node: Integral) -> tuple[Any, Any]:
 
 
 def _variable(e: Elaborator, node: Integral) -> Look:
-    """Return the variable, one letter that stands for nothing outside of the integral."""
+    """Return the variable, one letter; in limits, as outside of the integral, it is what it is there."""
     given = seen(node.variables[0]) if len(node.variables) == 1 else None
     if given is None or given.dots or given.raised or given.look.accents:
         raise refuse(UNDECIDED, "not an integral over a coordinate", node.span)
     entry = e.lexicon.find(given.look)
-    outside = (n for limit in _limits(node) for n in walk(limit))
-    again = any(seen(n) == given for n in outside)
-    if again or (entry is not None and entry.meaning.quantity == "time"):
+    if entry is not None and entry.meaning.quantity == "time":
         raise refuse(UNDECIDED, "the variable has a meaning outside of the integral", node.span)
     if node.integrand is not None and called(node.integrand):
         raise refuse(UNDECIDED, "a function under an integral", node.integrand.span)
@@ -173,6 +176,11 @@ def between(integrand: Expr, x: Expr, lower: Expr, upper: Expr) -> Expr:
 
 
 def _between(part: Expr, x: Expr, lower: Expr, upper: Expr) -> Expr:
+    if part == 1 / x and 0 not in (lower, upper):
+        ratio = upper / lower
+        if ratio.is_number and not ratio > 0:
+            raise Unknown
+        return sp.log(ratio)
     primitive = _primitive(part, x)
     if primitive.has(1 / x) or any(p.base == x and p.exp < 0 for p in primitive.atoms(sp.Pow)):
         if 0 in (lower, upper):
@@ -524,6 +532,9 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "ln": sp.log,
     "log": sp.log,
 }
+_OF_ANY = {"sgn": sp.sign, "sign": sp.sign}
+"""Functions of a scalar with any dimension."""
+_LOGARITHMS = frozenset({"ln", "log"})
 _INVERSES = {"sin": sp.asin, "cos": sp.acos, "tan": sp.atan}
 
 
@@ -533,7 +544,21 @@ def call(e: Elaborator, node: Call) -> Value:
         return _diagonal(e, node)
     if node.function == "lim":
         return limit(e, node)
+    if node.function == "atan2":
+        return direction(e, node)
     return called_on(e, node, e.value(node.argument))
+
+
+def direction(e: Elaborator, node: Call) -> Value:
+    """Return the angle of a direction in the plane, of its second and its first coordinate."""
+    body = node.argument.body if isinstance(node.argument, Group) else None
+    items = body.items if isinstance(body, Sequence) else ()
+    if len(items) != len("yx"):
+        raise refuse(UNDECIDED, "an angle of other than two coordinates", node.span)
+    values = [e.value(item) for item in items]
+    if total(e.lexicon.notation, values).shape != SCALAR:
+        raise refuse(ILL_FORMED, "the argument of a function is a scalar", node.span)
+    return number(sp.atan2(*(e.expression(v.term) for v in values)), node.span)
 
 
 def called_on(e: Elaborator, node: Call, argument: Value) -> Value:
@@ -542,19 +567,91 @@ def called_on(e: Elaborator, node: Call, argument: Value) -> Value:
         raise refuse(UNDECIDED, "what stands below this function has no meaning", node.span)
     if node.function in _MATRIX_FUNCTIONS:
         return _MATRIX_FUNCTIONS[node.function](e, argument, node.span)
+    if node.function in _OF_ANY and argument.shape == SCALAR and node.sup is None:
+        return number(_OF_ANY[node.function](e.expression(argument.term)), node.span)
     function = _FUNCTIONS.get(node.function)
     if function is None:
         raise refuse(UNDECIDED, "a function without a meaning", node.span, node.function)
-    pure(argument, node.argument.span)
+    pointed = node.function in _LOGARITHMS and argument.dimension not in {None, NONE}
+    pure(replace(argument, dimension=None) if pointed else argument, node.argument.span)
     power = None if node.sup is None else "".join(labels(node.sup))
     if power == "-1" and node.function in _INVERSES:
         function, power = _INVERSES[node.function], None
     value = number(function(e.expression(argument.term)), node.span)
+    value = replace(value, dimension=None) if pointed else value
     if power is None:
         return value
     if not power.isdigit():
         raise refuse(UNDECIDED, "a power of a function", node.span, power)
     return powered(e, value, Fraction(power), node.span)
+
+
+def lone_logarithm(e: Elaborator, nodes: Iterable[Node]) -> Span | None:
+    """Return where the one logarithm of something with a dimension stands that nothing makes good for.
+
+    Its rate has no unit left in it, and the difference of two is that of a quotient.
+    """
+    found = []
+    for node in (n for tree in nodes for n in walk(tree)):
+        if isinstance(node, Derivative | Integral | Differential):
+            return None
+        if isinstance(node, Call) and node.function in _LOGARITHMS:
+            try:
+                value = e.value(node.argument)
+            except Refusal:
+                return None
+            found += [node.argument.span] if value.dimension not in {None, NONE} else []
+    return found[0] if len(found) == 1 else None
+
+
+def cases(e: Elaborator, node: Cases) -> Value:
+    """Return scalars with conditions, of which the first applies that is met."""
+    rows = [_case(row) for row in node.rows]
+    values = [e.value(value) for value, _ in rows]
+    whole = total(e.lexicon.notation, values)
+    if whole.shape != SCALAR:
+        raise refuse(UNDECIDED, "cases of what is no scalar", node.span, whole.words)
+    met = [condition(e, said) for _, said in rows]
+    pairs = zip((e.expression(v.term) for v in values), met, strict=True)
+    return replace(whole, term=expr(sp.Piecewise(*pairs, evaluate=False)), span=node.span)
+
+
+def _case(row: tuple[Node, ...]) -> tuple[Node, tuple[Node, ...]]:
+    """Return the value of a case, and what is said of when it applies."""
+    cells = [n for cell in row for n in (cell.items if isinstance(cell, Sequence) else (cell,))]
+    return cells[0], tuple(cells[1:])
+
+
+_WHEN = frozenset("if for when where as long provided that".split())
+_ELSE = frozenset({"otherwise", "else", "elsewhere"})
+_COMPARED = {"<": sp.Lt, ">": sp.Gt, "<=": sp.Le, ">=": sp.Ge, "=": sp.Eq, "!=": sp.Ne}
+
+
+def condition(e: Elaborator, said: Iterable[Node]) -> Expr:
+    """Return a condition of comparisons, which words join. Raises `Refusal` for other words."""
+    met: list[Expr] = []
+    join = sp.And
+    for node in said:
+        if isinstance(node, Words):
+            words = node.text.casefold().replace(",", " ").strip(" .;:").split()
+            join = sp.Or if "or" in words else join
+            if set(words) - _WHEN - _ELSE - {"and", "or", "in", "all", "other", "cases"}:
+                raise refuse(UNDECIDED, "a condition in words", node.span, node.text.strip())
+        elif isinstance(node, Relation) and all(s.name in _COMPARED for s in node.signs):
+            met += _comparisons(e, node)
+        elif not isinstance(node, Missing):
+            raise refuse(UNDECIDED, "a condition that compares nothing", node.span)
+    return join(*met) if met else sp.true
+
+
+def _comparisons(e: Elaborator, node: Relation) -> Iterator[Expr]:
+    """Yield the comparisons of a chain; what is compared has one dimension."""
+    values = [e.value(m) for m in node.members]
+    for (a, b), sign in zip(pairwise(values), node.signs, strict=True):
+        apart = total(e.lexicon.notation, [a, negative(b, node.span)])
+        if apart.shape != SCALAR:
+            raise refuse(UNDECIDED, "a condition on what is no scalar", node.span)
+        yield _COMPARED[sign.name](e.expression(apart.term), 0, evaluate=False)
 
 
 def limit(e: Elaborator, node: Call) -> Value:

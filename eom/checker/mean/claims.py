@@ -23,6 +23,7 @@ import sympy as sp
 
 from eom import limits
 from eom.checker.mean import instants, numbers
+from eom.checker.mean.calculus import lone_logarithm
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator, in_brackets
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, own_look, turned_round
@@ -32,6 +33,7 @@ from eom.checker.mean.values import (
     ANY,
     ROW,
     UNDECIDED,
+    WRONG,
     Finding,
     Refusal,
     Value,
@@ -224,6 +226,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     values, findings = _values(e, nodes[skip:])
     if not findings:
         values = _lying(nodes[skip:], values)
+    findings = findings or ([] if constant else _units_in_logarithms(e, nodes))
     made = Claim((), signs, span=s.span, scalars=e.scalars, findings=tuple(findings))
     made = replace(made, model=e.lexicon.system, order=order)
     found = []
@@ -236,6 +239,13 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if constant or any(says_constant(Words(w)) for w in s.words):
         found.append(_constant(made, e, values))
     return found
+
+
+def _units_in_logarithms(e: Elaborator, nodes: Iterable[Node]) -> list[Finding]:
+    """Return that a logarithm has a unit left in it."""
+    place = lone_logarithm(e, nodes)
+    said = "the argument of a function has a dimension"
+    return [] if place is None else [Finding(WRONG, said, place)]
 
 
 def _left_out(

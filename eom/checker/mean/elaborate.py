@@ -81,6 +81,7 @@ from eom.checker.read.syntax import (
     Boxed,
     Braced,
     Call,
+    Cases,
     Derivative,
     Differential,
     Evaluated,
@@ -598,6 +599,9 @@ def _scripts(e: Elaborator, node: Scripts) -> Value:
     short = subscripted(e, node)
     if short is not None:
         return e.value(short)
+    power = _exponential(e, node)
+    if power is not None:
+        return power
     if seen(node) is not None:
         return _symbol(e, node)
     upright = _upright(e, node)
@@ -612,6 +616,18 @@ def _scripts(e: Elaborator, node: Scripts) -> Value:
             raise refuse(UNDECIDED, "a script on the left without a meaning", node.span)
         value = components(value, e.frame(node.presup))
     return value if node.sup is None else raised(e, value, node.sup, node.span)
+
+
+def _exponential(e: Elaborator, node: Scripts) -> Value | None:
+    """Return a power of the letter e where that means nothing else; None for marks and other letters."""
+    plain = isinstance(node.base, Symbol) and node.base.name == "e" and not is_known(e, Look("e"))
+    alone = node.sub is node.presub is node.presup is None
+    if not plain or not alone or node.sup is None or isinstance(node.sup, Marks):
+        return None
+    found = seen(node)
+    if found is not None and is_known(e, found.look):
+        return None
+    return e.value(Call("exp", node.sup, span=node.span))
 
 
 def _lowered(e: Elaborator, node: Scripts) -> Value:
@@ -686,6 +702,7 @@ RULES: dict[type, Rule] = {
     BigOperator: _big_operator,
     Integral: calculus.integral_value,
     Differential: calculus.differential,
+    Cases: calculus.cases,
     Derivative: calculus.derivative,
     Matrix: _matrix,
 }

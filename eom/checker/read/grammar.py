@@ -58,7 +58,6 @@ _DIGRAPHS: dict[str, str] = {
     ">=": ">=",
     "!=": "!=",
     "==": "=",
-    "<-": "from",
 }
 """Relations and arrows of several characters; the longest comes first."""
 _ARROWS = frozenset(latex.ARROW_COMMANDS.values())
@@ -308,6 +307,7 @@ class Parser(Stream):
     def only_at_the_end(self, separator: str | None) -> None:
         """Refuse a comma that parts nothing: it may end a row or the formula alone."""
         inside = self.closes() and self.token.kind not in {"stop", "row", "end"}
+        inside = inside and not self.token.is_char("&")
         if inside and separator in {",", ";", ":", "|"}:
             raise self.error("something is missing before this")
 

@@ -144,6 +144,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
         *("what is raised here", "an operator without a", "a function without", "a list without"),
         *("angle brackets", "a table without", "a differential without", "a relation without"),
         *("what stands below this function", "a derivative by what", "wrong number of labels"),
+        *("a condition in words", "cases of what", "a condition on what", "an angle of other than"),
         *("sine or cosine of what", "a matrix of", "the slopes of what is no column"),
     ),
     "a line above that defines it, or a system in the lexicon that says how it moves": (
@@ -165,6 +166,8 @@ DECIDES: dict[str, tuple[str, ...]] = {
             "its roots leave open",
             "this power has no exact",
             "a condition:",
+            "it holds for some values",
+            "no values are known here",
         ),
         *("no value is known of this function", "the functions in this", "zero in special cases"),
         *("a root of higher degree", "a power of a function", "no counterexample among"),
@@ -196,7 +199,12 @@ DECIDES: dict[str, tuple[str, ...]] = {
     ),
     "a line above that says what these quantities are, or a law of motion that ties them": (
         *("this may be a law", "it may follow from the laws", "this is no identity"),
-        *("what leaves a body", "a relation continues nothing", "a condition that is no equation"),
+        *(
+            "what leaves a body",
+            "a relation continues nothing",
+            "a condition that is no equation",
+            "a condition that compares",
+        ),
     ),
     "a condition that more motions fulfil, or a line that says what follows from it": (
         *("it does not hold without its condition", "under its conditions it holds"),

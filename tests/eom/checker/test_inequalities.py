@@ -9,6 +9,7 @@ from eom.checker.judge.notes import understand
 from eom.checker.judge.verdicts import verdict
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.read.documents import read_document
+from eom.fields import RATIONALS
 from eom.terms.terms import number
 from eom.terms.vocabulary import quantity
 from eom.worlds.generators import world
@@ -103,7 +104,7 @@ def test_what_is_never_so_is_wrong_with_a_world_against_it(latex):
     found = judged(latex)
     assert found.verdict == "wrong"
     names, seed = found.claims[0].judgement.refuted
-    assert world(frozenset(names), seed, 0).masses
+    assert world(frozenset(names), seed, RATIONALS).masses
 
 
 @pytest.mark.parametrize("latex", every(3, OPEN))

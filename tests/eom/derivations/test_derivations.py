@@ -10,7 +10,7 @@ from eom.derivations import derive, names, titles
 from eom.derivations.derivation import Maker
 from eom.derivations.verification import DerivationError, verify
 from eom.errors import InputError
-from eom.fields import Singular
+from eom.fields import RATIONALS, Singular
 from eom.mass.solids import SOLIDS
 from eom.system import System
 from eom.terms.rules import transport
@@ -71,7 +71,7 @@ def test_steps_hold_in_exact_rationals_too(name):
     checked = 0
     for step in d.steps[:: max(1, len(d.steps) // 6)]:
         if step.evidence.startswith("held"):
-            exact = world(closure(step.assumptions), 7, 0)
+            exact = world(closure(step.assumptions), 7, RATIONALS)
             assert Evaluator(exact, d.scalars).holds(step.statement), step.label
             checked += 1
     assert checked > 2
