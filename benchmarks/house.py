@@ -26,7 +26,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 420,
-    "lines of code": 82_000,
+    "lines of code": 82_100,
     "modules in the fullest folder": 19,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
