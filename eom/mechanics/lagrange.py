@@ -24,6 +24,8 @@ Expr = Any
 Vector = tuple[Expr, ...]
 EXPLICIT = 2
 """Coordinates up to which rates are solved for; beyond it the mass matrix stays."""
+SEARCHED = 24
+"""Terms of a sum up to which a shorter form is searched for."""
 
 
 @dataclass(frozen=True)
@@ -169,12 +171,27 @@ class Mechanism:
 
 
 def _simplified(expression: Expr) -> Expr:
-    """Return a sum with fewer sines and cosines: products as sums where these cancel, else by search."""
+    """Return a sum with fewer sines and cosines: products as sums where these cancel, else by search.
+
+    In a long sum, where a search takes minutes, squares of cosines are written by those of sines.
+    """
     plain = sp.expand(expression)
+    if len(sp.Add.make_args(plain)) > SEARCHED:
+        return _with_sines(plain)
     summed = sp.expand(TR8(plain))
     if len(summed.atoms(sp.sin, sp.cos)) < len(plain.atoms(sp.sin, sp.cos)):
         return summed
     return sp.trigsimp(plain) if plain.has(sp.sin, sp.cos) else plain
+
+
+def _with_sines(plain: Expr) -> Expr:
+    """Return a sum with squares of sines in the place of those of cosines where it becomes shorter."""
+    for cosine in sorted(plain.atoms(sp.cos), key=sp.default_sort_key):
+        square = 1 - sp.sin(cosine.args[0]) ** 2
+        tried = sp.expand(plain.subs(cosine**2, square))
+        if len(sp.Add.make_args(tried)) < len(sp.Add.make_args(plain)):
+            plain = tried
+    return plain
 
 
 def speed(q: Expr) -> Expr:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -115,8 +115,8 @@ def spread(expression: Expr) -> int:
 class Restriction:
     """What is assumed of parameters and solutions: ``name``, symbols made equal or zero.
 
-    ``equal``: pairs of parameters, the second takes the value of the first; ``zero``: parameters,
-    inputs and states that are zero at all times; ``held``: what is constant at all times, by the speeds,
+    ``equal``: pairs of parameters, the second takes the value of the first, or a number; ``zero``:
+    parameters, inputs and states that are zero at all times; ``held``: what is constant, by the speeds,
     loads and parameters that it takes; ``now``: of which derivative this is so, and at the start alone,
     0 for all; ``rest``: whether states are zero that few motions keep so.
     """
@@ -127,6 +127,19 @@ class Restriction:
     held: tuple[Expr, ...] = ()
     now: int = 0
     rest: bool = False
+
+    @property
+    def values(self) -> dict[Expr, Expr]:
+        """Symbols with the numbers that they get."""
+        given = {b: a for a, b in self.equal if a.is_number}
+        return given | dict.fromkeys(self.zero, sp.S.Zero)
+
+    @property
+    def symbols(self) -> frozenset[Expr]:
+        """All symbols that are restricted."""
+        return frozenset(
+            {*self.zero, *self.held, *(s for p in self.equal for s in p if s.is_Symbol)}
+        )
 
 
 @dataclass
@@ -197,8 +210,22 @@ class Motion(Evaluation):
     def circle(self, half: Expr) -> tuple[Any, Any]:
         """Return cosine and sine at t = 0 of half an angle, by a random tangent."""
         if half not in self.tangents:
-            self.tangents[half] = 0 if self.series(half).is_zero else self.drawn()
+            self.tangents[half] = self._tangent(half)
         return RESIDUES.circle(self.tangents[half])
+
+    def _tangent(self, half: Expr) -> int:
+        """Return a random tangent of a quarter of an angle, or that of the sum that it stands for."""
+        if self._written_out(half) != half:
+            with suppress(InputError):
+                cosine, sine = (s.coefficients[0] for s in self.rotation(half / 2))
+                return int(RESIDUES.reduce(sine * RESIDUES.inverse(1 + cosine)))
+        return 0 if self.series(half).is_zero else self.drawn()
+
+    def _written_out(self, angle: Expr) -> Expr:
+        """Return an angle with the sums that symbols in it stand for."""
+        named = {s: self.meaning(s) for s in angle.free_symbols}
+        found = {s: e for s, e in named.items() if e is not None and not _inverse(e)}
+        return self._written_out(sp.expand_mul(angle.xreplace(found))) if found else angle
 
     def anything(self, node: Expr) -> Series:
         """Return random coefficients, of a number but the first zeros."""
@@ -215,7 +242,7 @@ class Motion(Evaluation):
 
     def turns(self, angle: Expr) -> Iterator[tuple[Series, Series, int]]:
         """Yield cosines and sines of half of each angle of a sum, and how often they are there."""
-        for base, count in summands(angle):
+        for base, count in summands(self._written_out(angle)):
             twice = 2 * count
             if not twice.is_Integer or abs(twice) > MAX_POWER or base.is_number or _inverse(base):
                 raise InputError("sine or cosine of what is no sum of angles", got=angle)
@@ -294,7 +321,7 @@ def _draw(m: Motion) -> None:
         start |= _on_constraint(m, assumption.vanish, set(start))
     for r in m.restrictions:
         for first, second in r.equal:
-            m.given[second] = m.given[first]
+            m.given[second] = m.series(first)
         for symbol in r.zero:
             if symbol in start:
                 start[symbol] = 0
@@ -359,18 +386,30 @@ def _balanced(m: Motion, e: Expr, n: int, symbol: Expr, place: int, before: int)
         m.solve()
         return int(m.series(e).coefficients[n])
 
-    with suppress(Singular):
-        nought, one, two = at(0), at(1), at(2)
-        slope = (one - nought) % PRIME
-        if slope and (two - one - slope) % PRIME == 0:
-            left = at(-nought * RESIDUES.inverse(slope) % PRIME)
-            if not left and not any(m.series(e).coefficients[1:before]):
-                return True
-    if isinstance(old, Series):
+    whole, m.length = m.length, n + 1  # what comes behind does not count here
+    try:
+        found = _zeroed(at, before, lambda: m.series(e).coefficients)
+    finally:
+        m.length = whole
+    if found:
+        m.solve()
+    elif isinstance(old, Series):
         m.given[symbol] = old
     else:
         m.start[symbol] = old
-    m.solve()
+    return found
+
+
+def _zeroed(
+    at: Callable[[int], int], before: int, coefficients: Callable[[], tuple[Any, ...]]
+) -> bool:
+    """Choose the number at which a coefficient is zero that depends linearly on it, and some before it."""
+    with suppress(Singular):
+        nought, one = at(0), at(1)
+        slope = (one - nought) % PRIME
+        if slope and (at(2) - one - slope) % PRIME == 0:
+            left = at(-nought * RESIDUES.inverse(slope) % PRIME)
+            return not left and not any(coefficients()[1:before])
     return False
 
 

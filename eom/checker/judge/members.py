@@ -32,7 +32,7 @@ from eom.checker.judge.particular import (
     struck,
     value_at,
 )
-from eom.checker.judge.systems import Pair
+from eom.checker.judge.systems import Pair, written_in
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.model import DERIVED, FIRST, Model, Particular
 from eom.errors import InputError
@@ -231,10 +231,9 @@ class Member(AtInstants):
 
 @dataclass(frozen=True)
 class Members(Models):
-    """Members of the family of the system that a claim is about; nothing is assumed besides."""
+    """Members of the family of the system that a claim is about; names are those of special cases."""
 
     undefined: ClassVar[str] = "no such motion was found, or the claim has no value in it"
-    order: ClassVar[Iterable[str]] = ()
 
     @property
     def model(self) -> Model:
@@ -246,6 +245,18 @@ class Members(Models):
     def said(self) -> tuple[Pair, ...]:
         """The expressions that the claim says are equal."""
         return tuple(equations(self.claim, self.model))
+
+    @property
+    def order(self) -> Iterable[str]:
+        """What may be assumed besides."""
+        return tuple(self.possible)
+
+    @cached_property
+    def possible(self) -> Mapping[str, Restriction]:
+        """Kinds of a blow, absent loads, angles at zero, by name: none that the claim writes."""
+        named = {s for n in self.labels for s in self.model.particular[n].cases}
+        found = (r for r in self.model.cases(named) if not r.symbols & self._named)
+        return {r.name: r for r in found}
 
     @cached_property
     def length(self) -> int:
@@ -276,12 +287,14 @@ class Members(Models):
         return islice(self._drawn(names), MOST)
 
     def _drawn(self, names: frozenset[str]) -> Iterator[Member]:
+        values = {s: MP.mpf(v) for n in names for s, v in self.possible[n].values.items()}
         for seed in range(SEEDS):
-            key = (self.labels, seed)
+            key = (self.labels, seed, names)
             if key not in self.model.drawn:
-                self.model.drawn[key] = list(
-                    islice(self._solved(drawn(self.model, seed), self.labels), ENOUGH)
+                begun = self._solved(
+                    drawn(self.model, seed).moved(values), self.labels, frozenset(values)
                 )
+                self.model.drawn[key] = list(islice(begun, ENOUGH))
             for number, (point, instants) in enumerate(self.model.drawn[key]):
                 yield Member(
                     names, seed, self, instants, self._here(point, instants), seed + number
@@ -386,9 +399,23 @@ class Members(Models):
                     here = last if self._changes else begun
                     yield InField(frozenset(), first.seed, self, instants, here, impulses)
 
-    def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:  # noqa: ARG002
-        """Yield nothing: what is derived of a system holds or does not."""
-        yield from ()
+    def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
+        """Yield special cases one by one."""
+        yield from (base | {n} for n in self.possible if search.counts(base | {n}))
+
+    def empties(self, names: frozenset[str]) -> bool:
+        """Return whether something that the claim writes vanishes in a special case alone."""
+        special, general = (next(self.draw(n), None) for n in (names, frozenset[str]()))
+        if special is None or general is None:
+            return True
+        written = [p for pair in self.said for p in written_in(pair)]
+        return any(self._zero(special, p) and not self._zero(general, p) for p in written)
+
+    def _zero(self, member: Member, part: Expr) -> bool:
+        try:
+            return self.equal(member.value(part), MP.mpf(0))
+        except (InputError, Singular):
+            return False
 
     def doubt(self) -> str:
         """Say that the claim holds in some of the motions that fit what is said of it."""

@@ -186,7 +186,7 @@ class Solver:
         said = {*self.motion.constant, *self.motion.start} | self.fixed
         states, parameters = list(point.states), list(point.parameters)
         yield [s for s in states if s not in said]
-        if not parameters or parameters[0] not in self.fixed:
+        if not parameters or not self.fixed.issuperset(parameters):
             yield [s for s in (*states, *parameters) if s not in said]
         yield [s for s in states if s not in {*self.motion.start} | self.fixed]
 
@@ -211,7 +211,8 @@ class Solver:
 
     def _is_proper(self, point: Point) -> bool:
         last = self._last(point).motion(self.model.system)
-        positive = all(v > LEAST for s, v in point.parameters.items() if s != self.moved)
+        drawn = point.parameters.keys() - self.fixed - {self.moved}
+        positive = all(point.parameters[s] > LEAST for s in drawn)
         apart = (e for e in self.motion.nonzero if self.moved not in e.free_symbols)
         return positive and all(abs(value_at(last, e)) > LEAST for e in apart)
 

@@ -16,16 +16,23 @@ from typing import Any
 import sympy as sp
 
 from eom.checker.judge.coordinates import equations, on_solutions
-from eom.checker.judge.judge import Judgement
+from eom.checker.judge.judge import Judgement, models_of
+from eom.checker.judge.members import Members
 from eom.checker.judge.models import ENOUGH, Search, Worlds, filled, terms_of
 from eom.checker.judge.systems import Solutions
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.model import Model, printed
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.statements import Formula
+from eom.checker.read.symbol_shape import seen
+from eom.checker.read.syntax import Node, Number
+from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.fields import RESIDUES, Singular
 from eom.limits import Overdue
 from eom.terms.terms import Term, add, nodes
+from eom.typeset.markup import symbol_latex
 from eom.worlds.solutions import Restriction, without_rates
 from eom.worlds.worlds import ANGLES, ASSUMPTIONS, MOMENT
 
@@ -62,16 +69,52 @@ def coincides(name: str, claim: Claim, names: frozenset[Name]) -> bool:
     ``names``: see `named`.
     """
     if claim.model is not None and on_solutions(claim):
-        return any(_equates(r, claim.model) for r in claim.model.possible if r.name == name)
+        found = (r for r in _possible(claim) if r.name == name)
+        return any(_equates(r, claim.model) and not _said(r, claim.model, names) for r in found)
     first, *others = ASSUMPTIONS[name].joins or ("",)
     kinds = {kind for kind, label in names if label == first}
     return any(all((kind, label) in names for label in others) for kind in kinds)
 
 
+def _possible(claim: Claim) -> Iterable[Restriction]:
+    """Return what may be assumed of the system of a claim."""
+    models = models_of(claim)
+    own = models.possible.values() if isinstance(models, Members) else ()
+    return (*own, *(claim.model.possible if claim.model is not None else ()))
+
+
+def zeros(formulas: Iterable[Formula]) -> frozenset[Name]:
+    """Return the letters that formulas say are zero, as LaTeX."""
+    found = (s.members for f in formulas for s in f.statements if len(s.members) == 2)
+    pairs = (pair for a, b in found for pair in ((a, b), (b, a)))
+    letters = (_letter_in(a) for a, b in pairs if isinstance(b, Number) and b.text == "0")
+    return frozenset((ZERO, letter) for letter in letters if letter)
+
+
+ZERO = "zero"
+
+
+def _letter_in(node: Node) -> str:
+    """Return the letter that a formula is, "" for any other."""
+    found = seen(node)
+    return latex_of(found.look) if found is not None and not (found.raised or found.dots) else ""
+
+
+def _said(found: Restriction, model: Model, names: frozenset[Name]) -> bool:
+    """Return whether a note says somewhere that what is restricted is zero."""
+    quantities = ((n, q) for n, q in model.quantities.items() if q.symbol in found.zero)
+    spelt = [
+        symbol_latex(model.letters[n]) if n in model.letters else printed(q) for n, q in quantities
+    ]
+    return bool(spelt) and all((ZERO, _letter_in(read_formula(t).tree)) in names for t in spelt)
+
+
 def _equates(found: Restriction, model: Model) -> bool:
     """Return whether parameters of a system become equal that are not so anyway, or one of them zero."""
     given = [set(pair) for r in model.given for pair in r.equal]
-    fixed = {q.symbol for q in model.system.parameters}
+    fixed = {q.symbol for q in model.system.parameters} - model.starting.keys()
+    if found.symbols <= model.starting.keys():
+        return False
     return any({*pair} not in given for pair in found.equal) or bool(fixed & {*found.zero})
 
 

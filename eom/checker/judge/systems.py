@@ -27,7 +27,7 @@ import sympy as sp
 from eom.checker.judge.coordinates import elements, equations, tells_time, written
 from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search
 from eom.checker.mean.claims import CONSTANT, Claim
-from eom.checker.mean.model import Model
+from eom.checker.mean.model import LOADS, Model, imposed
 from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
@@ -157,9 +157,29 @@ class Solutions(Models):
             raise InputError("no solution of the system keeps what is assumed") from error
 
     def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
-        """Yield sets without rest, the smallest first."""
+        """Yield the loads that have to be absent, else sets without rest, the smallest first.
+
+        What is absent is drawn at once; for what is held a motion is looked for.
+        """
         names = [n for n, r in self.possible.items() if not r.rest and self._concerns(r)]
-        yield from (base | s for s in self._small(search, names, MAX_SET))
+        absent = base | {n for n in names if self._loads.issuperset(self.possible[n].symbols)}
+        if absent > base and search.holds(absent):
+            least = self.shrunk(absent, base, search.holds)
+            if not self.empties(least):
+                yield least
+                return
+        others = [n for n in names if n not in absent]
+        yield from (base | s for s in self._small(search, others, MAX_SET))
+
+    @cached_property
+    def _loads(self) -> frozenset[Expr]:
+        """The loads that are given as functions of time, with their rates."""
+        states = self.model.system.states
+        given = imposed(self.model.system)
+        loads = [q.name for q in states if q.unit in LOADS and q.name in given]
+        named = {f"{load}{end}" for load in loads for end in ("", "_dot", "_ddot")}
+        quantities = (*states, *self.model.system.inputs)
+        return frozenset(q.symbol for q in quantities if q.name in named)
 
     @cached_property
     def _symbols(self) -> frozenset[Expr]:
@@ -216,7 +236,7 @@ class Solutions(Models):
 
     def empties(self, names: frozenset[str]) -> bool:
         """Return whether something that the claim writes vanishes under a set alone."""
-        parts = [p for pair in self.said for p in _parts(pair)]
+        parts = [p for pair in self.said for p in written_in(pair)]
         special, general = (next(self.draw(n), None) for n in (names, frozenset[str]()))
         if special is None or general is None:
             return True
@@ -323,7 +343,7 @@ def _zero(motion: Motion, part: Expr) -> bool:
     return found.is_zero
 
 
-def _parts(pair: tuple[Expr, Expr]) -> Iterator[Expr]:
+def written_in(pair: tuple[Expr, Expr]) -> Iterator[Expr]:
     """Yield all that a pair writes; of an expression that is to be zero, not itself and its factors."""
     for this, other in (pair, pair[::-1]):
         if other == 0:

@@ -50,6 +50,8 @@ PLACES = ("rad", "m", "1")
 """Units of coordinates."""
 ZERO_UNITS = frozenset({"N m", "N", "m/s^2", "m", "kg m^2/s", "N m s", "rad/s"})
 """Units of the parameters and inputs that may be assumed to be zero."""
+LOADS = frozenset({"N", "N m", "N*m"})
+"""Units of what may be absent."""
 HELD_UNITS = frozenset({"rad", "m", "rad/s", "m/s"})
 """Units of the states that may be assumed to be constant."""
 
@@ -91,6 +93,11 @@ class Particular:
     def is_blow(self) -> bool:
         """Whether speeds jump."""
         return bool(self.blows or self.closing)
+
+    @property
+    def cases(self) -> frozenset[Expr]:
+        """The letter that says of which kind a blow is."""
+        return self.restitution.free_symbols if self.is_blow else frozenset()
 
     @property
     def symbols(self) -> frozenset[Expr]:
@@ -213,6 +220,17 @@ class Model:
             raise unknown_name("quantity of the system", what, [*self.quantities, *DERIVED], where)
         return self.quantities[what].unit
 
+    def cases(self, blows: Iterable[Expr]) -> Iterator[Restriction]:
+        """Yield special cases of particular motions: elastic and plastic blows, no load, an angle at zero.
+
+        ``blows``: what says how fast gaps open.
+        """
+        for e in sorted(blows, key=str):
+            yield from (Restriction(f"{e} = {n}", equal=((sp.Integer(n), e),)) for n in (1, 0))
+        for q in (*self.system.inputs, *self.system.parameters):
+            if q.unit in LOADS | {"rad"}:
+                yield Restriction(f"{q.name} = 0", zero=(q.symbol,))
+
     @cached_property
     def starting(self) -> Mapping[Expr, str]:
         """The parameters that stand in particular motions alone, with the motion of each."""
@@ -325,10 +343,11 @@ def restrictions(system: System) -> Iterator[Restriction]:
     for q in (*system.parameters, *(q for q in system.inputs if not q.name.endswith("_ddot"))):
         if q.unit in ZERO_UNITS or (q.unit == "kg m^2" and _PRODUCT.fullmatch(q.name)):
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,))
+    names = {q.name for q in system.states}
+    yield from _absent(system)
     for q in system.states:
         if q.unit in HELD_UNITS:
             yield Restriction(f"{q.name} constant", held=(q.symbol,))
-    names = {q.name for q in system.states}
     for q in system.states:
         if q.unit == "rad/s" and q.name.removesuffix("_dot") not in names - {q.name}:
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,), rest=True)
@@ -336,6 +355,16 @@ def restrictions(system: System) -> Iterator[Restriction]:
         if q.name.removesuffix("_ddot") in names:
             steady = q.name.replace("_ddot", "_dot constant")
             yield Restriction(steady, zero=(q.symbol,), rest=True)
+
+
+def _absent(system: System) -> Iterator[Restriction]:
+    """Yield that loads which are given as functions of time are zero throughout."""
+    known = {q.name: q.symbol for q in (*system.states, *system.inputs)}
+    for q in system.states:
+        if q.unit in LOADS and q.name in imposed(system):
+            rates = (f"{q.name}_dot", f"{q.name}_ddot")
+            zero = (q.symbol, *(known[r] for r in rates if r in known))
+            yield Restriction(f"{q.name} = 0", zero=zero)
 
 
 _OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")

@@ -30,7 +30,7 @@ from eom.checker.judge.judge import (
 from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import Worlds, equations
 from eom.checker.judge.notes import Understood
-from eom.checker.judge.special import Name, excused, in_letters, named, says
+from eom.checker.judge.special import Name, excused, in_letters, named, says, zeros
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.mean.lexicon import Lexicon
@@ -106,7 +106,10 @@ def review(
     context = assumed(document, worldly, alone)
     loose, free = (spoken(document.pieces, table) for table in (APPROXIMATE, ANY_MOTION))
     sections = {u.headings: [v for v in understood if v.headings == u.headings] for u in understood}
-    names = {h: named(c for u in us for c in u.claims) for h, us in sections.items()}
+    names = {
+        h: named(c for u in us for c in u.claims) | zeros(u.formula for u in us)
+        for h, us in sections.items()
+    }
     placed = [
         _Placed(
             k, context, loose, free, (*given, *u.lexicon.assume), names[u.headings], u.lexicon

@@ -272,3 +272,80 @@ def test_slips_are_repaired_in_a_motion(text, line, repaired):
     (judged_,) = verdict(understood).claims
     offered = [c.latex.replace(" ", "") for c in explain(understood, judged_).corrections]
     assert repaired in offered
+
+
+def test_kinds_of_a_blow_that_a_line_leaves_out_are_meant():
+    lines = {
+        r"\frac12mu^2+\frac12Mw^2=\frac12mu'^2+\frac12Mw'^2": (("e = 1",),),
+        r"u-w=w'-u'": (("e = 1",),),
+        r"u'=w'": (("e = 0",),),
+        r"u'=\frac{mu+Mw}{m+M}": (("e = 0",),),
+        r"J=\frac{2mM}{m+M}(u-w)": (("e = 1",),),
+        r"J=\frac{mM}{m+M}(1-e)(u-w)": (),  # writes e, so it is of any blow
+        r"\frac12mu^2+\frac12Mw^2=\frac12mu'^2-\frac12Mw'^2": (),
+        r"u-w=2w'-u'": (),
+    }
+    found = judged(parse_lexicon(IMPACT), *lines)
+    verdicts = ["holds under" if sets else "wrong" for sets in lines.values()]
+    assert [v.verdict for v in found] == verdicts
+    assert [v.claims[0].judgement.sets for v in found] == list(lines.values())
+
+
+LEVEL = r"""+++
+[check.system]
+coordinates = { chi = "rad" }
+parameters = { m = "kg", c = "m", g = "m/s^2", lam = "rad", kap = "rad" }
+gravity = [0, 0, "-g"]
+[check.system.bodies]
+car = { mass = "m", at = ["c*cos(kap)*cos(chi)", "c*cos(kap)*sin(chi)", 0] }
+[check.system.reactions]
+R = { on = "car", along = ["-cos(chi)*sin(lam)", "-sin(chi)*sin(lam)", "cos(lam)"] }
+S = { on = "car", along = ["cos(chi)*cos(lam)", "sin(chi)*cos(lam)", "sin(lam)"] }
+[check.system.motions]
+bend = { constant = ["chi_dot"], zero = ["S"], nonzero = ["chi_dot"] }
+[check.system.symbols]
+'R' = "R at bend"
+'\chi' = "chi"
+'\lambda' = "lam"
+'\kappa' = "kap"
++++
+# Bend
+
+The car goes round at a steady rate.
+$$R\cos\lambda=mg$$
+$$R\sin\lambda=mc\,\dot\chi^2\cos\kappa$$
+$$R\sin\lambda=2mc\,\dot\chi^2$$
+$$R\sin\lambda=mc\,\dot\chi^2$$
+"""
+
+
+@pytest.mark.parametrize(
+    ("said", "wanted"),
+    [
+        ("", ["holds", "holds", "wrong", "wrong"]),
+        (r"From here on $\kappa=0$.", ["holds", "holds", "wrong", "holds under"]),
+    ],
+)
+def test_an_angle_at_zero_is_meant_where_the_section_says_so(said, wanted):
+    found = [f.verdict for f in check(LEVEL + said).findings if f.kind == "display"]
+    assert found == wanted
+
+
+def test_angles_by_a_formula_turn_with_those_that_they_are_made_of():
+    named = PENDULUM.replace(
+        "[system.values]",
+        '[system.values]\nsig = { is = "alpha + beta", unit = "rad" }\n'
+        'dif = { is = "(alpha - beta)/2", unit = "rad" }',
+    ).replace("[system.symbols]", "[system.symbols]\n'\\sigma' = \"sig\"\n'\\delta' = \"dif\"")
+    lines = {
+        r"\sin\sigma = \sin\alpha\cos\beta + \cos\alpha\sin\beta": "holds",
+        r"\sin\sigma = \sin\alpha\cos\beta - \cos\alpha\sin\beta": "wrong",
+        r"\begin{bmatrix}\cos\alpha&-\sin\alpha\\ \sin\alpha&\cos\alpha\end{bmatrix}"
+        r"\begin{bmatrix}\cos\beta&-\sin\beta\\ \sin\beta&\cos\beta\end{bmatrix}"
+        r"=\begin{bmatrix}\cos\sigma&-\sin\sigma\\ \sin\sigma&\cos\sigma\end{bmatrix}": "holds",
+        r"2\sin^2\delta = 1-\cos(\alpha-\beta)": "holds",
+        r"2\sin^2\delta = 1+\cos(\alpha-\beta)": "wrong",
+        r"\cos(\sigma-\beta) = \cos\alpha": "holds",
+    }
+    found = judged(parse_lexicon(named), *lines)
+    assert [v.verdict for v in found] == list(lines.values())

@@ -278,3 +278,32 @@ SMALL = {
 def test_small_angles_in_words(found, text):
     ((last,), _) = found(text, PLANE)
     assert last.verdict == SMALL[text]
+
+
+CASE_AND_DISC = r"""
+[system]
+coordinates = { psi = "rad", chi = "rad" }
+given = { M_1 = "N*m", M_2 = "N*m" }
+parameters = { A = "kg*m^2", B = "kg*m^2" }
+forces = { psi = "M_1", chi = "M_2" }
+[system.bodies]
+case = { moments = ["A"], omega = ["psi_dot"] }
+disc = { moments = ["B"], omega = ["psi_dot + chi_dot"] }
+[system.symbols]
+'\psi' = "psi"
+'\chi' = "chi"
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "verdict", "sets"),
+    [
+        (r"$$A\dot\psi + B(\dot\psi+\dot\chi) = \text{const}$$", "holds under", ["M_1 = 0"]),
+        (r"$$B(\dot\psi+\dot\chi) = \text{const}$$", "holds under", ["M_2 = 0"]),
+        (r"$$\tfrac12A\dot\psi^2 = M_1\psi$$", "wrong", []),
+        (r"$$A\ddot\psi + B(\ddot\psi+\ddot\chi) = 2M_1$$", "wrong", []),
+    ],
+)
+def test_loads_that_a_line_leaves_out_may_be_absent(found, line, verdict, sets):
+    ((one,), _) = found(line, CASE_AND_DISC)
+    assert (one.verdict, [n for s in one.sets[:1] for n in s]) == (verdict, sets)
