@@ -38,9 +38,9 @@ import click
 from benchmarks.table import time_text
 from eom.checker.judge.coordinates import on_solutions
 from eom.checker.judge.judge import models_of
-from eom.checker.judge.models import Worlds, contexts
 from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, NONE
+from eom.checker.judge.worlds import Worlds, contexts
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_for, parse_lexicon

@@ -18,9 +18,10 @@ from codegen.ir.names import comment, identifier
 from codegen.ir.passes import prune
 from codegen.ir.program import RATES, SINGULARITIES, Builder, Program
 from codegen.ir.scalars import Scalar
-from codegen.loops import reaches, switches, taylor
+from codegen.loops import switches, taylor
 from codegen.loops.jets import limited
 from codegen.loops.runge_kutta import fill
+from codegen.loops.taylor import of_lanes
 from codegen.native import native
 from codegen.passes.pipeline import CONSTANT, by_parameters
 from codegen.targets.c import assigned
@@ -104,7 +105,7 @@ def single_text(prepared: Prepared, program: Program, layout: Layout, order: int
         "SERIES_CONSTANTS": str(max(1, counts[f"{prefix}_s"])),
         "JET": _room(prepared, order),
         **switches.of_lanes(prepared, prefix, order),
-        **reaches.of_lanes(prepared, order),
+        **of_lanes(prepared, order),
     }
     events = fill("lanes_events.c", values)
     return fill("taylor_lanes.c", {"LANES_EVENTS": events, "JOB": fill("job.c", {}), **values})

@@ -1,12 +1,16 @@
 """What a page consists of: headings, words, lists, equations, steps; and where a long equation breaks.
 
 `eom.typeset.pages` writes blocks in each format.
+
+What objects show of themselves: each kind is registered by the module that writes or draws it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import singledispatch
+from typing import Any
 
 from eom.typeset.boxes import Box, Operator, Row
 from eom.typeset.markup import width
@@ -129,3 +133,12 @@ def _chunks(boxes: Iterable[Box], limit: int) -> list[tuple[Box, ...]]:
         found[-1] += (box,)
         length += needed
     return found
+
+
+@singledispatch
+def shown(given: object, style: str) -> Any:
+    """Return what stands for an object in a style: a page, a formula, or what a notebook displays.
+
+    Raises `TypeError` for kinds that no module has registered.
+    """
+    raise TypeError(f"nothing shows a {type(given).__name__} as {style}")

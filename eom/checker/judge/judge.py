@@ -33,9 +33,10 @@ from eom.checker.judge.inequalities import (
     sign,
 )
 from eom.checker.judge.members import Members, of_members
-from eom.checker.judge.models import MAX_TESTS, NO_BODY, Models, Search, Worlds
+from eom.checker.judge.models import NO_BODY, Models, Search
 from eom.checker.judge.scalars import Scalars
 from eom.checker.judge.systems import Solutions
+from eom.checker.judge.worlds import MAX_TESTS, Worlds
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, SAME_POINT, STATEMENT, Claim
 from eom.errors import InputError
 from eom.limits import Overdue

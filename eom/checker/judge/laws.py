@@ -26,7 +26,8 @@ import sympy as sp
 from eom.checker.judge.consequences import follows
 from eom.checker.judge.coordinates import addends
 from eom.checker.judge.judge import HOLDS, Judgement, judge
-from eom.checker.judge.models import CHANCE, ENOUGH, InWorld, Worlds, equations, terms_of
+from eom.checker.judge.models import ENOUGH, equations, terms_of
+from eom.checker.judge.worlds import CHANCE, InWorld, Worlds
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.values import atoms_in
 from eom.fields import RESIDUES

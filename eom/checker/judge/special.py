@@ -18,8 +18,9 @@ import sympy as sp
 from eom.checker.judge.coordinates import equations, on_solutions
 from eom.checker.judge.judge import Judgement, models_of
 from eom.checker.judge.members import Members
-from eom.checker.judge.models import ENOUGH, Search, Worlds, filled, terms_of
+from eom.checker.judge.models import ENOUGH, Search, terms_of
 from eom.checker.judge.systems import Solutions
+from eom.checker.judge.worlds import Worlds, filled
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.model import Model, printed

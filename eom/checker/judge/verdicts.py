@@ -33,9 +33,10 @@ from eom.checker.judge.judge import (
     row_of,
 )
 from eom.checker.judge.laws import free_alone, own
-from eom.checker.judge.models import CHANCE, MODELS, Worlds, equations
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import condition
+from eom.checker.judge.worlds import CHANCE, MODELS, Worlds
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED

@@ -16,7 +16,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean import calculus, instants
+from eom.checker.mean import calculus, instants, integrals
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborator import (
     FUNCTIONS,
@@ -282,7 +282,7 @@ def _big_operator(e: Elaborator, node: BigOperator) -> Value:
     known = knows(e)
     inside = {w for _, words in indexed(node.body, known) for w in words}
     if node.sign != "sum" or not letters or not inside.issuperset(letters):
-        return calculus.big_operator(e, node)
+        return integrals.big_operator(e, node)
     values = [e.bound(**axes).value(node.body) for axes in numberings(letters, (node.body,), known)]
     return total(e.lexicon.notation, values)
 
@@ -700,7 +700,7 @@ RULES: dict[type, Rule] = {
     Root: calculus.root,
     Call: _call,
     BigOperator: _big_operator,
-    Integral: calculus.integral_value,
+    Integral: integrals.integral_value,
     Differential: calculus.differential,
     Cases: calculus.cases,
     Derivative: calculus.derivative,

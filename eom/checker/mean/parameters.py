@@ -13,11 +13,11 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean.calculus import called
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, Parameters, Relation, claims
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import Elaborator
 from eom.checker.mean.instants import timely
+from eom.checker.mean.integrals import called
 from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
 from eom.checker.mean.values import Refusal, Value
 from eom.checker.read.grammar import read_formula

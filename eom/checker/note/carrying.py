@@ -33,8 +33,9 @@ from eom.checker.judge.laws import (
     slipped,
     variants,
 )
-from eom.checker.judge.models import Worlds, filled, terms_of
+from eom.checker.judge.models import terms_of
 from eom.checker.judge.verdicts import GRAVE, Judged, Verdict
+from eom.checker.judge.worlds import Worlds, filled
 from eom.checker.mean.claims import CONSTANT, STATEMENT, Claim
 from eom.checker.mean.model import Model
 from eom.checker.prose_claims.assumptions import Context

@@ -12,8 +12,9 @@ from typing import Any
 
 from eom.checker.judge.consequences import parts
 from eom.checker.judge.judge import HOLDS, UNDER, WRONG
-from eom.checker.judge.models import MENTIONS, MODELS, SPECIAL, labels_in, terms_of
+from eom.checker.judge.models import terms_of
 from eom.checker.judge.verdicts import LAWS, Judged, Verdict
+from eom.checker.judge.worlds import MENTIONS, MODELS, SPECIAL, labels_in
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.roles import ASSUMPTION
 from eom.checker.prose_claims.assumptions import PARAGRAPH, Context, Stated, implied

@@ -28,10 +28,11 @@ from eom.checker.judge.judge import (
     row_of,
 )
 from eom.checker.judge.laws import exchanged, slipped
-from eom.checker.judge.models import Worlds, equations
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import Name, excused, in_letters, named, says, zeros
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
+from eom.checker.judge.worlds import Worlds
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.note.carrying import (

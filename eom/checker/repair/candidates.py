@@ -28,6 +28,7 @@ from eom.checker.repair.lines import (
     Palette,
     Signature,
     agrees,
+    alike,
     signature,
     valued,
     worth,
@@ -99,14 +100,9 @@ def symbol_options(
 def double_options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
     """Return what may stand for a term if there are two slips in it, neither of which changes nothing."""
     value = worth(line, addend.node)
-    single = [e for e in edits(addend.node, palette, kinds=(False,)) if not _idle(line, value, e)]
+    alone = edits(addend.node, palette, kinds=(False,))
+    single = [e for e in alone if not alike(value, worth(line, e.tree))]
     return list(_valued(line, addend, value, doubles(addend.node, single)))
-
-
-def _idle(line: Line, value: Value | None, edit: Edit) -> bool:
-    """Return whether an edit leaves the value of a term as it is, as the transpose of a scalar does."""
-    new = None if value is None else worth(line, edit.tree)
-    return value is not None and new is not None and new.term == value.term
 
 
 def _valued(
@@ -115,7 +111,7 @@ def _valued(
     """Yield those edits of a term that have a value other than its own."""
     for edit in found:
         new = worth(line, edit.tree)
-        if new is not None and not (value is not None and new.term == value.term):
+        if new is not None and not alike(value, new):
             yield _edited(addend, edit, new)
 
 

@@ -24,8 +24,9 @@ from typing import Any, ClassVar, Protocol
 
 import sympy as sp
 
-from eom.checker.judge.models import MENTIONS, Drawn, contexts, labels_in
+from eom.checker.judge.models import Drawn
 from eom.checker.judge.systems import Solutions
+from eom.checker.judge.worlds import MENTIONS, contexts, labels_in
 from eom.checker.mean.claims import CONSTANT
 from eom.checker.mean.model import Model
 from eom.checker.mean.values import Value

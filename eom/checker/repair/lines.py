@@ -213,6 +213,11 @@ def signature(value: Value) -> Signature | None:
     return value.shape, value.density, value.dimension
 
 
+def alike(value: Value | None, new: Value | None) -> bool:
+    """Return whether two values are written by the same term."""
+    return value is not None and new is not None and value.term == new.term
+
+
 def agrees(own: Signature | None, kind: Signature) -> bool:
     """Return whether what has one signature may stand beside what has another."""
     if own is None:

@@ -26,7 +26,7 @@ from eom.multibody.model.model import Tree
 from eom.multibody.model.names import inputs_of, singularities_of
 from eom.quantities import TIME, Definition, Quantity
 from eom.system import System, as_expression
-from eom.typeset.shown import shown
+from eom.typeset.blocks import shown
 
 Expr = Any
 

@@ -43,6 +43,7 @@ from eom.typeset.blocks import (
     Steps,
     Table,
     broken,
+    shown,
 )
 from eom.typeset.boxes import (
     Box,
@@ -59,7 +60,6 @@ from eom.typeset.boxes import (
     symbol,
 )
 from eom.typeset.markup import render
-from eom.typeset.shown import shown
 from eom.typeset.writing import expression_pieces
 
 Expr = Any

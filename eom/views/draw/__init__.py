@@ -6,7 +6,7 @@ Imports: `codegen.runs`, `eom.errors`, `eom.mass`, `eom.typeset`.
 
 from __future__ import annotations
 
-from eom.typeset.shown import shown
+from eom.typeset.blocks import shown
 from eom.views.draw.picture import Picture
 
 

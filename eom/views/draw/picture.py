@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eom.errors import InputError
-from eom.typeset.shown import shown
+from eom.typeset.blocks import shown
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from eom.checker.judge.models import Search
 from eom.checker.judge.notes import understand
 from eom.checker.judge.scalars import RELATIONS
 from eom.checker.judge.verdicts import judge_chain
-from eom.checker.mean.calculus import Unknown, between
+from eom.checker.mean.integrals import Unknown, between
 from eom.checker.mean.lexicon_files import preset
 from eom.checker.mean.roles import running
 from eom.checker.read.documents import read_document
