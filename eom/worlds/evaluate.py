@@ -285,9 +285,9 @@ def is_signed(expression: Any, scalars: Mapping[Any, Term]) -> bool:
             return True
         if part.is_Pow and not (part.exp.is_Rational and part.exp.q in {1, 2}):
             return True
-        if isinstance(part, sp.sin | sp.cos | sp.tan | sp.cot) and not _turns(
-            part.args[0], scalars
-        ):
+        angles = part.args if isinstance(part, sp.sin | sp.cos) else ()
+        doubled = [2 * part.args[0]] if isinstance(part, sp.tan | sp.cot) else angles
+        if not all(_turns(angle, scalars) for angle in doubled):
             return True
     return False
 

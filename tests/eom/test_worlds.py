@@ -8,6 +8,7 @@ from eom.derivations.verification import decide
 from eom.errors import InputError
 from eom.exact import series
 from eom.exact.series import Series
+from eom.fields import RATIONALS
 from eom.terms.terms import (
     Equation,
     add,
@@ -297,7 +298,7 @@ def test_sizes_differ_between_worlds():
     ),
 )
 def test_rational_worlds_have_positive_masses(name):
-    for w in worlds([name], 12, 0):
+    for w in worlds([name], 12, RATIONALS):
         assert all(m.coefficients[0] > 0 for m in w.masses)
 
 
