@@ -42,9 +42,13 @@ def saturate(value: Any, low: Any, high: Any) -> Expr:
     1
     """
     value, low, high = map(as_expression, (value, low, high))
+    for name, given in (("value", value), ("low", low), ("high", high)):
+        if given.is_extended_real is False or given is sp.nan:
+            raise InputError("only real numbers have an order", where=f"saturate, {name}",
+                             got=shown(given), expected="a real number or expression")  # fmt: skip
     if (low > high) == True:  # noqa: E712 - may be undecided
         raise InputError("limits are in the wrong order", where="saturate",
-                         got=f"{low} to {high}", expected="the lower one first")  # fmt: skip
+                         got=f"{shown(low)} to {shown(high)}", expected="the lower one first")  # fmt: skip
     as_written = not value.is_number  # comparing long expressions would take SymPy minutes
     return sp.Max(low, sp.Min(value, high, evaluate=not as_written), evaluate=not as_written)
 
