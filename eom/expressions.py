@@ -43,7 +43,7 @@ def saturate(value: Any, low: Any, high: Any) -> Expr:
     """
     value, low, high = map(as_expression, (value, low, high))
     for name, given in (("value", value), ("low", low), ("high", high)):
-        if given.is_extended_real is False or given is sp.nan:
+        if not isinstance(given, sp.Expr) or given.is_extended_real is False or given is sp.nan:
             raise InputError("only real numbers have an order", where=f"saturate, {name}",
                              got=shown(given), expected="a real number or expression")  # fmt: skip
     if (low > high) == True:  # noqa: E712 - may be undecided
