@@ -70,6 +70,12 @@ class BaseScene(Request):
         except pydantic.ValidationError as error:
             raise readable(error, type(self)) from None
 
+    def __eq__(self, other: object) -> bool:
+        """Scenes are equal if their fields are: what was worked out from them is no part of it."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
     def __hash__(self) -> int:
         """Scenes are values; hash by content that matters for lookup only."""
         return hash((type(self), self.title, self.outputs))

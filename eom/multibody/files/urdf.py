@@ -27,7 +27,7 @@ from xml.parsers import expat
 import mpmath
 
 from eom.errors import InputError
-from eom.multibody.algebra.spatial import IDENTITY, Matrix, product, transposed
+from eom.multibody.algebra.spatial import IDENTITY, Matrix, cross, product, transposed
 from eom.multibody.algebra.values import value
 from eom.multibody.files.scene import Repair, TreeScene
 from eom.multibody.model import checks
@@ -55,7 +55,9 @@ FURTHER_KINDS: Mapping[str, str] = {"spherical": "spherical"}
 RESERVED = frozenset({GROUND})
 """Names that no body may have."""
 
-SINGLE = ("revolute", "continuous", "prismatic")
+TURNING = ("revolute", "continuous")
+"""Types of joints that turn about one axis."""
+SINGLE = (*TURNING, "prismatic")
 """Types of joints of one degree of freedom."""
 DIGITS = 30
 """Of nearest inertias on the way."""
@@ -616,17 +618,44 @@ def _rigid(robot: Any, link: str) -> dict[str, Matrix]:
 
 
 def _mend_idle(robot: Any, floating: bool) -> Iterator[Repair]:  # noqa: ARG001
-    """Fix joints that move no mass."""
+    """Fix joints that move no mass, and those at ends that turn point masses on their axes alone."""
     moving = _heavy(robot)
     idle = [j for j in robot.joints if j.type != "fixed" and j.child not in moving]
     for joint in idle:
         _fix(joint)
         yield Repair("idle", f"joint {joint.name!r}", "fixed, as it moves no mass")
     gone = {joint.name for joint in idle}
+    while turning := [j for j in robot.joints if _turns_points(robot, j)]:
+        _fix(turning[0])
+        gone.add(turning[0].name)
+        done = "fixed, as the mass that it turns is a point on its axis"
+        yield Repair("idle", f"joint {turning[0].name!r}", done)
     for joint in (j for j in robot.joints if j.mimic is not None and j.mimic.joint in gone):
         done = f"moves by itself, as {joint.mimic.joint!r} is fixed"
         joint.mimic = None
         yield Repair("mimic", f"joint {joint.name!r}", done)
+
+
+def _turns_points(robot: Any, joint: Any) -> bool:
+    """Return whether a joint at an end of the tree turns a point mass on its axis, and nothing else."""
+    coupled = {j.mimic.joint for j in robot.joints if j.mimic is not None}
+    if joint.type not in TURNING or joint.mimic is not None or joint.name in coupled:
+        return False
+    held, moving = _rigid(robot, joint.child), _heavy(robot)
+    carried = [link.inertial for link in robot.links if link.name in held and link.inertial]
+    heavy = {link.name for link in robot.links if link.name in held and mass_of(link)}
+    further = any(
+        j.type != "fixed" and j.parent in held and j.child in moving for j in robot.joints
+    )
+    if (
+        further
+        or heavy != {joint.child}
+        or any(x for own in carried for r in _rows(own) for x in r)
+    ):
+        return False
+    point = next(link.inertial.origin for link in robot.links if link.name == joint.child)
+    centre = _frame(point, f"link {joint.child!r}")[0]
+    return not any(cross(centre, [float(x) for x in joint.axis]))
 
 
 def _heavy(robot: Any) -> set[str]:

@@ -618,6 +618,17 @@ def test_nothing_that_is_needed_is_left_out():
     assert part.derive().output_names == ()
 
 
+def test_scenes_are_equal_if_they_say_the_same():
+    one, two, other = scene(), scene(), scene(title="another")
+    one.derive()  # what was worked out is no part of what a scene says
+    assert one == two
+    assert hash(one) == hash(two)
+    assert repr(one) == repr(two)
+    assert one != other
+    assert one != arm()
+    assert {one: "found"}[two] == "found"
+
+
 # --- the ready scenes -------------------------------------------------------------------------------
 
 

@@ -409,6 +409,28 @@ def test_a_joint_that_moves_no_mass_is_fixed(tmp_path):
     assert scene.derive().state_names == ("q_pin", "u_pin")
 
 
+POINT = """<inertial><origin xyz="{}"/><mass value="2"/>
+  <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "centre", "fixed"),
+    [
+        ("revolute", "0 0 0", True), ("continuous", "0.3 0 0", True), ("revolute", "0 0.1 0", False),
+        ("prismatic", "0 0 0", False),
+    ],
+)  # fmt: skip
+def test_a_joint_that_turns_a_point_on_its_axis_is_fixed(kind, centre, fixed, tmp_path):
+    """The axis is x unless it is given."""
+    bend = "</joint>" + '<joint name="bend" ' + pin(
+        kind, '<origin xyz="0 0 0.5"/>', '<parent link="arm"/><child link="tip"/>'
+    )  # fmt: skip
+    tip = f'<link name="tip">{POINT.format(centre)}</link>'
+    scene = eom.load_scene(robot(tmp_path, pin("revolute") + bend, more=tip), strict=False)
+    assert reasons(scene) == [("idle", "joint 'bend'")] * fixed
+    assert ("q_bend" in scene.derive().state_names) is not fixed
+
+
 def test_inertia_without_mass_is_lumped_where_it_is_fixed(tmp_path):
     """The sum of both, in the axes of the one with mass."""
     joints = pin("revolute") + '</joint><joint name="weld" ' + pin(
