@@ -26,8 +26,8 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 420,
-    "lines of code": 83_200,
-    "modules in the fullest folder": 19,
+    "lines of code": 83_250,
+    "modules in the fullest folder": 20,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
     "circles of folders": 0,
