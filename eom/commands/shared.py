@@ -109,12 +109,12 @@ def scene_of(name: str, **options: Any) -> AnyScene:
 
     What lenient reading did goes to standard error.
     """
-    from eom.multibody.files.scene import told
+    from eom.multibody.files.scene import repair_notes
     from eom.opening import load_scene
 
     asked = read_as()
     scene = load_scene(name, strict=not asked["--lenient"], floating=bool(asked["--floating"]))
-    for line in told(getattr(scene, "repairs", ())):
+    for line in repair_notes(getattr(scene, "repairs", ())):
         click.echo(f"note: {line}", err=True)
     changed = {k: v for k, v in options.items() if v is not None}
     if not changed:

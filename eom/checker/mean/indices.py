@@ -134,7 +134,7 @@ def is_known(e: Elaborator, look: Look) -> bool:
 
 
 def knows(e: Elaborator) -> Known:
-    """Return what tells whether a symbol has a meaning, with more indices given."""
+    """Return the test whether a symbol has a meaning, with more indices given."""
 
     def known(look: Look, more: Mapping[str, str]) -> bool:
         indices = {**e.indices, **more}

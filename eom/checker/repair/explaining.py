@@ -114,7 +114,7 @@ def _correction(understood: Understood, wrong: Line, found: Verified) -> Correct
 
 
 LONG = 160
-"""Characters of what is left over that are told in a sentence at most."""
+"""Characters of what is left over that a sentence contains at most."""
 PLAUSIBLE = 1.5
 """Most that the assumptions may weigh under which a line holds in another convention."""
 

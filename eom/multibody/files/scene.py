@@ -70,7 +70,7 @@ SHOWN = 8
 """Repairs of one reason that are printed."""
 
 
-def told(repairs: Sequence[Repair]) -> tuple[str, ...]:
+def repair_notes(repairs: Sequence[Repair]) -> tuple[str, ...]:
     """Return what was repaired in words, a line a reason; of many the first, and how many more."""
     lines = []
     for reason, words in REASONS.items():
@@ -208,7 +208,7 @@ class TreeScene(BaseScene, TreeDescription):
         """Return what was skipped, why, and the operations saved; print it to read it."""
         saved = savings(self.tree)
         left_out = (*map(Reduction, saved.reasons), *reductions(self._reduced[1]))
-        notes = tuple(map(Reduction, (*self.notes, *told(self.repairs))))
+        notes = tuple(map(Reduction, (*self.notes, *repair_notes(self.repairs))))
         return Explanation((*left_out, *notes), saved.without, saved.done, "without")
 
     @property
