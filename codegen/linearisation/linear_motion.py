@@ -28,8 +28,7 @@ parameters. `linearise` gives the dense matrices of the linear system about a po
 point of a trajectory in one call::
 
     run = simulate(compiled, initial, (0, 10), parameters)
-    p = [parameters[q.name] for q in compiled.layout.parameters]
-    linear = linearise(compiled, run.y, p, t=run.t)      # linear.A[:, :, k] at run.t[k]
+    linear = linearise(compiled, run.y, parameters, t=run.t)      # linear.A[:, :, k] at run.t[k]
 
 Rows and columns go as the names that `Linear` holds. Derivatives are taken of the program, not by
 differences; where an operation has none (a corner, a tie) see `codegen.derivatives.derivative`.
@@ -46,6 +45,7 @@ import mpmath
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from codegen.compiling.checked import Values
 from codegen.compiling.compiled import Compiled, kept_jacobian
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of
@@ -78,15 +78,16 @@ class Linear:
 @typed
 def linearise(
     compiled: Compiled,
-    x: ArrayLike,
-    p: ArrayLike | None = None,
-    u: ArrayLike | None = None,
+    x: Values,
+    p: Values | None = None,
+    u: Values | None = None,
     t: ArrayLike = 0.0,
 ) -> Linear:
     """Return A, B, C, D at a point, or with a last axis of N at N points, such as a trajectory.
 
     Shapes: ``x`` (n,) or (n, N), and so for ``p``, ``u``, ``t``: the ``y``, ``t`` and parameters
-    of a `codegen.Result` fit as they are. All four come from one call of one function, which is
+    of a `codegen.Result` fit as they are; values by name, each a number or (N,), fit as well. All four
+    come from one call of one function, which is
     compiled at the first use and kept by ``compiled``. They are the linear part about any point;
     that dx' = A dx + B du alone describes the motion holds about points at rest. ``x``: states, ``p``:
     parameters, ``u``: inputs, ``t``: time, in the units of the system.
@@ -95,7 +96,7 @@ def linearise(
     >>> import sympy as sp, codegen, eom
     >>> y, v, F = sp.symbols("y v F", real=True)
     >>> cart = eom.System.from_rates("cart", {y: v, v: F - sp.sin(y)}, inputs=[F])
-    >>> near = linearise(codegen.compile(cart, "numpy"), [0, 0], u=[0])
+    >>> near = linearise(codegen.compile(cart, "numpy"), {"y": 0, "v": 0}, u={"F": 0})
     >>> near.A.tolist(), near.B.tolist()
     ([[0.0, 1.0], [-1.0, 0.0]], [[0.0], [1.0]])
     """
