@@ -53,6 +53,19 @@ def test_matrices_are_printed_with_names(plate):
     assert "agreement" in lines[-1]
 
 
+def test_a_defective_eigenvalue_is_printed_to_its_digits(tmp_path):
+    """x'' = -x' / 2 - x / 16, critically damped: -1/4 twice, and no zero."""
+    plate = PLATE.replace('["-k*omega_1", "-k*omega_2"', '["u_1", "-omega_2"')
+    plate = plate.replace("[1.0, 2.0, 2.5]", "[1, 1, 1]").replace("M = 1.0", "M = 0.0")
+    law = 'laws = { u_1 = "-k*omega_1 - z/16" }\nstates = { z = { rate = "omega_1" } }\n'
+    file = tmp_path / "critical.toml"
+    file.write_text(f"{plate}[control]\n{law}")
+    lines = run(str(file)).output.splitlines()
+    first = lines.index("eigenvalues (1/s)")
+    assert lines[first + 1 : first + 5] == ["  -0.25", "  -0.25", "  -0.5", "  -1"]
+    assert lines[first + 5].startswith("asymptotically stable: largest real part -0.25 1/s")
+
+
 def test_json_holds_the_same(plate):
     found = json.loads(run(plate, "--json").output)
     assert found["states"] == ["omega_1", "omega_2", "omega_3"]

@@ -6,17 +6,20 @@ or ``(N,)``. Whatever has no column axis is the same at every point.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codegen.frontend.layout import Layout, names_of
+from codegen.frontend.layout import Layout, completed, in_order, names_of
 from eom.errors import InputError, shown
+from eom.quantities import Quantity
 
 Array = NDArray[np.float64]
+Values = ArrayLike | Mapping[str, ArrayLike]
+"""Values of states, parameters or inputs: in order, (n,) or (n, N), or by name, each a number or (N,)."""
 Kernel = Callable[[Any, Array, Array, Array, Array], None]
 """(t, x, p, u, out) with checked arrays; fills out."""
 
@@ -27,16 +30,17 @@ class Function(Protocol):
     def __call__(
         self,
         t: ArrayLike,
-        x: ArrayLike,
-        p: ArrayLike | None = None,
-        u: ArrayLike | None = None,
+        x: Values,
+        p: Values | None = None,
+        u: Values | None = None,
         out: Array | None = None,
     ) -> Array:
         """Return the results at one point, (k,), or at N points, (k, N).
 
-        ``t``: time, a number or (N,). ``x``: states, ``p``: parameters, ``u``: inputs, (n,) or (n, N);
+        ``t``: time, a number or (N,). ``x``: states, ``p``: parameters, ``u``: inputs, (n,) or (n, N), or
+        by name, each a number or (N,), which may leave out what has a default;
         what has no column axis is the same at every point. ``out``: an array that is filled and
-        returned. Raises `InputError` for wrong shapes and types.
+        returned. Raises `InputError` for wrong shapes and types, unknown and missing names.
         """
 
 
@@ -54,9 +58,9 @@ class CheckedFunction:
     def __call__(
         self,
         t: ArrayLike,
-        x: ArrayLike,
-        p: ArrayLike | None = None,
-        u: ArrayLike | None = None,
+        x: Values,
+        p: Values | None = None,
+        u: Values | None = None,
         out: Array | None = None,
     ) -> Array:
         """Return the results, (k,) or (k, N), in ``out`` where it is given.
@@ -69,9 +73,9 @@ class CheckedFunction:
             raise InputError("t has the wrong shape", got=time.shape, expected="() or (N,)")
         if time.ndim == 1:
             columns["t"] = time.shape[0]
-        states = _shaped("x", x, names_of(self.layout.states), columns)
-        parameters = _shaped("p", p, names_of(self.layout.parameters), columns)
-        inputs = _shaped("u", u, names_of(self.layout.inputs), columns)
+        states = _shaped("state", x, self.layout.states, columns)
+        parameters = _shaped("parameter", p, self.layout.parameters, columns)
+        inputs = _shaped("input", u, self.layout.inputs, columns)
         count = set(columns.values())
         if len(count) > 1:
             raise InputError(
@@ -102,15 +106,20 @@ def _real(value: ArrayLike, name: str) -> Array:
     return array.astype(np.float64, copy=False)
 
 
+ARGUMENTS = {"state": "x", "parameter": "p", "input": "u"}
+"""What quantities of each kind are called where functions take them."""
+
+
 def _shaped(
-    name: str, value: ArrayLike | None, names: Sequence[str], columns: dict[str, int]
+    kind: str, value: Values | None, quantities: Sequence[Quantity], columns: dict[str, int]
 ) -> Array:
-    n = len(names)
+    name, names, n = ARGUMENTS[kind], names_of(quantities), len(quantities)
+    value = completed(value, quantities)
     if value is None:
         if n:
             raise InputError(f"{name} is missing", expected=f"{n} values: {', '.join(names)}")
         return np.empty(0)
-    array = _real(value, name)
+    array = _stacked(value, names, kind) if isinstance(value, Mapping) else _real(value, name)
     if array.ndim not in {1, 2} or array.shape[0] != n:
         expected = (
             f"({n},) or ({n}, N), in the order {', '.join(names)}" if n else "no values: (0,)"
@@ -119,6 +128,24 @@ def _shaped(
     if array.ndim == 2:
         columns[name] = array.shape[1]
     return array
+
+
+def _stacked(values: Mapping[str, ArrayLike], names: Sequence[str], kind: str) -> Array:
+    """Return values by name, each a number or (N,), as (n,) or (n, N)."""
+    given = zip(names, in_order(values, names, kind), strict=True)
+    rows = {n: _real(v, f"{kind} {n}") for n, v in given}
+    for name, row in rows.items():
+        if row.ndim > 1:
+            raise InputError(
+                f"{kind} {name} has the wrong shape", got=row.shape, expected="() or (N,)"
+            )
+    lengths = {n: row.size for n, row in rows.items() if row.ndim}
+    if len(set(lengths.values())) > 1:
+        raise InputError(
+            f"numbers of columns of {kind}s differ",
+            got=", ".join(f"{n}: {size}" for n, size in lengths.items()),
+        )
+    return np.stack(np.broadcast_arrays(*rows.values())) if rows else np.empty(0)
 
 
 def _checked_out(out: Array, shape: tuple[int, ...]) -> Array:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from codegen.compiling.checked import Values
 from codegen.derivatives.derivative import JACOBIAN, UNIT, Jacobian, colouring, derive, identity
 from codegen.frontend.layout import Layout
 from codegen.ir.ops import Instruction
@@ -45,7 +46,7 @@ class SparseJacobian:
     """The accumulation that was cheapest: forward, reverse or mixed."""
 
     def __call__(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
+        self, t: ArrayLike, x: Values, p: Values | None = None, u: Values | None = None
     ) -> Array:
         """Return the entries that are not zero everywhere, (entries,) or (entries, N).
 
@@ -54,7 +55,7 @@ class SparseJacobian:
         return self.with_value(t, x, p, u)[1]
 
     def with_value(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
+        self, t: ArrayLike, x: Values, p: Values | None = None, u: Values | None = None
     ) -> tuple[Array, Array]:
         """Return results, (k,) or (k, N), and entries, (entries,) or (entries, N), of one evaluation.
 
@@ -64,7 +65,7 @@ class SparseJacobian:
         return everything[: self.shape[0]], everything[self.shape[0] :]
 
     def dense(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
+        self, t: ArrayLike, x: Values, p: Values | None = None, u: Values | None = None
     ) -> Array:
         """Return the whole matrix, in shape ``shape`` or (*shape, N).
 
@@ -75,9 +76,7 @@ class SparseJacobian:
         whole[list(self.rows), list(self.columns)] = entries
         return whole
 
-    def sparse(
-        self, t: float, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
-    ) -> Any:
+    def sparse(self, t: float, x: Values, p: Values | None = None, u: Values | None = None) -> Any:
         """Return the matrix at one point as a SciPy CSR array.
 
         ``t``, ``x``, ``p``, ``u``: as of `Function`, of one point. Raises `InputError` for wrong shapes.

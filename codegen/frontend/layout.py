@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,12 @@ from codegen.frontend.attitude import Stated, stated_of
 from codegen.ir.ops import LEAVES
 from codegen.ir.passes import needed
 from codegen.ir.program import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
-from eom.errors import InputError, shown, unknown_name
+from eom.errors import InputError, near_matches, shown, unknown_name
 from eom.quantities import Quantity
 from eom.system import System
 from eom.tables import Table
+
+V = TypeVar("V")
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ def to_array(
     Raises `InputError` for unknown, missing and non-finite values and for wrong lengths.
     """
     if isinstance(values, Mapping):
-        values = _in_order(values, names, kind)
+        values = in_order(values, names, kind)
     try:
         array = np.array([] if values is None else values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -144,13 +146,26 @@ def to_array(
     return array
 
 
-def _in_order(values: Mapping[str, float], names: Sequence[str], kind: str) -> list[float]:
+def in_order(values: Mapping[str, V], names: Sequence[str], kind: str) -> list[V]:
+    """Return values by name in the order of the names.
+
+    ``kind``: state, parameter, input. Raises `InputError` for unknown and missing names, with all of both.
+    """
     unknown = [n for n in values if n not in names]
-    if unknown:
-        raise unknown_name(kind, str(unknown[0]), names)
     missing = [n for n in names if n not in values]
-    if missing:
-        raise InputError(f"missing {kind}{'s' if len(missing) > 1 else ''}: {', '.join(missing)}")
+    if any(not isinstance(n, str) for n in unknown):
+        raise unknown_name(kind, next(n for n in unknown if not isinstance(n, str)), names)
+    parts = [
+        f"{what} {kind}{'s' if len(found) > 1 else ''}{sign} {', '.join(found)}"
+        for what, sign, found in (
+            ("unknown", "", [repr(n) for n in unknown]),
+            ("missing", ":", missing),
+        )
+        if found
+    ]
+    if parts:
+        hint = near_matches(unknown[0], names) if unknown else ""
+        raise InputError("; ".join(parts), hint=hint)
     return [values[n] for n in names]
 
 

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.attitude import quaternions_of
-from codegen.frontend.layout import names_of, to_array
+from codegen.frontend.layout import completed, names_of, to_array
 from codegen.ir.passes import dependence
 from codegen.ir.program import INVARIANTS, OUTPUTS, RATES
 from codegen.linearisation.unknowns import Equations, Equilibrium, maintained, together
@@ -279,7 +279,8 @@ class _Search:
         layout = compiled.layout
         self.compiled, self.name = compiled, f"system {layout.name!r}"
         states, self.inputs = names_of(layout.states), names_of(layout.inputs)
-        self.p = to_array(parameters, names_of(layout.parameters), "parameter")
+        given = completed(parameters, layout.parameters)
+        self.p = to_array(given, names_of(layout.parameters), "parameter")
         if dependence(compiled.program, RATES, "time"):
             raise InputError("the rates depend on time: nothing is steady", where=self.name)
         free = self._names(free, "input", self.inputs)

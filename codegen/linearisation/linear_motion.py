@@ -28,8 +28,7 @@ parameters. `linearise` gives the dense matrices of the linear system about a po
 point of a trajectory in one call::
 
     run = simulate(compiled, initial, (0, 10), parameters)
-    p = [parameters[q.name] for q in compiled.layout.parameters]
-    linear = linearise(compiled, run.y, p, t=run.t)      # linear.A[:, :, k] at run.t[k]
+    linear = linearise(compiled, run.y, parameters, t=run.t)      # linear.A[:, :, k] at run.t[k]
 
 Rows and columns go as the names that `Linear` holds. Derivatives are taken of the program, not by
 differences; where an operation has none (a corner, a tie) see `codegen.derivatives.derivative`.
@@ -46,6 +45,7 @@ import mpmath
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from codegen.compiling.checked import Values
 from codegen.compiling.compiled import Compiled, kept_jacobian
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of
@@ -78,15 +78,16 @@ class Linear:
 @typed
 def linearise(
     compiled: Compiled,
-    x: ArrayLike,
-    p: ArrayLike | None = None,
-    u: ArrayLike | None = None,
+    x: Values,
+    p: Values | None = None,
+    u: Values | None = None,
     t: ArrayLike = 0.0,
 ) -> Linear:
     """Return A, B, C, D at a point, or with a last axis of N at N points, such as a trajectory.
 
     Shapes: ``x`` (n,) or (n, N), and so for ``p``, ``u``, ``t``: the ``y``, ``t`` and parameters
-    of a `codegen.Result` fit as they are. All four come from one call of one function, which is
+    of a `codegen.Result` fit as they are; values by name, each a number or (N,), fit as well. All four
+    come from one call of one function, which is
     compiled at the first use and kept by ``compiled``. They are the linear part about any point;
     that dx' = A dx + B du alone describes the motion holds about points at rest. ``x``: states, ``p``:
     parameters, ``u``: inputs, ``t``: time, in the units of the system.
@@ -95,7 +96,7 @@ def linearise(
     >>> import sympy as sp, codegen, eom
     >>> y, v, F = sp.symbols("y v F", real=True)
     >>> cart = eom.System.from_rates("cart", {y: v, v: F - sp.sin(y)}, inputs=[F])
-    >>> near = linearise(codegen.compile(cart, "numpy"), [0, 0], u=[0])
+    >>> near = linearise(codegen.compile(cart, "numpy"), {"y": 0, "v": 0}, u={"F": 0})
     >>> near.A.tolist(), near.B.tolist()
     ([[0.0, 1.0], [-1.0, 0.0]], [[0.0], [1.0]])
     """
@@ -117,7 +118,7 @@ def linearise(
 Array = NDArray[np.float64]
 
 ERROR_FACTOR = 100.0
-"""How many times the bound of first order an eigenvalue may be off before its sign is believed."""
+"""How many times its bound an eigenvalue may be off before its sign is believed."""
 LEAST_ROW, DOUBT = 1e-3, 1e-6
 ATTITUDES = STATES, ANGLES = ("states", "angles")
 """How deviations of unit quaternions are named."""
@@ -171,7 +172,7 @@ class LinearMotion(Linear):
 
     @property
     def errors(self) -> Array:
-        """How far each eigenvalue may be off by rounding, to first order (1/s), (k,)."""
+        """How far each eigenvalue may be off by rounding (1/s), (k,)."""
         return self._eigen[1]
 
     @cached_property
@@ -349,23 +350,45 @@ def _differences(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array)
 def eigenvalues(A: Array) -> tuple[NDArray[np.complex128], Array]:
     """Return the eigenvalues, largest real part first, and how far rounding may put each off.
 
-    To first order an eigenvalue moves by |y| |x| / |y* x| of a change of A, x and y its right and left
-    vectors (Golub and Van Loan, Matrix Computations, 4th ed., sec. 7.2.2); A is taken as known to its
-    rounding. Multiple eigenvalues are known to a part of the digitsand marked so.
+    A is taken as known to its rounding. The error of an eigenvalue is that of the smallest group of those
+    next to it that stands apart from the others (`_error`): of itself alone where it is simple, of all that
+    are one but for rounding where it is multiple; defective ones are known to a part of the digits.
     """
-    from scipy.linalg import eig
+    from scipy.linalg import eig, schur
 
     if not A.size:
         return np.zeros(0, dtype=np.complex128), np.zeros(0)
-    found: tuple[Any, ...] = eig(A, left=True, right=True)
-    values, left, right = found
-    cosines = np.abs(np.sum(left.conj() * right, axis=0))
-    with np.errstate(divide="ignore"):
-        errors = np.finfo(float).eps * np.linalg.norm(A) / cosines
-    order = sorted(
-        range(len(values)), key=lambda k: (-values[k].real, abs(values[k].imag), -values[k].imag)
-    )
-    return values[order], errors[order]
+    found: NDArray[np.complex128] = eig(A, right=False)
+    values = np.array(sorted(found, key=lambda value: (-value.real, abs(value.imag), -value.imag)))
+    T, Z = schur(A, output="complex")
+    off = float(np.finfo(float).eps * np.linalg.norm(A))
+    return values, np.array([_error(T, Z, value, off) for value in values])
+
+
+def _error(T: Array, Z: Array, value: complex, off: float) -> float:
+    """Return how far an eigenvalue of the Schur form Z T Z* is off by what is at most ``off`` in norm.
+
+    The first k of a reordered form, with p the norm of their spectral projector, have eigenvalues of
+    T11 + F, |F| <= p off (1 + 2 p off / (sep - 2 p off)), where sep(T11, T22) > 4 p off (Stewart, SIAM
+    Review 15, 1973, p. 727; in the basis in which T12 = 0). So far the group stands apart. Those of
+    M + F are within (|M| + |M + F|)^(1 - 1/k) |F|^(1/k) of those of M (Elsner, Linear Algebra Appl. 71,
+    1985, p. 77), of which M is T11 about its mean. LAPACK's trsen estimates p from above and sep.
+    """
+    from scipy.linalg.lapack import ztrsen
+
+    n = len(T)
+    order = np.argsort(np.abs(np.diag(T) - value), kind="stable")
+    group, most = T, off
+    for k in range(1, n):
+        first = np.isin(np.arange(n), order[:k])
+        form, _, _, _, s, sep, _ = ztrsen(first, T, Z, job="B", lwork=2 * k * (n - k))
+        moved = off / s
+        if sep > 4 * moved:
+            group, most = form[:k, :k], moved * (1 + 2 * moved / (sep - 2 * moved))
+            break
+    k = len(group)
+    about = group - np.mean(np.diag(group)) * np.eye(k)
+    return float((2 * np.linalg.norm(about, 2) + most) ** (1 - 1 / k) * most ** (1 / k))
 
 
 def stability(values: NDArray[np.complex128], errors: Array) -> Stability:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,10 @@ from eom.errors import InputError
 
 if TYPE_CHECKING:
     from codegen import LinearMotion
+
+
+MOST_PLACES = 300
+"""Decimals of an eigenvalue that is known exactly."""
 
 
 @click.command("linearise")
@@ -153,9 +158,11 @@ def text(near: LinearMotion) -> str:
 
 
 def _eigenvalue(value: complex, error: float) -> str:
-    """Return an eigenvalue; a part that is less than what is known of it is zero."""
-    known = error if error < float("inf") else 0.0
-    real, imaginary = (0.0 if abs(part) <= known else part for part in (value.real, value.imag))
+    """Return an eigenvalue to the digits that are known; a part that is less than its error is zero."""
+    places = -math.floor(math.log10(error)) if error > 0 else MOST_PLACES
+    real, imaginary = (
+        0.0 if abs(part) <= error else round(part, places) for part in (value.real, value.imag)
+    )
     return f"  {real:+.10g}" + f" {imaginary:+.10g}i" * bool(imaginary)
 
 

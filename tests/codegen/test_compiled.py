@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import eom
 from codegen import compile as compile_system
+from codegen import linearise
 from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir import linsolve
 from codegen.ir.interpret import Bounded, Point, interpret, interpret_exactly, interpret_with_bound
@@ -619,6 +620,37 @@ def test_integers_and_time_of_other_kinds_are_accepted(forced, target):
         np.testing.assert_array_equal(f(t, [1, 2], np.array([1, 2]), (3, 4)), expected)
 
 
+def test_values_by_name_are_those_in_order(forced, target):
+    """Of rates, outputs, batches, Jacobians and linear motions; at one point and at many."""
+    compiled = compile_system(forced, target)
+    t, xs, ps, us = batch()
+    named = [dict(zip(names, rows, strict=True)) for names, rows in
+             (("yx", xs[::-1]), ("pq", ps), ("vu", us[::-1]))]  # fmt: skip
+    first = [{n: row[0] for n, row in given.items()} for given in named]
+    J = compiled.jacobian("parameters", "outputs")
+    for f in (compiled.rhs, compiled.outputs, compiled.batch("outputs"), J, J.dense, J.with_value):
+        for got, expected in zip(f(t, *named), f(t, xs, ps, us), strict=True):
+            np.testing.assert_array_equal(got, expected)
+        for got, expected in zip(f(0.5, *first), f(0.5, xs[:, 0], ps[:, 0], us[:, 0]), strict=True):
+            np.testing.assert_array_equal(got, expected)
+    near, same = linearise(compiled, *named, t), linearise(compiled, xs, ps, us, t)
+    assert all(np.array_equal(getattr(near, k), getattr(same, k)) for k in "ABCD")
+    mixed = compiled.rhs(0.5, {"x": xs[0], "y": 2.0}, *first[1:])
+    assert np.array_equal(mixed[:, 3], compiled.rhs(0.5, [xs[0, 3], 2.0], *first[1:]))
+
+
+def test_values_by_name_may_leave_out_what_has_a_default(target):
+    z, k, c = sp.symbols("z k c", real=True)
+    parameters = (Quantity(k, default=2.0), Quantity(c))
+    system = System("s", (Quantity(z, default=3.0),), (-k * z + c,), parameters)
+    rhs = compile_system(system, target).rhs
+    assert rhs(0.0, {}, {"c": 1}) == [-5.0]
+    with pytest.raises(InputError, match="missing parameter: c"):
+        rhs(0.0, {"z": 1})
+    free = compile_system(System("s", (Quantity(z),), (-k * z,), parameters[:1]), target).rhs
+    assert free(0.0, [1.0]) == [-2.0]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -632,6 +664,19 @@ def test_integers_and_time_of_other_kinds_are_accepted(forced, target):
         ((0.0, ["a", "b"], [1.0, 2.0], [1.0, 2.0]), ["x is not an array of real numbers"]),
         (([[0.0]], [1.0, 2.0], [1.0, 2.0], [1.0, 2.0]), ["t has the wrong shape", "(1, 1)"]),
         (([0.0, 1.0], np.ones((2, 3)), [1.0, 2.0], [1.0, 2.0]), ["columns differ", "t: 2", "x: 3"]),
+        ((0.0, {"x": 1, "z": 2}, [1.0, 2.0], [1.0, 2.0]), ["unknown state 'z'; missing state: y"]),
+        (
+            (0.0, [1.0, 2.0], {"r": 1, "s": 1}, [1.0, 2.0]),
+            ["unknown parameters 'r', 's'; missing parameters: p, q"],
+        ),
+        ((0.0, [1.0, 2.0], [1.0, 2.0], {"u": 1}), ["missing input: v"]),
+        ((0.0, {"x": 1, "y": "a"}, [1.0, 2.0], [1.0, 2.0]), ["state y is not an array of real"]),
+        ((0.0, {"x": 1, "y": [[1]]}, [1.0, 2.0], [1.0, 2.0]), ["state y has the wrong shape"]),
+        (
+            (0.0, {"x": [1, 2], "y": [1, 2, 3]}, [1.0, 2.0], [1.0, 2.0]),
+            ["columns of states differ", "x: 2, y: 3"],
+        ),
+        ((0.0, {1: 2.0}, [1.0, 2.0], [1.0, 2.0]), ["a state has a name"]),
     ],
 )
 def test_wrong_arguments_are_refused_with_what_was_expected(forced, target, arguments, words):

@@ -172,9 +172,9 @@ def test_stability_is_reported_with_care():
     assert of([[0, 1], [-1, 0]]) == "undecided"
     assert of([[0, 1], [0, 0]]) == "undecided"  # grows in proportion to time
     assert of([[1e-17, 1], [0, -1]]) == "undecided"
-    assert (
-        of([[-1, 1], [0, -1]]) == "undecided"
-    )  # a double root: its error is that of half the digits
+    # a double root is known to half the digits (the bound of its group), less than its distance to zero
+    assert of([[-1, 1], [0, -1]]) == "asymptotically stable"
+    assert of([[-1e-7, 1], [0, -1e-7]]) == "undecided"
     assert of(np.zeros((0, 0))) == "undecided"
 
 
@@ -186,6 +186,22 @@ def test_errors_of_eigenvalues_cover_what_rounding_does():
         moved, _ = eigenvalues(A + np.finfo(float).eps * draw.normal(size=A.shape))
         for value, error in zip(values, errors, strict=True):
             assert np.min(np.abs(moved - value)) < 10 * error
+
+
+@pytest.mark.parametrize("sizes", [(2,), (3,), (2, 2), (1, 3), (1, 1, 2), (4, 1, 1)])
+def test_multiple_eigenvalues_are_within_their_errors(sizes):
+    """The oracle: P J P^-1 with whole P of determinant 1 has the eigenvalues of J, exactly."""
+    draw, n = np.random.default_rng(sizes), sum(sizes)
+    for _ in range(10):
+        known = sorted(draw.choice(np.arange(-3, 4), len(sizes), replace=False), reverse=True)
+        J = sp.diag(*(sp.jordan_cell(int(v), k) for v, k in zip(known, sizes, strict=True)))
+        lower, upper = (draw.integers(-1, 2, (n, n)) for _ in range(2))
+        P = sp.Matrix(
+            (np.tril(lower, -1) + np.eye(n, dtype=int)) @ (np.triu(upper, 1) + np.eye(n, dtype=int))
+        )
+        values, errors = eigenvalues(np.array(P * J * P.inv(), float))
+        assert np.all(np.abs(values - np.repeat(known, sizes)) <= 3 * errors)
+        assert np.max(errors) < 1e3 * np.finfo(float).eps ** (1 / max(sizes))
 
 
 @pytest.mark.sparse
