@@ -2,8 +2,9 @@ r"""Worked examples: numbers in the place of quantities, units said or those of 
 
 A number that a symbol is given is kept for the lines behind it. In a chain such as
 ``L = I\omega = 0.09\cdot 50 = 4.5`` every number has to be what stands before it, to half a unit of its
-last digit; what has no number is judged as if the numbers were not there. A number that is wrong defines
-nothing: what stands before it in the chain does.
+last digit; a decimal in the place of what is no given number is known to half a unit of its own last
+digit, as 0.577 for tan 30 deg. What has no number is judged as if the numbers were not there. A number
+that is wrong defines nothing: what stands before it in the chain does.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from eom.checker.read.syntax import (
     Root,
     Scripts,
     Symbol,
+    transform,
     walk,
 )
 from eom.errors import InputError
@@ -45,6 +47,8 @@ Expr = Any
 SIGNS = frozenset({"=", ":=", "=:", "equiv", "approx", "simeq"})
 DIGITS, SHOWN = 30, 4
 MAX_DIGITS, MAX_BITS = 40, 2000
+MAX_SHIFT = 4
+"""Powers of ten between units of the same quantity, less than this."""
 SLACK = sp.Rational(1000001, 1000000)
 """How much wider than half a digit a rounding may be."""
 
@@ -441,6 +445,31 @@ class _Data:
         self.shifted = None
         return total
 
+    def rounding(self, node: Node) -> Expr:
+        """Return how far a number that is computed may be off by decimals in it that nobody has given."""
+        centre, total = measured(node, lambda _: None), sp.Integer(0)
+        if centre is None or last_digit(node) is not None:
+            return total
+        given = [v.term.args[0].data[0] for k, v in self.known.items() if "number" in k.accents]
+        for decimal in {n for n in walk(node) if isinstance(n, Number) and "." in n.text}:
+            if not any(_same_digits(sp.Rational(decimal.text), g) for g in given):
+                other = measured(_shifted(node, decimal), lambda _: None)
+                total += abs(other.value - centre.value) if other else 0
+        return total
+
+
+def _same_digits(a: Expr, b: Expr) -> bool:
+    """Return whether two numbers are the same up to a power of ten, as a length in m and in cm."""
+    if not (a and b.is_Rational and b):
+        return False
+    return any(a * p == b or a == b * p for p in (sp.Integer(10) ** n for n in range(MAX_SHIFT)))
+
+
+def _shifted(node: Node, decimal: Number) -> Node:
+    """Return a formula with half a unit of its last digit added to a decimal."""
+    wide = replace(decimal, text=f"{decimal.text}5")
+    return transform(node, lambda n: wide if n == decimal else n)
+
 
 def _is_example(
     s: Statement, pure: list[Measure | None], full: list[Measure | None], literal: list[bool]
@@ -533,7 +562,12 @@ def _compared(
             continue
         compared = True
         own = last_digit(node) or sp.Integer(0)
-        if not any(_near(here, own, f, m, data) for m, f in (before[0], before[-1])):
+        put = own + data.rounding(node)
+        near = (
+            _near(here, own if number_only(m) else put, f, m, data)
+            for m, f in (before[0], before[-1])
+        )
+        if not any(near):
             return _other(node, here, before[-1][1]), True
     return None, compared
 

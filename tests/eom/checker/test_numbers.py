@@ -48,6 +48,25 @@ def test_arithmetic_units_and_rounding(line):
     assert last.verdict == LINES[line]
 
 
+@pytest.mark.parametrize(
+    ("line", "wanted"),
+    [
+        (r"m\tan\theta = 2\cdot0.577 = 1.15", "holds"),
+        (r"m\tan\theta = 2\cdot0.577 = 1.155", "holds"),
+        (r"m\tan\theta = 2\cdot0.577 = 1.54", "wrong"),
+        (r"m\tan\theta = 2\cdot0.57 = 1.14", "wrong"),
+        (r"m\sin\theta = 2\cdot0.577 = 1.15", "wrong"),
+        (r"\frac{m\tan\theta}{r} = \frac{2\cdot0.577}{0.3} = 3.85", "holds"),
+        (r"\frac{m\tan\theta}{r} = \frac{2\cdot0.577}{0.31} = 3.72", "wrong"),
+        (r"\frac{m\tan\theta}{r} = \frac{2\cdot0.577}{0.3} = 3.85 = 22.1^\circ", "wrong"),
+    ],
+)
+def test_decimals_that_nobody_has_given_are_known_to_their_digits(line, wanted):
+    given = (*GIVEN, r"\theta = 30^\circ")
+    *_, last = judged(parse_lexicon(LEXICON), *given, line)
+    assert last.verdict == wanted
+
+
 def test_a_rounded_result_may_be_used_again():
     lines = (r"I = \tfrac12mr^2 = 0.0903", r"L = I\omega = 4.5", r"L = 4.515")
     given = (r"m=2.005\,\text{kg}", r"r=0.3001\,\mathrm{m}", r"\omega = 50")

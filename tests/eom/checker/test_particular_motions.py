@@ -331,6 +331,34 @@ def test_an_angle_at_zero_is_meant_where_the_section_says_so(said, wanted):
     assert found == wanted
 
 
+def test_a_parameter_that_is_said_to_be_zero_is_no_slip():
+    found = [f.verdict for f in check(LEVEL + r"From here on $\kappa=0$.").findings]
+    assert found[-1] == "holds under"
+
+
+@pytest.mark.parametrize("unit", ["N m", "N*m"])
+def test_loads_are_absent_in_either_spelling_of_their_unit(unit):
+    text = (
+        LEVEL.partition("# Bend")[0]
+        .replace('kap = "rad" }', f'kap = "rad", D = "{unit}", k = "{unit}" }}')
+        .replace("gravity =", 'forces = { chi = "k*sin(chi) - D" }\ngravity =')
+        .replace("'R' = ", "'D' = \"D\"\n'k' = \"k\"\n'R' = ")
+    )
+    lines = r"""
+$$mc^2\cos^2\kappa\,\ddot\chi=k\sin\chi-D$$
+From here on $D=0$.
+$$mc^2\cos^2\kappa\,\ddot\chi=k\sin\chi$$
+$$mc^2\cos^2\kappa\,\ddot\chi=2k\sin\chi$$
+"""
+    found = [(f.kind, f.verdict) for f in check(text + lines).findings]
+    assert sorted(found) == [
+        ("display", "holds"),
+        ("display", "holds under"),
+        ("display", "wrong"),
+        ("inline", "holds under"),
+    ]
+
+
 def test_angles_by_a_formula_turn_with_those_that_they_are_made_of():
     named = PENDULUM.replace(
         "[system.values]",
