@@ -563,11 +563,8 @@ def _compared(
         compared = True
         own = last_digit(node) or sp.Integer(0)
         put = own + data.rounding(node)
-        near = (
-            _near(here, own if number_only(m) else put, f, m, data)
-            for m, f in (before[0], before[-1])
-        )
-        if not any(near):
+        sides = ((own if number_only(m) else put, m, f) for m, f in (before[0], before[-1]))
+        if not any(_near(here, off, f, m, data) for off, m, f in sides):
             return _other(node, here, before[-1][1]), True
     return None, compared
 
