@@ -138,7 +138,9 @@ class Solutions(Models):
         """What may be assumed besides, by name; where the claim is that a parameter is zero, that."""
         found = {r.name: r for r in self.model.possible if r not in self.held}
         parameters = {q.symbol for q in self.model.system.parameters}
-        stated = (s for pair in self.said if 0 in pair for s in pair if s in parameters)
+        stated: list[Expr] = []
+        with suppress(InputError):
+            stated = [s for pair in self.said if 0 in pair for s in pair if s in parameters]
         return found | {f"{s.name} = 0": Restriction(f"{s.name} = 0", zero=(s,)) for s in stated}
 
     def kept(self, names: Iterable[str]) -> tuple[Restriction, ...]:
