@@ -27,7 +27,7 @@ import sympy as sp
 from eom.checker.judge.coordinates import elements, equations, tells_time, written
 from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search
 from eom.checker.mean.claims import CONSTANT, Claim
-from eom.checker.mean.model import LOADS, Model, imposed
+from eom.checker.mean.model import Model, imposed, is_load
 from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
@@ -135,8 +135,13 @@ class Solutions(Models):
 
     @cached_property
     def possible(self) -> Mapping[str, Restriction]:
-        """What may be assumed besides, by name."""
-        return {r.name: r for r in self.model.possible if r not in self.held}
+        """What may be assumed besides, by name; where the claim is that a parameter is zero, that."""
+        found = {r.name: r for r in self.model.possible if r not in self.held}
+        parameters = {q.symbol for q in self.model.system.parameters}
+        stated: list[Expr] = []
+        with suppress(InputError):
+            stated = [s for pair in self.said if 0 in pair for s in pair if s in parameters]
+        return found | {f"{s.name} = 0": Restriction(f"{s.name} = 0", zero=(s,)) for s in stated}
 
     def kept(self, names: Iterable[str]) -> tuple[Restriction, ...]:
         """Return what is given, and what names assume besides."""
@@ -176,7 +181,7 @@ class Solutions(Models):
         """The loads that are given as functions of time, with their rates."""
         states = self.model.system.states
         given = imposed(self.model.system)
-        loads = [q.name for q in states if q.unit in LOADS and q.name in given]
+        loads = [q.name for q in states if is_load(q) and q.name in given]
         named = {f"{load}{end}" for load in loads for end in ("", "_dot", "_ddot")}
         quantities = (*states, *self.model.system.inputs)
         return frozenset(q.symbol for q in quantities if q.name in named)

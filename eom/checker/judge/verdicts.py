@@ -346,6 +346,8 @@ def _blamed(
 _WORLDS = 2
 RESTING = CHANCE | {"O_fixed_in_body", "symmetric_1", "symmetric_2"}
 """Assumptions under which terms vanish that a slip may stand in."""
+KINDS = frozenset({"symmetric"})
+"""What kind a body is of: by itself it is meant, but not what vanishes only together with others."""
 
 _BEGINS: dict[str, str] = {
     "spin_312": "angle",
@@ -385,11 +387,15 @@ def _named(lexicon: Lexicon, begins: str) -> bool:
 def _empties(claim: Claim, equation: Equation, base: frozenset[str], names: Iterable[str]) -> bool:
     """Return whether terms of an equation vanish under a set alone, and two or more others do not."""
     signed = [*_addends(equation.left), *(-t for t in _addends(equation.right))]
-    if len(signed) < 3 or not RESTING.intersection(names):
+    names = frozenset(names)
+    resting = names & RESTING or names & KINDS
+    if len(signed) < 3 or not resting:
         return False
     try:
-        without = closure([*base, *(n for n in names if n not in RESTING)])
+        without = closure([*base, *(names - resting)])
         before = _zeros(claim, signed, without)
+        if resting <= KINDS:
+            before |= _zeros(claim, signed, closure([*base, *resting]))
         after = _zeros(claim, signed, closure([*base, *names]))
         if after <= before or len(signed) - len(after) < 2:
             return False

@@ -473,7 +473,7 @@ def _datum(s: Statement, e: Elaborator) -> Claim | None:
     if not given_number(s, e) and not _starts(s, e):
         return None
     finding = Finding(UNDECIDED, numbers.GIVEN_NUMBER, s.span)
-    return Claim((), findings=(finding,), numbers=numbers.given(s), span=s.span)
+    return Claim((), findings=(finding,), numbers=numbers.given(s, e), span=s.span)
 
 
 def _starts(s: Statement, e: Elaborator) -> bool:

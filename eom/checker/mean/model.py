@@ -49,8 +49,8 @@ BUILTIN: dict[str, Callable[[str], System]] = {
 PLACES = ("rad", "m", "1")
 """Units of coordinates."""
 ZERO_UNITS = frozenset({"N m", "N", "m/s^2", "m", "kg m^2/s", "N m s", "rad/s"})
-"""Units of the parameters and inputs that may be assumed to be zero."""
-LOADS = frozenset({"N", "N m", "N*m"})
+"""Units of the parameters and inputs that may be assumed to be zero; a blank stands for any product."""
+LOADS = frozenset({"N", "N m"})
 """Units of what may be absent."""
 HELD_UNITS = frozenset({"rad", "m", "rad/s", "m/s"})
 """Units of the states that may be assumed to be constant."""
@@ -228,7 +228,7 @@ class Model:
         for e in sorted(blows, key=str):
             yield from (Restriction(f"{e} = {n}", equal=((sp.Integer(n), e),)) for n in (1, 0))
         for q in (*self.system.inputs, *self.system.parameters):
-            if q.unit in LOADS | {"rad"}:
+            if is_load(q) or q.unit == "rad":
                 yield Restriction(f"{q.name} = 0", zero=(q.symbol,))
 
     @cached_property
@@ -336,12 +336,12 @@ def restrictions(system: System) -> Iterator[Restriction]:
     Rest (a rate that is zero at all times), and an imposed motion that is steady, come with ``rest`` set:
     they are never assumed unasked.
     """
-    inertia = [q for q in system.parameters if q.unit == "kg m^2"]
-    moments = [q.symbol for q in inertia if _MOMENT.fullmatch(q.name)]
+    inertia = {q for q in system.parameters if _spaced(q.unit) == "kg m^2"}
+    moments = [q.symbol for q in system.parameters if q in inertia and _MOMENT.fullmatch(q.name)]
     for a, b in combinations(moments, 2):
         yield Restriction(f"{a.name} = {b.name}", equal=((a, b),))
     for q in (*system.parameters, *(q for q in system.inputs if not q.name.endswith("_ddot"))):
-        if q.unit in ZERO_UNITS or (q.unit == "kg m^2" and _PRODUCT.fullmatch(q.name)):
+        if _spaced(q.unit) in ZERO_UNITS or (q in inertia and _PRODUCT.fullmatch(q.name)):
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,))
     names = {q.name for q in system.states}
     yield from _absent(system)
@@ -357,11 +357,21 @@ def restrictions(system: System) -> Iterator[Restriction]:
             yield Restriction(steady, zero=(q.symbol,), rest=True)
 
 
+def is_load(q: Quantity) -> bool:
+    """Return whether a quantity is a force or a moment, which may be absent."""
+    return _spaced(q.unit) in LOADS
+
+
+def _spaced(unit: str) -> str:
+    """Return a unit with blanks for products."""
+    return unit.replace("*", " ")
+
+
 def _absent(system: System) -> Iterator[Restriction]:
     """Yield that loads which are given as functions of time are zero throughout."""
     known = {q.name: q.symbol for q in (*system.states, *system.inputs)}
     for q in system.states:
-        if q.unit in LOADS and q.name in imposed(system):
+        if is_load(q) and q.name in imposed(system):
             rates = (f"{q.name}_dot", f"{q.name}_ddot")
             zero = (q.symbol, *(known[r] for r in rates if r in known))
             yield Restriction(f"{q.name} = 0", zero=zero)

@@ -2,7 +2,9 @@ r"""Worked examples: numbers in the place of quantities, units said or those of 
 
 A number that a symbol is given is kept for the lines behind it. In a chain such as
 ``L = I\omega = 0.09\cdot 50 = 4.5`` every number has to be what stands before it, to half a unit of its
-last digit; what has no number is judged as if the numbers were not there.
+last digit; a decimal in the place of what is no given number is known to half a unit of its own last
+digit, as 0.577 for tan 30 deg. What has no number is judged as if the numbers were not there. A number
+that is wrong defines nothing: what stands before it in the chain does.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import sympy as sp
 
 from eom.checker.mean.dimensions import NONE, UNITS, Dimension
 from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
-from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Refusal, Value
+from eom.checker.mean.values import ILL_FORMED, UNDECIDED, WRONG, Finding, Refusal, Value
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, Seen, grown, seen
@@ -34,6 +36,7 @@ from eom.checker.read.syntax import (
     Root,
     Scripts,
     Symbol,
+    transform,
     walk,
 )
 from eom.errors import InputError
@@ -44,28 +47,47 @@ Expr = Any
 SIGNS = frozenset({"=", ":=", "=:", "equiv", "approx", "simeq"})
 DIGITS, SHOWN = 30, 4
 MAX_DIGITS, MAX_BITS = 40, 2000
+MAX_SHIFT = 4
+"""Powers of ten between units of the same quantity, less than this."""
 SLACK = sp.Rational(1000001, 1000000)
 """How much wider than half a digit a rounding may be."""
 
 GIVEN_NUMBER = "a number that is given; nothing here determines it"
 """What is said of a number that nothing else gives."""
+ANOTHER = "the number is another one"
+"""What is said of a number that is not what stands before it."""
+
+TURN = sp.Symbol("turn", positive=True)
+"""How much a turn counts: 2 pi for what is in radians, one for what is in numbers of turns."""
+RADIANS, TURNS = 2 * sp.pi, sp.Integer(1)
+TURNED = {"rad": RADIANS, "deg": RADIANS, "Hz": TURNS, "1": TURNS}
+"""How much a turn counts for a quantity by what its unit in the lexicon begins with."""
+
+MULTIPLES = {"n": -9, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
+"""Powers of ten by their prefixes."""
 
 SCALES: dict[str, tuple[Expr, str]] = {
+    **{
+        prefix + unit: (sp.Integer(10) ** power, unit)
+        for unit in ("m", "s", "N", "J", "W", "Pa", "Hz", "rad")
+        for prefix, power in MULTIPLES.items()
+    },
     "g": (sp.Rational(1, 1000), "kg"),
-    "cm": (sp.Rational(1, 100), "m"),
-    "mm": (sp.Rational(1, 1000), "m"),
-    "km": (sp.Integer(1000), "m"),
-    "ms": (sp.Rational(1, 1000), "s"),
+    "mg": (sp.Rational(1, 10**6), "kg"),
     "min": (sp.Integer(60), "s"),
     "h": (sp.Integer(3600), "s"),
-    "kN": (sp.Integer(1000), "N"),
-    "kJ": (sp.Integer(1000), "J"),
-    "kW": (sp.Integer(1000), "W"),
+    **dict.fromkeys(("day", "days"), (sp.Integer(86400), "s")),
+    "Wh": (sp.Integer(3600), "J"),
+    "kWh": (sp.Integer(3600000), "J"),
+    "MWh": (sp.Integer(3600000000), "J"),
     "deg": (sp.pi / 180, "rad"),
-    "rev": (2 * sp.pi, "rad"),
-    "rpm": (sp.pi / 30, "Hz"),
+    "rev": (TURN, "rad"),
+    "rpm": (TURN / 60, "Hz"),
 }
 """Units that are no units of SI: how many of which."""
+
+MICRO = "µ"
+"""The prefix that is written by a letter of its own."""
 
 NAME = re.compile("|".join(sorted({*UNITS, *SCALES}, key=len, reverse=True)))
 
@@ -140,7 +162,7 @@ def _product(node: Product, known: Known) -> Measure | None:
         value = known(key(grown(changed[1]), changed[1].dots))
         return None if value is None else Measure(value)
     count = len(node.factors)
-    while count > 1 and None not in list(_letters(node.factors[count - 1], 1)):
+    while count > 1 and _is_unit(node.factors[count - 1], last=count == len(node.factors)):
         count -= 1
     inside = _each(node.factors[:count], known)
     if inside is None:
@@ -157,20 +179,27 @@ def _product(node: Product, known: Known) -> Measure | None:
     return Measure(value, total)
 
 
+def _is_unit(factor: Node, last: bool) -> bool:
+    """Tell whether a factor may be of a unit; a mu is so before others alone."""
+    found = list(_letters(factor, 1))
+    return None not in found and not (last and found[-1] is not None and found[-1][0].name == MICRO)
+
+
 def _sum(node: Addition, known: Known) -> Measure | None:
     inside = _each(node.terms, known)
     if inside is None or set(node.signs) - {"", "+", "-"}:
         return None
     signed = (-m.value if s == "-" else m.value for s, m in zip(node.signs, inside, strict=True))
-    return Measure(sp.Add(*signed), inside[0].unit)
+    return Measure(sp.Add(*signed), next((m.unit for m in inside if m.unit is not None), None))
 
 
 def _ratio(node: Fraction | Quotient, known: Known) -> Measure | None:
     pair = (node.above, node.below) if isinstance(node, Fraction) else (node.left, node.right)
     if isinstance(node, Quotient) and (below := _unit((pair[1],))) is not None:
         above = measured(pair[0], known)
-        if above is not None and above.unit is not None:
-            return Measure(above.value / below[0], above.unit.times(below[1].power(-1)))
+        if above is not None and (above.unit is not None or number_only(pair[0])):
+            per = (above.unit or NONE).times(below[1].power(-1))
+            return Measure(above.value / below[0], per)
     inside = _each(pair, known)
     if inside is None or inside[1].value == 0:
         return None
@@ -211,7 +240,19 @@ def _root(node: Root, known: Known) -> Measure | None:
     return None if inside is None else Measure(sp.sqrt(inside.value))
 
 
-_FUNCTIONS = {"sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "exp": sp.exp, "ln": sp.log}
+_INVERSES = {
+    **dict.fromkeys(("arcsin", "asin"), sp.asin),
+    **dict.fromkeys(("arccos", "acos"), sp.acos),
+    **dict.fromkeys(("arctan", "atan"), sp.atan),
+}
+_FUNCTIONS = {
+    **{
+        name: getattr(sp, name)
+        for name in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "exp")
+    },
+    **_INVERSES,
+    "ln": sp.log,
+}
 
 
 def _call(node: Call, known: Known) -> Measure | None:
@@ -220,6 +261,9 @@ def _call(node: Call, known: Known) -> Measure | None:
     power = sp.Integer(1) if node.sup is None else getattr(measured(node.sup, known), "value", None)
     if inside is None or function is None or node.sub is not None or power is None:
         return None
+    if power == -1:
+        inverse = _INVERSES.get("a" + node.function)
+        return None if inverse is None else Measure(inverse(inside.value))
     return Measure(function(inside.value) ** power)
 
 
@@ -263,7 +307,7 @@ def _word(letters: list[Letter]) -> tuple[str, int, int]:
     symbol, power = letters[0]
     word, best = symbol.name, (symbol.name, power, 1)
     for count, ((before, raised), (one, power)) in enumerate(pairwise(letters), 2):
-        if raised != 1 or before.span.stop != one.span.start:
+        if raised != 1 or (before.span.stop != one.span.start and before.name != MICRO):
             break
         word += one.name
         best = (word, power, count) if NAME.fullmatch(word) else best
@@ -272,7 +316,9 @@ def _word(letters: list[Letter]) -> tuple[str, int, int]:
 
 def _letters(node: Node, power: int) -> Iterator[Letter | None]:
     """Yield upright letters with their powers, None for anything else."""
-    if isinstance(node, Symbol) and node.style == "roman":
+    if isinstance(node, Symbol) and node.name == "mu":
+        yield Symbol(MICRO, "roman", span=node.span), power
+    elif isinstance(node, Symbol) and node.style == "roman":
         words = [node.name] if NAME.fullmatch(node.name) else _APART.findall(node.name)
         *before, last = words if "".join(words) == node.name else [node.name]
         yield from ((Symbol(word, "roman"), 1 if power > 0 else -1) for word in before)
@@ -305,6 +351,9 @@ def last_digit(node: Node) -> Expr | None:
         return last_digit(node.terms[0])
     if isinstance(node, Quotient):
         return last_digit(node.left)
+    if isinstance(node, Scripts) and node.sup == Marks(("circ",)):
+        half = last_digit(node.base)
+        return None if half is None else half * sp.pi / 180
     if isinstance(node, Product) and isinstance(node.factors[0], Number):
         rest = replace(node, factors=(Number("1", span=node.span), *node.factors[1:]))
         scale = measured(rest, lambda _: None)
@@ -341,18 +390,19 @@ def worked(s: Statement, e: Elaborator) -> Worked | None:
     rest = [m for m, own in zip(s.members, literal, strict=True) if not own]
     plain = tuple(replace(g, name="=") for g in s.signs[: len(rest) - 1])
     left = replace(s, members=tuple(rest), signs=plain) if len(rest) > 1 else None
-    finding, compared = _compared(s, e, full, data)
+    finding, compared = _judged(s, e, full, data)
     if finding is None and not compared:
         finding = Finding(UNDECIDED, GIVEN_NUMBER, s.span)
-    return Worked(left, finding, _learned(s, pure, literal, data))
+    return Worked(left, finding, _learned(s, e, _taken(s, pure, full, finding, data), data))
 
 
-def given(s: Statement) -> Mapping[Look, Value]:
+def given(s: Statement, e: Elaborator) -> Mapping[Look, Value]:
     """Return the number that a symbol is given, as it stands."""
     for symbol, other in (s.members[:2], s.members[1::-1]):
         found, value = _primed(symbol), measured(other, lambda _: None)
         if found is not None and not found.raised and value is not None:
-            return kept(found.look, found.dots, value.value, sp.Integer(0))
+            turn = _turn(symbol, e) or TURN
+            return kept(found.look, found.dots, value.value.subs(TURN, turn), sp.Integer(0))
     return {}
 
 
@@ -364,6 +414,7 @@ class _Data:
         self.lexicon = e.lexicon
         self.depth = 0
         self.shifted: Look | None = None
+        self.turn: Expr = RADIANS
 
     def value(self, look: Look) -> Expr | None:
         found = self.known.get(look)
@@ -394,6 +445,31 @@ class _Data:
         self.shifted = None
         return total
 
+    def rounding(self, node: Node) -> Expr:
+        """Return how far a number that is computed may be off by decimals in it that nobody has given."""
+        centre, total = measured(node, lambda _: None), sp.Integer(0)
+        if centre is None or last_digit(node) is not None:
+            return total
+        given = [v.term.args[0].data[0] for k, v in self.known.items() if "number" in k.accents]
+        for decimal in {n for n in walk(node) if isinstance(n, Number) and "." in n.text}:
+            if not any(_same_digits(sp.Rational(decimal.text), g) for g in given):
+                other = measured(_shifted(node, decimal), lambda _: None)
+                total += abs(other.value - centre.value) if other else 0
+        return total
+
+
+def _same_digits(a: Expr, b: Expr) -> bool:
+    """Return whether two numbers are the same up to a power of ten, as a length in m and in cm."""
+    if not (a and b.is_Rational and b):
+        return False
+    return any(a * p == b or a == b * p for p in (sp.Integer(10) ** n for n in range(MAX_SHIFT)))
+
+
+def _shifted(node: Node, decimal: Number) -> Node:
+    """Return a formula with half a unit of its last digit added to a decimal."""
+    wide = replace(decimal, text=f"{decimal.text}5")
+    return transform(node, lambda n: wide if n == decimal else n)
+
 
 def _is_example(
     s: Statement, pure: list[Measure | None], full: list[Measure | None], literal: list[bool]
@@ -412,6 +488,64 @@ def _is_example(
     return units or decimals or recalled or (literal.count(True) > 1 and not all(literal))
 
 
+def _judged(
+    s: Statement, e: Elaborator, full: list[Measure | None], data: _Data
+) -> tuple[Finding | None, bool]:
+    """Return what is wrong with numbers, and whether any was compared, however much a turn counts."""
+    clash = _clash(s)
+    if clash is not None:
+        return clash, True
+    found = []
+    for data.turn in _turns(s, e):
+        here = [f and replace(f, value=f.value.subs(TURN, data.turn)) for f in full]
+        found.append(_compared(s, e, here, data))
+    return next((f for f in found if f[0] is None), found[0])
+
+
+def _turns(s: Statement, e: Elaborator) -> tuple[Expr, ...]:
+    """Return how much a turn may count in a chain: by the units of its quantities, or both."""
+    found = {_turn(m, e) for m in s.members} - {None}
+    if any(n == Symbol("rad", "roman") for m in s.members for n in walk(m)):
+        found.add(RADIANS)
+    return tuple(sorted(found, key=str)) or (RADIANS, TURNS)
+
+
+def _turn(node: Node, e: Elaborator) -> Expr | None:
+    """Return how much a turn counts for a quantity, None for what is not known."""
+    symbol = _primed(node)
+    entry = e.lexicon.find(symbol.look, e.indices) if symbol is not None else None
+    if entry is None:
+        return None
+    if entry.meaning.quantity in {"angular_velocity", "free_angle", "turn_angle", "rotor_speed"}:
+        return RADIANS
+    return TURNED.get(re.split("[ /]", entry.meaning.unit)[0])
+
+
+def _clash(s: Statement) -> Finding | None:
+    """Return the finding that numbers with units of different dimensions are added."""
+    for node in (n for m in s.members for n in walk(m) if isinstance(n, Addition)):
+        units = [u for t in node.terms if (u := _said(t)) is not None]
+        other = next((u for u in units if u != units[0]), None)
+        if other is not None and len(units) == len(node.terms):
+            return Finding(
+                ILL_FORMED, "terms of different dimensions", node.span, other.words, units[0].words
+            )
+    return None
+
+
+def _said(term: Node) -> Dimension | None:
+    """Return the dimension of one number with its unit; None where factors may have left out theirs."""
+    numbers = [n for n in walk(term) if isinstance(n, Number)]
+    found = measured(term, lambda _: None) if len(numbers) == 1 or _raised(term) else None
+    return None if found is None else found.unit
+
+
+def _raised(term: Node) -> bool:
+    """Tell whether a term is one number with a unit that has powers."""
+    factors = term.factors if isinstance(term, Product) else ()
+    return bool(factors) and isinstance(factors[0], Number) and _unit(factors[1:]) is not None
+
+
 def _compared(
     s: Statement, e: Elaborator, full: list[Measure | None], data: _Data
 ) -> tuple[Finding | None, bool]:
@@ -428,14 +562,16 @@ def _compared(
             continue
         compared = True
         own = last_digit(node) or sp.Integer(0)
-        if not any(_near(here, own, f, m, data) for m, f in (before[0], before[-1])):
+        put = own + data.rounding(node)
+        sides = ((own if number_only(m) else put, m, f) for m, f in (before[0], before[-1]))
+        if not any(_near(here, off, f, m, data) for off, m, f in sides):
             return _other(node, here, before[-1][1]), True
     return None, compared
 
 
 def _near(here: Measure, own: Expr, there: Measure, node: Node, data: _Data) -> bool:
     digits = last_digit(node) or 0
-    allowed = own + digits + data.off(node)
+    allowed = (own + digits + data.off(node)).subs(TURN, data.turn)
     apart = sp.N(abs(here.value - there.value), DIGITS)
     scale = sp.N(abs(here.value), DIGITS)
     return bool(apart <= sp.N(allowed * SLACK + scale * sp.Rational(1, 10**20), DIGITS))
@@ -443,7 +579,7 @@ def _near(here: Measure, own: Expr, there: Measure, node: Node, data: _Data) -> 
 
 def _other(node: Node, here: Measure, there: Measure) -> Finding:
     shown = (str(sp.N(m.value, SHOWN)) for m in (here, there))
-    return Finding(WRONG, "the number is another one", node.span, *shown)
+    return Finding(WRONG, ANOTHER, node.span, *shown)
 
 
 def _unfit(s: Statement, e: Elaborator, k: int, here: Measure) -> Finding | None:
@@ -470,19 +606,40 @@ def number_only(node: Node) -> bool:
     return measured(node, lambda _: None) is not None
 
 
+def _taken(
+    s: Statement,
+    pure: list[Measure | None],
+    full: list[Measure | None],
+    finding: Finding | None,
+    data: _Data,
+) -> tuple[Expr, Expr] | None:
+    """Return the number that a chain gives, and how far it is rounded.
+
+    It is the last one that is written; if that is not what stands before it, the first one, and none if
+    its dimension is another one.
+    """
+    if finding is None or finding.verdict == UNDECIDED:
+        last = max(k for k, p in enumerate(pure) if p is not None and p.value != 0)
+        off = last_digit(s.members[last]) if len(s.members) > 2 else None
+        return pure[last].value, off or sp.Integer(0)  # type: ignore[union-attr]
+    if finding.what != ANOTHER:
+        return None
+    node, first = next((m, f) for m, f in zip(s.members, full, strict=True) if f is not None)
+    return first.value, (last_digit(node) or 0) + data.off(node)
+
+
 def _learned(
-    s: Statement, pure: list[Measure | None], literal: list[bool], data: _Data
+    s: Statement, e: Elaborator, taken: tuple[Expr, Expr] | None, data: _Data
 ) -> Mapping[Look, Value]:
     """Return the number that symbols alone in the chain have got, rounded as it stands."""
-    last = max(k for k, own in enumerate(literal) if own)
     found: dict[Look, Value] = {}
-    for member in s.members:
-        symbol, value = _primed(member), pure[last]
-        if symbol is None or symbol.raised or value is None:
+    for member in s.members if taken is not None else ():
+        symbol = _primed(member)
+        if symbol is None or symbol.raised or key(symbol.look, symbol.dots) in data.known:
             continue
-        if key(symbol.look, symbol.dots) not in data.known:
-            off = last_digit(s.members[last]) if len(s.members) > 2 else sp.Integer(0)
-            found |= kept(symbol.look, symbol.dots, value.value, off or sp.Integer(0))
+        turn = _turn(member, e) or TURN
+        value, off = (x.subs(TURN, turn) for x in taken or ())
+        found |= kept(symbol.look, symbol.dots, value, off)
     return found
 
 

@@ -448,7 +448,8 @@ def _call(p: Stream) -> Node:
         base: Node = Symbol(name, "roman", span=start.span)
         return Scripts(base, sub, sup, span=p.since(start.span)) if sub or sup else base
     with p.nested(fresh=False):
-        argument = p.atom() if _group_ahead(p) else _bare_argument(p)
+        inverse = name.startswith("arc") or sup == _INVERSE
+        argument = p.atom() if _group_ahead(p) else _bare_argument(p, inverse)
     call: Node = Call(name, argument, sub, sup, span=p.since(start.span))
     after = p.token.kind == "char" and p.token.text in "_^"
     if after:
@@ -456,6 +457,10 @@ def _call(p: Stream) -> Node:
         call = Scripts(call, sub, sup, span=p.since(start.span))
         p.note("power of a function", "a script behind the argument is of the value", call.span)
     return call
+
+
+_INVERSE = Addition((Number("1"),), ("-",))
+"""The script of an inverse function."""
 
 
 def _argument_ahead(p: Stream) -> bool:
@@ -466,14 +471,16 @@ def _group_ahead(p: Stream) -> bool:
     return bracket_ahead(p) or bool(p.bar(p.token)) or p.token.is_command("lvert", "lVert", "{")
 
 
-def _bare_argument(p: Stream) -> Node:
+def _bare_argument(p: Stream, inverse: bool) -> Node:
+    """Return an argument without brackets; that of an inverse function may be a ratio."""
     start = p.token.span
     minus = p.accept("-")
     factors = [p.factor()]
     while p.starts_atom() and not p.closes() and _goes_on(p, factors[-1]):
         factors.append(p.factor())
     node = factors[0] if len(factors) == 1 else Product(tuple(factors), span=p.since(start))
-    if p.token.is_char("/") and p.ahead().kind == "number":
+    ratio = p.ahead().kind == "number" or (inverse and not p.ahead().is_command("pi"))
+    if p.token.is_char("/") and ratio:
         slash = p.take()
         node = Quotient(node, p.scripted(), span=p.since(start))
         p.note("slash", "the quotient is read as within the function", slash.span)

@@ -239,6 +239,9 @@ class _Scanner:
             self.add("command", "dots", first)
         elif c == "~":
             self.spaced = True
+        elif c == "°":
+            self.add("char", "^", first)
+            self.add("command", "circ", first)
         elif c.isascii():
             self.ascii(c, first)
         else:
@@ -401,7 +404,9 @@ def respelt(tokens: list[Token]) -> list[Token]:
     return tokens
 
 
-_UNIT = re.compile(r"(kg|[cmk]?m|k?N|k?J|k?W|Hz|Pa|rad|deg|rpm|m?s|min|g|[\s/^0-9·-])+")
+_UNIT = re.compile(
+    r"([nµμmckMG]?(m|s|N|J|W|Pa|Hz|rad)|[km]?g|[kM]?Wh|deg|rev|rpm|min|h|days?|[\s/^0-9·-])+"
+)
 
 
 def _unit_in_words(tokens: list[Token], k: int, done: list[Token]) -> Replaced:
@@ -411,7 +416,7 @@ def _unit_in_words(tokens: list[Token], k: int, done: list[Token]) -> Replaced:
     if token.kind != "words" or not behind or not _UNIT.fullmatch(token.text.strip() or "?"):
         return None
     found: list[Token] = []
-    for part in re.findall(r"[A-Za-z]+|-?[0-9]+|[/^]", token.text):
+    for part in re.findall(r"[A-Za-zµμ]+|-?[0-9]+|[/^]", token.text):
         if part.isalpha():
             letters = [replace(token, kind="letter", text=letter) for letter in part]
             found += [replace(token, kind="command", text="mathrm"), _char("{", token)]

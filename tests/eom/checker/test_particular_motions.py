@@ -2,9 +2,10 @@ r"""What is derived of a system: motions, frequencies, events, blows, running in
 
 import pytest
 
+from eom.checker.judge.judge import models_of
 from eom.checker.judge.notes import understand
 from eom.checker.judge.verdicts import verdict
-from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.mean.lexicon_files import lexicon_for, parse_lexicon
 from eom.checker.note.checking import check
 from eom.checker.read.documents import read_document
 from eom.checker.repair.explaining import explain
@@ -329,6 +330,42 @@ $$R\sin\lambda=mc\,\dot\chi^2$$
 def test_an_angle_at_zero_is_meant_where_the_section_says_so(said, wanted):
     found = [f.verdict for f in check(LEVEL + said).findings if f.kind == "display"]
     assert found == wanted
+
+
+def test_a_parameter_that_is_said_to_be_zero_is_no_slip():
+    found = [f.verdict for f in check(LEVEL + r"From here on $\kappa=0$.").findings]
+    assert found[-1] == "holds under"
+
+
+def test_what_may_be_assumed_is_known_where_a_claim_has_too_many_derivatives():
+    line = r"$$\frac{d^4}{dt^4}\frac{d^4\chi}{dt^4}=0$$"
+    (understood,) = understand(read_document(line), lexicon_for(LEVEL))
+    (claim,) = understood.claims
+    assert set(models_of(claim).possible) == {r.name for r in claim.model.possible}
+    assert verdict(understood).verdict == "undecided"
+
+
+@pytest.mark.parametrize("unit", ["N m", "N*m"])
+def test_loads_are_absent_in_either_spelling_of_their_unit(unit):
+    text = (
+        LEVEL.partition("# Bend")[0]
+        .replace('kap = "rad" }', f'kap = "rad", D = "{unit}", k = "{unit}" }}')
+        .replace("gravity =", 'forces = { chi = "k*sin(chi) - D" }\ngravity =')
+        .replace("'R' = ", "'D' = \"D\"\n'k' = \"k\"\n'R' = ")
+    )
+    lines = r"""
+$$mc^2\cos^2\kappa\,\ddot\chi=k\sin\chi-D$$
+From here on $D=0$.
+$$mc^2\cos^2\kappa\,\ddot\chi=k\sin\chi$$
+$$mc^2\cos^2\kappa\,\ddot\chi=2k\sin\chi$$
+"""
+    found = [(f.kind, f.verdict) for f in check(text + lines).findings]
+    assert sorted(found) == [
+        ("display", "holds"),
+        ("display", "holds under"),
+        ("display", "wrong"),
+        ("inline", "holds under"),
+    ]
 
 
 def test_angles_by_a_formula_turn_with_those_that_they_are_made_of():

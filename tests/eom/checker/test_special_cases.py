@@ -110,6 +110,13 @@ def test_what_a_note_states_or_says_is_meant(found, text):
     assert displays[-1].verdict == "holds under"
 
 
+def test_what_vanishes_by_two_coincidences_is_no_licence_for_a_slip(found):
+    named = BODY + "'s_{<k>}' = \"position C O in B component <k>\"\n"
+    lines = (f"$$Q_3 = J_3 {sign} m\\left(s_1^2 + s_2^2\\right)$$" for sign in "-+")
+    displays, _ = found(LAWS + " ".join(lines), named)
+    assert [f.verdict for f in displays] == ["wrong", "holds"]
+
+
 def test_a_written_term_does_not_vanish(found):
     slip = r"$$\dot{\bar h} = \bar M_S + \bar v_S\times\bar q$$"
     right = r"$$\dot{\bar h} = \bar M_S - \bar v_S\times\bar q$$"
