@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from eom.checker.judge.coordinates import covered
-from eom.checker.judge.judge import judge
+from eom.checker.judge.judge import HOLDS, judge
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import Solutions, agreeing
 from eom.checker.mean.claims import DEFINITION, Claim, Relation, claims, defined
-from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborate import MINUS, PLUS, POISSON, elaborator, is_fundamental
 from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.parameters import limited, named, read, tied
@@ -244,7 +244,8 @@ class _Context:
         rows: list[tuple[Claim, ...]] = []
         for statement in statements:
             before = (*self.before, *(c for found in rows for c in found))
-            rows.append(self._indexed(statement, known, before, index))
+            found = self._indexed(statement, known, before, index)
+            rows.append(self._signs(statement, known, found) or found)
             known |= defined(rows[-1])
         for n, statement in enumerate(statements):
             later = defined(c for found in rows[n + 1 :] for c in found if c.kind == DEFINITION)
@@ -253,6 +254,26 @@ class _Context:
                 own = {**self.definitions, **defined(c for f in rows[:n] for c in f), **later}
                 rows[n] = min((rows[n], self._indexed(statement, own, before, index)), key=_gaps)
         return tuple(c for found in rows for c in found)
+
+    def _signs(
+        self, statement: Statement, known: dict[Look, Value], found: tuple[Claim, ...]
+    ) -> tuple[Claim, ...]:
+        """Return that a bracket of a coordinate and a momentum gives all their sign, or nothing."""
+        if all(c.otherwise is None for c in found):
+            return ()
+        axes = found[0].indices
+        if not is_fundamental(elaborator(self.lexicon, known).bound(**axes), statement.members):
+            return ()
+        rows = {
+            PLUS: [replace(c, otherwise=None) for c in found],
+            MINUS: [c.otherwise or c for c in found],
+        }
+        held = [s for s, row in rows.items() if all(judge(c).verdict == HOLDS for c in row)]
+        if len(held) != 1:
+            return ()
+        (sign,) = held
+        made = Claim((sign, sign), ("=",), DEFINITION, defines=POISSON, span=statement.span)
+        return (made,)
 
     def _indexed(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...], index: str

@@ -101,7 +101,7 @@ OF_PENDULUM = {
     r"\dot q_i=\frac{\partial H}{\partial p_i},\qquad\dot p_i=-\frac{\partial H}{\partial q_i}": "holds",
     r"\dot q_i=\frac{\partial H}{\partial p_i},\qquad\dot p_i=\frac{\partial H}{\partial q_i}": "wrong",
     r"H=\sum_i p_i\dot q_i-L": "holds",
-    r"\{q_i,p_j\}=\delta_{ij}": "holds",
+    r"\{q_i,p_j\}=\delta_{ij}": "definition",  # of the sign
     r"\dot f=\{f,H\}+\frac{\partial f}{\partial t}": "holds",
     r"\dot f=\{f,H\}": "wrong",
     r"\dot h=\{h,H\}": "holds",
@@ -212,6 +212,32 @@ def test_brackets_and_routhians_are_what_the_note_says():
     }
     own = parse_lexicon(PENDULUM.replace("[symbols]", '[symbols]\nR = "defined"', 1))
     assert [v.verdict for v in judged(own, *lines)] == list(lines.values())
+
+
+@pytest.mark.parametrize(
+    ("setting", "lines"),
+    [
+        (
+            "",
+            {
+                r"\dot h=\{h,H\}": "undecided",
+                r"\dot h=2\{h,H\}": "wrong",
+                r"\{\alpha,\beta\}=0": "holds",
+                r"\{h,h\}=0": "holds",
+                r"\{f,h\}=-\{h,f\}": "holds",
+                r"\{f,h\}=\{h,f\}": "wrong",
+            },
+        ),
+        ("", {r"\{p_\beta,\beta\}=1": "definition", r"\dot h=\{H,h\}": "holds"}),
+        ("", {r"\{\beta,p_\beta\}=2": "wrong", r"\dot h=\{H,h\}": "undecided"}),
+        ("p q", {r"\{\beta,p_\beta\}=1": "wrong", r"\dot h=\{H,h\}": "holds"}),
+        ("q p", {r"\dot h=\{h,H\}": "holds", r"\{p_\beta,\beta\}=1": "wrong"}),
+    ],
+)
+def test_brackets_have_the_sign_that_something_says(setting, lines):
+    own = f'[notation]\nbrackets = "{setting}"\n' if setting else ""
+    found = judged(parse_lexicon(own + PENDULUM), *lines)
+    assert [v.verdict for v in found] == list(lines.values())
 
 
 SWING = r"""+++
