@@ -14,14 +14,15 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from eom.checker.judge.coordinates import covered
-from eom.checker.judge.judge import HOLDS, judge
+from eom.checker.judge.judge import HOLDS, judge, row_of
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
-from eom.checker.judge.systems import Solutions, agreeing
+from eom.checker.judge.systems import LEVELS, Solutions, agreeing, levelled
 from eom.checker.mean.claims import DEFINITION, Claim, Relation, claims, defined
 from eom.checker.mean.elaborate import MINUS, PLUS, POISSON, elaborator, is_fundamental
 from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.model import Model
 from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (
     CLAIM,
@@ -36,7 +37,7 @@ from eom.checker.mean.roles import (
     says,
 )
 from eom.checker.mean.solid_words import Beside, Taken, beside, readings
-from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
+from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value, atoms_in
 from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import Reading
@@ -160,7 +161,7 @@ def _understood(
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
     letters, relations, named_here, new_names = _named(document), Known(), Named(), False
-    solids = beside(document.pieces)
+    solids, levels = beside(document.pieces), _Levels()
     for number, (piece, role) in enumerate(
         zip(document.pieces, roles(document.pieces), strict=True)
     ):
@@ -171,7 +172,7 @@ def _understood(
             continue
         display = piece.kind == "display"
         titles = tuple(h[1] for h in headings)
-        here = scoped.at(titles, piece.source, piece.span.start)
+        here = levels.known(scoped.at(titles, piece.source, piece.span.start))
         known, earlier = dict(definitions), previous if display else ()
         formula = read_piece(piece, earlier)
         new_names = brings(document.pieces, number, role, new_names)
@@ -180,7 +181,9 @@ def _understood(
         context = _Context(here, known, before if display else (), scalars)
         general = _timely(formula, earlier, context, seconds)
         said = solids.get(number, ())
-        new = _of_solid(said, general, earlier, context, seconds, taken, titles)
+        new = levels.counted(
+            _of_solid(said, general, earlier, context, seconds, taken, titles), titles
+        )
         if display:
             previous, before = new.formula.statements, new.claims
         if new_names:
@@ -190,6 +193,53 @@ def _understood(
         around = Around(known, context.before, earlier, (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
     return _finished(found)
+
+
+@dataclass
+class _Levels:
+    """From where a note counts potential energy: systems in the place of others, by the places of these.
+
+    The first line that says it does so, once under each heading; other lines have to agree.
+    """
+
+    moved: dict[int, tuple[Model, Model, tuple[str, ...]]] = field(default_factory=dict)
+    places: dict[int, tuple[Lexicon, Lexicon]] = field(default_factory=dict)
+
+    def known(self, here: Lexicon) -> Lexicon:
+        """Return a lexicon with the system as the note counts its energy."""
+        old, new, _ = self.moved.get(id(here.system), (None, None, ()))
+        if old is None:
+            return here
+        kept = self.places.get(id(here))
+        if kept is None or kept[1].system is not new:
+            self.places[id(here)] = kept = (here, replace(here, system=new))
+        return kept[1]
+
+    def counted(self, new: Understood, titles: tuple[str, ...]) -> Understood:
+        """Return a formula with the system in which it holds, where a constant is all that it may lack."""
+        now = new.lexicon.system
+        first = next((k for k, (_, m, _) in self.moved.items() if m is now), id(now))
+        if now is None or (first in self.moved and self.moved[first][2] == titles):
+            return new
+        for claim in new.claims:
+            other = _level(claim)
+            if other is not None:
+                old = self.moved[first][0] if first in self.moved else now
+                self.moved[first] = (old, other, titles)
+                claims = tuple(replace(c, model=c.model and other) for c in new.claims)
+                return replace(new, claims=claims, lexicon=replace(new.lexicon, system=other))
+        return new
+
+
+def _level(claim: Claim) -> Model | None:
+    """Return the system in which a claim on energies holds, by a constant; None where it holds in none."""
+    atoms = (a for m in claim.members for a in atoms_in(m.term, claim.scalars))
+    levels = any(a.data[0] == "system" and a.data[1] in LEVELS for a in atoms)
+    if not levels or claim.findings or row_of(claim) is not Solutions:
+        return None
+    other = levelled(claim)
+    held = other is not None and judge(replace(claim, model=other)).verdict == HOLDS
+    return other if held else None
 
 
 def _finished(found: Iterable[Understood]) -> tuple[Understood, ...]:

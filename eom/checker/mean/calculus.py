@@ -433,12 +433,20 @@ def root(e: Elaborator, node: Root) -> Value:
 
 
 def tuple_value(e: Elaborator, node: Group, body: Sequence) -> Value:
-    """Return numbers in brackets, or vectors and numbers: round ones are a column, square ones a row."""
+    """Return numbers in brackets, or vectors and numbers: round ones are a column, square ones a row.
+
+    Two numbers are one in round brackets alone, as square ones have ranges and commutators in them.
+    """
     values = [e.value(item) for item in body.items]
-    if node.open in {"(", "["} and (len(values) > 3 or any(v.shape != SCALAR for v in values)):
+    blocks = len(values) > ANY_VECTOR or any(v.shape != SCALAR for v in values)
+    if node.open in {"(", "["} and (blocks or (node.open, len(values)) == ("(", 2)):
         upright = _blocks(e, [[v] for v in values], node.span)
         return upright if node.open == "(" else transpose_of(e.lexicon.notation, upright, node.span)
-    if node.open not in {"(", "["} or len(values) != 3 or any(v.shape != SCALAR for v in values):
+    if (
+        node.open not in {"(", "["}
+        or len(values) != ANY_VECTOR
+        or any(v.shape != SCALAR for v in values)
+    ):
         raise refuse(UNDECIDED, "a list without a meaning", node.span)
     return line(e, values, node.span, COLUMN if node.open == "(" else ROW)
 

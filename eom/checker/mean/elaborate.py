@@ -62,6 +62,7 @@ from eom.checker.mean.values import (
     UNDECIDED,
     Refusal,
     Value,
+    atoms_in,
     beside,
     components,
     determinant,
@@ -404,7 +405,8 @@ def _applied(e: Elaborator, node: Node, argument: Group, above: Node | None) -> 
         return None
     body = argument.body
     listed = above is None and isinstance(body, Sequence) and all(map(seen, body.items))
-    function = entry.meaning.function or (listed and entry.meaning.quantity in _OF_VARIABLES)
+    listed = listed and entry.meaning.quantity in _OF_VARIABLES and not _multiplies(e, node, body)
+    function = entry.meaning.function or listed
     return e.value(node) if function or _of_coordinates(entry.meaning, body) else None
 
 
@@ -431,6 +433,28 @@ def _of_coordinates(meaning: Meaning, body: Node) -> bool:
 
 _OF_VARIABLES = frozenset({"equals", "defined", "system"})
 """What letters behind a symbol in brackets, with commas between them, are the variables of."""
+
+
+def _multiplies(e: Elaborator, node: Node, body: Any) -> bool:
+    """Return whether a symbol is made of parameters alone, of others than those in brackets behind it."""
+    model = e.lexicon.system
+    still = () if model is None else tuple(q.name for q in model.system.parameters)
+    try:
+        atoms = atoms_in(e.value(node).term, e.scalars)
+        listed = [atoms_in(e.value(item).term, e.scalars) for item in body.items]
+    except Refusal:
+        return False
+    return (
+        bool(atoms)
+        and not all(a <= atoms for a in listed)
+        and all(
+            a.data[0] in _STILL or (a.data[0] == "system" and a.data[1] in still) for a in atoms
+        )
+    )
+
+
+_STILL = frozenset({"scalar", "mass", "total_mass"})
+"""Quantities that do not change."""
 
 
 _OPERATORS: dict[str, Callable[..., Value]] = {

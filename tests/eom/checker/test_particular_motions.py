@@ -240,6 +240,67 @@ def test_brackets_have_the_sign_that_something_says(setting, lines):
     assert [v.verdict for v in found] == list(lines.values())
 
 
+ROD = r"""
+[system]
+coordinates = { theta = "rad" }
+parameters = { m = "kg", l = "m", g = "m/s^2", k = "N/m" }
+gravity = [0, "-g", 0]
+[system.bodies]
+bob = { mass = "m", at = ["l*sin(theta)", "-l*cos(theta)", 0] }
+[system.reactions]
+T = { on = "bob", along = ["-sin(theta)", "cos(theta)", 0] }
+"""
+PLANE = r"""
+[symbols]
+'A' = "defined"
+[system]
+coordinates = { x = "m", y = "m" }
+parameters = { m = "kg", k = "N/m" }
+[system.bodies]
+ball = { mass = "m", at = ["x", "y", 0] }
+[system.springs]
+s = { between = ["ball", [0, 0, 0]], stiffness = "k" }
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        (
+            ROD,  # potential energy is zero where the first line has it
+            {
+                r"V=mgl(1-\cos\theta)": "holds",
+                r"L=\frac12 ml^2\dot\theta^2-mgl(1-\cos\theta)": "holds",
+                r"E=\frac12 ml^2\dot\theta^2+V": "holds",
+                r"V=-mgl\cos\theta": "wrong",
+            },
+        ),
+        (ROD, {r"V=mgl(1+\cos\theta)": "wrong", r"E=V+mgl(1-\cos\theta)": "wrong"}),
+        (
+            ROD,  # T is no energy where the lexicon has the letter
+            {
+                r"T=ml\dot\theta^2+mg\cos\theta": "holds",
+                r"T=ml\dot\theta^2-mg\cos\theta": "wrong",
+                r"E-V=\frac12 ml^2\dot\theta^2": "holds",
+            },
+        ),
+        (
+            PLANE,  # parameters have no variables in brackets behind them
+            {
+                r"V(x,y)=\frac12k(x^2+y^2)": "holds",
+                r"A(x,y)=x^2-y^2": "definition",
+                r"\dot A(x,y)=2x\dot x-2y\dot y": "holds",
+                r"m(\ddot x,\ddot y)=-k(x,y)": "holds",
+                r"m(\ddot x,\ddot y)=-k(x,-y)": "wrong",
+            },
+        ),
+    ],
+)
+def test_letters_are_what_lines_and_lexicon_make_of_them(text, lines):
+    found = judged(parse_lexicon(text), *lines)
+    assert [v.verdict for v in found] == list(lines.values())
+
+
 SWING = r"""+++
 [check.symbols]
 '\varphi' = "defined"
