@@ -8,7 +8,7 @@ what was read otherwise.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -32,9 +32,11 @@ from eom.checker.mean.roles import (
     first,
     labelled,
     listed,
+    otherwise_named,
     roles,
     running,
     says,
+    unnamed,
 )
 from eom.checker.mean.solid_words import Beside, Taken, beside, readings
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value, atoms_in
@@ -43,8 +45,8 @@ from eom.checker.read.documents import Document
 from eom.checker.read.grammar import Reading
 from eom.checker.read.spans import Source
 from eom.checker.read.statements import Formula, Statement, read_piece, split
-from eom.checker.read.symbol_shape import Look
-from eom.checker.read.syntax import Node
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import Node, walk
 from eom.checker.read.tokens import tokenize
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
@@ -80,7 +82,9 @@ class Understood:
     """A formula with its claims, the lexicon that holds there, and the headings above it.
 
     ``repairs``: what was read otherwise than it stands; none for the literal reading. ``role``: by the
-    words around it, see `eom.checker.mean.roles`; ``solid``: what words about a solid were taken to mean.
+    words around it, see `eom.checker.mean.roles`; ``solid``: what words about a solid were taken to mean;
+    ``doubtful``: letters that the system has for energies and the note perhaps for something else, with
+    whether its words say so.
     """
 
     formula: Formula
@@ -90,6 +94,7 @@ class Understood:
     repairs: tuple[Repair, ...] = ()
     role: str = CLAIM
     solid: Taken | None = None
+    doubtful: Mapping[str, bool] = field(default_factory=dict)
     around: Around = field(default_factory=Around, compare=False, repr=False)
 
 
@@ -161,6 +166,7 @@ def _understood(
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
     letters, relations, named_here, new_names = _named(document), Known(), Named(), False
+    others: list[tuple[tuple[str, ...], str]] = []
     solids, levels = beside(document.pieces), _Levels()
     for number, (piece, role) in enumerate(
         zip(document.pieces, roles(document.pieces), strict=True)
@@ -190,9 +196,59 @@ def _understood(
             named_here.add(titles, new.claims)
         definitions |= _lasting(new.claims, new.lexicon, new_names)
         relations.add(titles, general.claims)
+        if otherwise_named(document.pieces, number):
+            others.append((titles, piece.body.strip()[0]))
         around = Around(known, context.before, earlier, (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
-    return _finished(found)
+    return _doubted(_finished(found), others, unnamed(document.pieces))
+
+
+def _doubted(
+    found: tuple[Understood, ...],
+    others: Sequence[tuple[tuple[str, ...], str]],
+    without_words: frozenset[str],
+) -> tuple[Understood, ...]:
+    """Return formulas with the letters that need not be the energies which the system has by them.
+
+    ``others``: headings and letters that words give to something else; ``without_words``: letters of
+    energies that no words name, which are doubtful until a line holds with them.
+    """
+    loose = without_words if any(u.claims and _misfits(u) for u in found) else frozenset()
+    held = {k for k in loose for u in found for c in u.claims if _mentions(c, k) and _true(c)}
+    return tuple(
+        replace(u, doubtful={k: True for t, k in others if t == u.headings and _by_letter(u, k)})
+        if any(t == u.headings for t, _ in others)
+        else replace(u, doubtful={k: False for k in loose - held if _by_letter(u, k)})
+        for u in found
+    )
+
+
+def _misfits(u: Understood) -> bool:
+    """Return whether dimensions in a formula differ."""
+    return any(f.verdict == WRONG for c in u.claims for f in c.findings)
+
+
+def _mentions(claim: Claim, letter: str) -> bool:
+    atoms = (a for m in claim.members for a in atoms_in(m.term, claim.scalars))
+    return any(a.data[:2] == ("system", letter) for a in atoms)
+
+
+def _true(claim: Claim) -> bool:
+    return not claim.findings and judge(claim).verdict == HOLDS
+
+
+def _by_letter(u: Understood, letter: str) -> bool:
+    """Return whether a formula has an energy of the system by a letter that the lexicon says nothing of."""
+    found, model, reading = u.lexicon.find(Look(letter)), u.lexicon.system, u.formula.reading
+    if found is None or model is None or reading is None or found.entry.where.endswith(letter):
+        return False
+    energies = {d.name for d in model.system.outputs}
+    shown = (seen(n) for n in walk(reading.tree))
+    return (
+        found.meaning.labels == (letter,)
+        and letter in energies
+        and Look(letter) in {g.look for g in shown if g is not None}
+    )
 
 
 @dataclass

@@ -301,6 +301,39 @@ def test_letters_are_what_lines_and_lexicon_make_of_them(text, lines):
     assert [v.verdict for v in found] == list(lines.values())
 
 
+STRING = r"""+++
+[check.system]
+coordinates = { theta = "rad" }
+parameters = { m = "kg", l = "m", g = "m/s^2" }
+gravity = [0, "-g", 0]
+[check.system.bodies]
+bob = { mass = "m", at = ["l*sin(theta)", "-l*cos(theta)", 0] }
++++
+# Energy
+
+The kinetic energy is
+$$T=\frac12ml\dot\theta^2$$
+
+# String
+
+The tension $T$ follows.
+$$T=ml\dot\theta^2+mg\cos\theta$$
+The moment of momentum about the hinge is
+$$L=ml^2\dot\theta$$
+and the energy
+$$E=\frac12ml^2\dot\theta^2-mgl\sin\theta$$
+
+# Small swings
+
+$$T=ml^2\dot\theta^2$$
+"""
+
+
+def test_letters_of_energies_are_theirs_unless_the_words_say_otherwise():
+    found = [f.verdict for f in check(STRING).findings if f.kind == "display"]
+    assert found == ["wrong", "undecided", "undecided", "wrong", "wrong"]
+
+
 SWING = r"""+++
 [check.symbols]
 '\varphi' = "defined"
