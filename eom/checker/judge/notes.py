@@ -8,7 +8,7 @@ what was read otherwise.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -18,8 +18,9 @@ from eom.checker.judge.judge import HOLDS, judge, row_of
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import LEVELS, Solutions, agreeing, levelled
+from eom.checker.mean.calculus import MINUS, PLUS, POISSON, is_fundamental
 from eom.checker.mean.claims import DEFINITION, Claim, Relation, claims, defined
-from eom.checker.mean.elaborate import MINUS, PLUS, POISSON, elaborator, is_fundamental
+from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.model import Model
@@ -41,7 +42,7 @@ from eom.checker.mean.roles import (
 from eom.checker.mean.solid_words import Beside, Taken, beside, readings
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value, atoms_in
 from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
-from eom.checker.read.documents import Document
+from eom.checker.read.documents import Document, Piece
 from eom.checker.read.grammar import Reading
 from eom.checker.read.spans import Source
 from eom.checker.read.statements import Formula, Statement, read_piece, split
@@ -166,7 +167,6 @@ def _understood(
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
     letters, relations, named_here, new_names = _named(document), Known(), Named(), False
-    others: list[tuple[tuple[str, ...], str]] = []
     solids, levels = beside(document.pieces), _Levels()
     for number, (piece, role) in enumerate(
         zip(document.pieces, roles(document.pieces), strict=True)
@@ -186,33 +186,31 @@ def _understood(
         scalars = Scalars(letters, relations.at(titles), new_names)
         context = _Context(here, known, before if display else (), scalars)
         general = _timely(formula, earlier, context, seconds)
-        said = solids.get(number, ())
-        new = levels.counted(
-            _of_solid(said, general, earlier, context, seconds, taken, titles), titles
-        )
+        new = _of_solid(solids.get(number, ()), general, earlier, context, seconds, taken, titles)
+        new = levels.counted(new, titles)
         if display:
             previous, before = new.formula.statements, new.claims
         if new_names:
             named_here.add(titles, new.claims)
         definitions |= _lasting(new.claims, new.lexicon, new_names)
         relations.add(titles, general.claims)
-        if otherwise_named(document.pieces, number):
-            others.append((titles, piece.body.strip()[0]))
         around = Around(known, context.before, earlier, (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
-    return _doubted(_finished(found), others, unnamed(document.pieces))
+    return _doubted(_finished(found), document.pieces)
 
 
-def _doubted(
-    found: tuple[Understood, ...],
-    others: Sequence[tuple[tuple[str, ...], str]],
-    without_words: frozenset[str],
-) -> tuple[Understood, ...]:
+def _doubted(found: tuple[Understood, ...], pieces: tuple[Piece, ...]) -> tuple[Understood, ...]:
     """Return formulas with the letters that need not be the energies which the system has by them.
 
-    ``others``: headings and letters that words give to something else; ``without_words``: letters of
-    energies that no words name, which are doubtful until a line holds with them.
+    They are those that words under the same heading give to something else, and those that no words
+    name, until a line holds with them.
     """
+    places, without_words = {id(p): k for k, p in enumerate(pieces)}, unnamed(pieces)
+    others = [
+        (u.headings, u.formula.piece.body.strip()[0])
+        for u in found
+        if otherwise_named(pieces, places[id(u.formula.piece)])
+    ]
     loose = without_words if any(u.claims and _misfits(u) for u in found) else frozenset()
     held = {k for k in loose for u in found for c in u.claims if _mentions(c, k) and _true(c)}
     return tuple(

@@ -23,9 +23,9 @@ import sympy as sp
 
 from eom import limits
 from eom.checker.mean import instants, numbers
-from eom.checker.mean.calculus import lone_logarithm
+from eom.checker.mean.calculus import leaves_sign, lone_logarithm
 from eom.checker.mean.dimensions import NONE, power
-from eom.checker.mean.elaborate import elaborator, in_brackets, leaves_sign
+from eom.checker.mean.elaborate import elaborator, in_brackets
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, own_look, turned_round
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.tables import same
