@@ -208,10 +208,9 @@ def lagrange_system(m: Mechanism) -> System:
     """Return the equations of motion of a mechanism.
 
     States: coordinates and rates, ``NAME`` and ``NAME_dot``, then given motions, whose second rates,
-    ``NAME_ddot``, are inputs. Outputs: ``T``, ``V``, ``L``, ``E`` = T + V, momenta ``p_NAME``, generalised
-    forces ``Q_NAME``, the Hamiltonian ``H`` = sum of p q' - L, places ``BODY_x``, ``BODY_y``, ``BODY_z``,
-    reactions. Raises `InputError` where a
-    coordinate moves nothing.
+    ``NAME_ddot``, are inputs. Outputs: ``T``, ``V``, ``L``, ``E`` = T + V (see `LONG`), momenta
+    ``p_NAME``, generalised forces ``Q_NAME``, the Hamiltonian ``H`` = sum of p q' - L, places ``BODY_x``,
+    ``BODY_y``, ``BODY_z``, reactions. Raises `InputError` where a coordinate moves nothing.
     """
     free, forced = list(m.coordinates), list(m.given)
     equations = sp.Matrix([m.equation(q) for q in free])
@@ -252,15 +251,20 @@ def _per(unit: str, order: int = 1) -> str:
     return f"{unit}/s" if order == 1 else f"{unit}/s^{order}"
 
 
+LONG = {"T": "kinetic_energy", "V": "potential_energy", "L": "lagrangian", "E": "energy"}
+"""Names of energies where a parameter, a coordinate or a reaction has the letter."""
+
+
 def _outputs(m: Mechanism, found: Mapping[Expr, Expr]) -> Iterator[Definition]:
     T, V = m.kinetic, m.stored
+    taken = {str(s.name) for s in (*m.moving, *(q.symbol for q in m.parameters))} | {*m.reactions}
     for name, energy in (("T", T), ("V", V), ("L", T - V), ("E", T + V)):
-        yield _output(name, "J", energy)
+        yield _output(LONG[name] if name in taken else name, "J", energy)
     for q, unit in m.coordinates.items():
         yield _output(f"p_{q.name}", "kg m^2/s" if unit == "rad" else "kg m/s", T.diff(speed(q)))
         yield _output(f"Q_{q.name}", "N m" if unit == "rad" else "N", m.applied(q))
     by_speeds = sp.Add(*(speed(q) * T.diff(speed(q)) for q in m.coordinates))
-    if "H" not in {str(q.name) for q in (*m.parameters, *m.moving)}:
+    if "H" not in taken:
         yield _output("H", "J", by_speeds - T + V)
     for name, placed in m.bodies.items():
         for axis, x in zip("xyz", placed.at, strict=True):

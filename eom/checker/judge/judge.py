@@ -14,7 +14,7 @@ all of them. Orders are found by the size of the difference for two small values
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -88,6 +88,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     A claim with findings is judged by what is left of it; without members it is undecided.
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
+    if claim.otherwise is not None:
+        return _by_both(claim, lambda c: judge(c, given))
     if claim.parameters is None and is_nearly(claim):
         return _of_derived(claim, given) if of_members(claim) else _nearly(claim)
     given, ordered = tuple(given), ORDERS & set(claim.relations) and row_of(claim) is Worlds
@@ -103,11 +105,24 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
         return Judgement(UNDECIDED, reason=str(error))
 
 
+def _by_both(claim: Claim, rule: Callable[[Claim], Judgement]) -> Judgement:
+    """Return the judgement with Poisson brackets of either sign, undecided where those differ."""
+    assert claim.otherwise is not None
+    found, other = rule(replace(claim, otherwise=None)), rule(claim.otherwise)
+    same = (found.verdict, found.sets) == (other.verdict, other.sets)
+    return found if same else Judgement(UNDECIDED, reason=EITHER)
+
+
+EITHER = "it rests on the sign of Poisson brackets, which nothing before it says"
+
+
 def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) -> Judgement:
     """Return whether a claim holds where much is assumed, with one smallest set of what it needs of that.
 
     ``names``: all that is assumed; a claim that fails under them is wrong here.
     """
+    if claim.otherwise is not None:
+        return _by_both(claim, lambda c: judge_within(c, names, given))
     search = Search(models_of(claim, given))
     try:
         chosen = search.models.closed(names)

@@ -14,14 +14,16 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from eom.checker.judge.coordinates import covered
-from eom.checker.judge.judge import judge
+from eom.checker.judge.judge import HOLDS, judge, row_of
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
-from eom.checker.judge.systems import Solutions, agreeing
+from eom.checker.judge.systems import LEVELS, Solutions, agreeing, levelled
+from eom.checker.mean.calculus import MINUS, PLUS, POISSON, is_fundamental
 from eom.checker.mean.claims import DEFINITION, Claim, Relation, claims, defined
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.model import Model
 from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (
     CLAIM,
@@ -31,19 +33,21 @@ from eom.checker.mean.roles import (
     first,
     labelled,
     listed,
+    otherwise_named,
     roles,
     running,
     says,
+    unnamed,
 )
 from eom.checker.mean.solid_words import Beside, Taken, beside, readings
-from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
+from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value, atoms_in
 from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
-from eom.checker.read.documents import Document
+from eom.checker.read.documents import Document, Piece
 from eom.checker.read.grammar import Reading
 from eom.checker.read.spans import Source
 from eom.checker.read.statements import Formula, Statement, read_piece, split
-from eom.checker.read.symbol_shape import Look
-from eom.checker.read.syntax import Node
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import Node, walk
 from eom.checker.read.tokens import tokenize
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
@@ -79,7 +83,9 @@ class Understood:
     """A formula with its claims, the lexicon that holds there, and the headings above it.
 
     ``repairs``: what was read otherwise than it stands; none for the literal reading. ``role``: by the
-    words around it, see `eom.checker.mean.roles`; ``solid``: what words about a solid were taken to mean.
+    words around it, see `eom.checker.mean.roles`; ``solid``: what words about a solid were taken to mean;
+    ``doubtful``: letters that the system has for energies and the note perhaps for something else, with
+    whether its words say so.
     """
 
     formula: Formula
@@ -89,6 +95,7 @@ class Understood:
     repairs: tuple[Repair, ...] = ()
     role: str = CLAIM
     solid: Taken | None = None
+    doubtful: Mapping[str, bool] = field(default_factory=dict)
     around: Around = field(default_factory=Around, compare=False, repr=False)
 
 
@@ -160,7 +167,7 @@ def _understood(
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
     letters, relations, named_here, new_names = _named(document), Known(), Named(), False
-    solids = beside(document.pieces)
+    solids, levels = beside(document.pieces), _Levels()
     for number, (piece, role) in enumerate(
         zip(document.pieces, roles(document.pieces), strict=True)
     ):
@@ -171,7 +178,7 @@ def _understood(
             continue
         display = piece.kind == "display"
         titles = tuple(h[1] for h in headings)
-        here = scoped.at(titles, piece.source, piece.span.start)
+        here = levels.known(scoped.at(titles, piece.source, piece.span.start))
         known, earlier = dict(definitions), previous if display else ()
         formula = read_piece(piece, earlier)
         new_names = brings(document.pieces, number, role, new_names)
@@ -179,8 +186,8 @@ def _understood(
         scalars = Scalars(letters, relations.at(titles), new_names)
         context = _Context(here, known, before if display else (), scalars)
         general = _timely(formula, earlier, context, seconds)
-        said = solids.get(number, ())
-        new = _of_solid(said, general, earlier, context, seconds, taken, titles)
+        new = _of_solid(solids.get(number, ()), general, earlier, context, seconds, taken, titles)
+        new = levels.counted(new, titles)
         if display:
             previous, before = new.formula.statements, new.claims
         if new_names:
@@ -189,7 +196,104 @@ def _understood(
         relations.add(titles, general.claims)
         around = Around(known, context.before, earlier, (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
-    return _finished(found)
+    return _doubted(_finished(found), document.pieces)
+
+
+def _doubted(found: tuple[Understood, ...], pieces: tuple[Piece, ...]) -> tuple[Understood, ...]:
+    """Return formulas with the letters that need not be the energies which the system has by them.
+
+    They are those that words under the same heading give to something else, and those that no words
+    name, until a line holds with them.
+    """
+    places, without_words = {id(p): k for k, p in enumerate(pieces)}, unnamed(pieces)
+    others = [
+        (u.headings, u.formula.piece.body.strip()[0])
+        for u in found
+        if otherwise_named(pieces, places[id(u.formula.piece)])
+    ]
+    loose = without_words if any(u.claims and _misfits(u) for u in found) else frozenset()
+    held = {k for k in loose for u in found for c in u.claims if _mentions(c, k) and _true(c)}
+    return tuple(
+        replace(u, doubtful={k: True for t, k in others if t == u.headings and _by_letter(u, k)})
+        if any(t == u.headings for t, _ in others)
+        else replace(u, doubtful={k: False for k in loose - held if _by_letter(u, k)})
+        for u in found
+    )
+
+
+def _misfits(u: Understood) -> bool:
+    """Return whether dimensions in a formula differ."""
+    return any(f.verdict == WRONG for c in u.claims for f in c.findings)
+
+
+def _mentions(claim: Claim, letter: str) -> bool:
+    atoms = (a for m in claim.members for a in atoms_in(m.term, claim.scalars))
+    return any(a.data[:2] == ("system", letter) for a in atoms)
+
+
+def _true(claim: Claim) -> bool:
+    return not claim.findings and judge(claim).verdict == HOLDS
+
+
+def _by_letter(u: Understood, letter: str) -> bool:
+    """Return whether a formula has an energy of the system by a letter that the lexicon says nothing of."""
+    found, model, reading = u.lexicon.find(Look(letter)), u.lexicon.system, u.formula.reading
+    if found is None or model is None or reading is None or found.entry.where.endswith(letter):
+        return False
+    energies = {d.name for d in model.system.outputs}
+    shown = (seen(n) for n in walk(reading.tree))
+    return (
+        found.meaning.labels == (letter,)
+        and letter in energies
+        and Look(letter) in {g.look for g in shown if g is not None}
+    )
+
+
+@dataclass
+class _Levels:
+    """From where a note counts potential energy: systems in the place of others, by the places of these.
+
+    The first line that says it does so, once under each heading; other lines have to agree.
+    """
+
+    moved: dict[int, tuple[Model, Model, tuple[str, ...]]] = field(default_factory=dict)
+    places: dict[int, tuple[Lexicon, Lexicon]] = field(default_factory=dict)
+
+    def known(self, here: Lexicon) -> Lexicon:
+        """Return a lexicon with the system as the note counts its energy."""
+        old, new, _ = self.moved.get(id(here.system), (None, None, ()))
+        if old is None:
+            return here
+        kept = self.places.get(id(here))
+        if kept is None or kept[1].system is not new:
+            self.places[id(here)] = kept = (here, replace(here, system=new))
+        return kept[1]
+
+    def counted(self, new: Understood, titles: tuple[str, ...]) -> Understood:
+        """Return a formula with the system in which it holds, where a constant is all that it may lack."""
+        now = new.lexicon.system
+        first = next((k for k, (_, m, _) in self.moved.items() if m is now), id(now))
+        if now is None or (first in self.moved and self.moved[first][2] == titles):
+            return new
+        for claim in new.claims:
+            other = _level(claim)
+            if other is not None:
+                old = self.moved[first][0] if first in self.moved else now
+                self.moved[first] = (old, other, titles)
+                claims = tuple(replace(c, model=c.model and other) for c in new.claims)
+                return replace(new, claims=claims, lexicon=replace(new.lexicon, system=other))
+        return new
+
+
+def _level(claim: Claim) -> Model | None:
+    """Return the system in which a claim on energies holds, by a constant; None where it holds in none."""
+    atoms = (a for m in claim.members for a in atoms_in(m.term, claim.scalars))
+    levels = any(a.data[0] == "system" and a.data[1] in LEVELS for a in atoms)
+    if not levels or claim.findings or row_of(claim) is not Solutions:
+        return None
+    other = levelled(claim)
+    held = other is not None and judge(replace(claim, model=other)).verdict == HOLDS
+    return other if held else None
 
 
 def _finished(found: Iterable[Understood]) -> tuple[Understood, ...]:
@@ -244,7 +348,8 @@ class _Context:
         rows: list[tuple[Claim, ...]] = []
         for statement in statements:
             before = (*self.before, *(c for found in rows for c in found))
-            rows.append(self._indexed(statement, known, before, index))
+            found = self._indexed(statement, known, before, index)
+            rows.append(self._signs(statement, known, found) or found)
             known |= defined(rows[-1])
         for n, statement in enumerate(statements):
             later = defined(c for found in rows[n + 1 :] for c in found if c.kind == DEFINITION)
@@ -253,6 +358,26 @@ class _Context:
                 own = {**self.definitions, **defined(c for f in rows[:n] for c in f), **later}
                 rows[n] = min((rows[n], self._indexed(statement, own, before, index)), key=_gaps)
         return tuple(c for found in rows for c in found)
+
+    def _signs(
+        self, statement: Statement, known: dict[Look, Value], found: tuple[Claim, ...]
+    ) -> tuple[Claim, ...]:
+        """Return that a bracket of a coordinate and a momentum gives all their sign, or nothing."""
+        if all(c.otherwise is None for c in found):
+            return ()
+        axes = found[0].indices
+        if not is_fundamental(elaborator(self.lexicon, known).bound(**axes), statement.members):
+            return ()
+        rows = {
+            PLUS: [replace(c, otherwise=None) for c in found],
+            MINUS: [c.otherwise or c for c in found],
+        }
+        held = [s for s, row in rows.items() if all(judge(c).verdict == HOLDS for c in row)]
+        if len(held) != 1:
+            return ()
+        (sign,) = held
+        made = Claim((sign, sign), ("=",), DEFINITION, defines=POISSON, span=statement.span)
+        return (made,)
 
     def _indexed(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...], index: str

@@ -27,10 +27,12 @@ import sympy as sp
 from eom.checker.judge.coordinates import elements, equations, tells_time, written
 from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search
 from eom.checker.mean.claims import CONSTANT, Claim
+from eom.checker.mean.dimensions import dimension
 from eom.checker.mean.model import Model, imposed, is_load
 from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
+from eom.quantities import Definition
 from eom.system import Expr, System
 from eom.terms.terms import (
     Term,
@@ -327,6 +329,57 @@ class Solutions(Models):
         except InputError:
             return True
         return bool(found.free_symbols - {q.symbol for q in self.model.system.parameters})
+
+
+LEVELS = {"V": 1, "potential_energy": 1, "E": 1, "energy": 1, "H": 1, "L": -1, "lagrangian": -1}
+"""Quantities that a constant added to the potential energy changes, and how often it stands in them."""
+
+
+def levelled(claim: Claim) -> Model | None:
+    """Return the system with its potential energy zero where a claim has it; None where it does not say.
+
+    The claim need not hold then, as what differs may be more than a constant.
+    """
+    model, zero = Solutions(claim, claim.scalars).model, sp.S.Zero
+    try:
+        apart = [a - b for a, b in Solutions(claim, claim.scalars).said]
+        rests, ones = (
+            [_plain(_raised(model, by).system, e) for e in apart] for by in (zero, sp.S.One)
+        )
+    except InputError:
+        return None
+    states = dict.fromkeys((q.symbol for q in model.system.states), zero)
+    parameters = {q.symbol for q in model.system.parameters}
+    for rest, one in zip(rests, ones, strict=True):
+        slope = sp.expand(one - rest)
+        if not slope.is_number or slope == 0:
+            continue
+        level = -rest.subs(states) / slope
+        if level.free_symbols <= parameters and not level.has(sp.nan, sp.zoo, sp.oo):
+            return _raised(model, level) if level != 0 else model
+    return None
+
+
+def _raised(model: Model, by: Expr) -> Model:
+    """Return a system with a constant added to its potential energy."""
+    s = model.system
+    energies = {d.symbol for d in (*s.definitions, *s.outputs, *s.invariants) if _is_level(d)}
+
+    def raised(d: Definition) -> Definition:
+        own = d.symbol in energies and not d.expression.free_symbols & energies
+        return replace(d, expression=d.expression + LEVELS[d.name] * by) if own else d
+
+    moved = replace(
+        s,
+        definitions=tuple(map(raised, s.definitions)),
+        outputs=tuple(map(raised, s.outputs)),
+        invariants=tuple(map(raised, s.invariants)),
+    )
+    return replace(model, system=moved, drawn={})
+
+
+def _is_level(d: Definition) -> bool:
+    return d.name in LEVELS and dimension(d.quantity.unit) == dimension("J")
 
 
 def agreeing(claim: Claim) -> int:

@@ -95,7 +95,7 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     given = (*given, *understood.lexicon.assume)
     judged = tuple(_judged(c, given, understood) for c in understood.claims)
     judged = _of_one_model(judged, given, understood)
-    judged = _conditional(_following(judged))
+    judged = _lettered(_conditional(_following(judged)), understood)
     judged = tuple(
         replace(_with_case(j, given), chain=judge_chain(j.claim, given))
         if j.verdict in GRAVE
@@ -162,6 +162,23 @@ def _following(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
             made = replace(then.judgement, verdict=said, reason=why)
             found[k + 1] = replace(then, judgement=made, verdict=said, reason=why)
     return tuple(found)
+
+
+def _lettered(judged: tuple[Judged, ...], understood: Understood) -> tuple[Judged, ...]:
+    """Return what was judged; undecided what fails with letters that need not be energies.
+
+    Where no words say that one is something else, only what has other dimensions.
+    """
+    letters = understood.doubtful
+    if not letters:
+        return judged
+    said, names = any(letters.values()), ", ".join(sorted(letters))
+    return tuple(
+        replace(j, verdict=UNDECIDED, reason=f"it fails with the energy of the system for {names}")
+        if j.verdict in GRAVE and (said or j.claim.verdict == WRONG)
+        else j
+        for j in judged
+    )
 
 
 def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:

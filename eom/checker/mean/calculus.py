@@ -1,5 +1,7 @@
 r"""Typed values of sums over particles, body integrals, derivatives, functions and tables.
 
+Poisson brackets, as a note defines them or with the sign that is known.
+
 Integrals with limits over a coordinate, and the coordinates of an element of a body.
 
 A definite integral is taken by rule, term by term: powers of the variable times sines, cosines and
@@ -20,6 +22,7 @@ import sympy as sp
 from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import LENGTH, MASS, NONE, TIME, product
 from eom.checker.mean.elaborator import Elaborator, number, powered, pure, quotient
+from eom.checker.mean.lexicon import BRACKETS
 from eom.checker.mean.tables import skew
 from eom.checker.mean.values import (
     ANY,
@@ -30,6 +33,7 @@ from eom.checker.mean.values import (
     Refusal,
     Value,
     assembled,
+    beside,
     cells,
     determinant,
     made,
@@ -43,8 +47,9 @@ from eom.checker.mean.values import (
     transpose_of,
 )
 from eom.checker.read.spans import Span
-from eom.checker.read.symbol_shape import Look, approached_from, labels
+from eom.checker.read.symbol_shape import Look, approached_from, labels, seen
 from eom.checker.read.syntax import (
+    Addition,
     Call,
     Cases,
     Derivative,
@@ -63,7 +68,8 @@ from eom.checker.read.syntax import (
     walk,
 )
 from eom.terms import terms
-from eom.terms.terms import COLUMN, INERTIAL, MATRIX, SCALAR, Term, expr, nodes
+from eom.terms.terms import COLUMN, INERTIAL, MATRIX, SCALAR, Term, atom, expr, nodes
+from eom.terms.terms import replace as rewritten
 from eom.terms.vocabulary import mass
 from eom.worlds.solutions import approached
 from eom.worlds.worlds import SLOPE
@@ -433,12 +439,20 @@ def root(e: Elaborator, node: Root) -> Value:
 
 
 def tuple_value(e: Elaborator, node: Group, body: Sequence) -> Value:
-    """Return numbers in brackets, or vectors and numbers: round ones are a column, square ones a row."""
+    """Return numbers in brackets, or vectors and numbers: round ones are a column, square ones a row.
+
+    Two numbers are one in round brackets alone, as square ones have ranges and commutators in them.
+    """
     values = [e.value(item) for item in body.items]
-    if node.open in {"(", "["} and (len(values) > 3 or any(v.shape != SCALAR for v in values)):
+    blocks = len(values) > ANY_VECTOR or any(v.shape != SCALAR for v in values)
+    if node.open in {"(", "["} and (blocks or (node.open, len(values)) == ("(", 2)):
         upright = _blocks(e, [[v] for v in values], node.span)
         return upright if node.open == "(" else transpose_of(e.lexicon.notation, upright, node.span)
-    if node.open not in {"(", "["} or len(values) != 3 or any(v.shape != SCALAR for v in values):
+    if (
+        node.open not in {"(", "["}
+        or len(values) != ANY_VECTOR
+        or any(v.shape != SCALAR for v in values)
+    ):
         raise refuse(UNDECIDED, "a list without a meaning", node.span)
     return line(e, values, node.span, COLUMN if node.open == "(" else ROW)
 
@@ -536,3 +550,109 @@ def _stacked(e: Elaborator, values: list[Value], span: Span) -> Value:
     term = terms.make("rows", (v.term for v in values))
     frames = ("", common.frames[0])
     return Value(term, MATRIX, common.dimension, frames, common.density, span)
+
+
+# -- Poisson brackets ---------------------------------------------------------------------------
+
+
+def bracket(e: Elaborator, node: Group, body: Sequence) -> Value | None:
+    """Return a Poisson bracket of two scalars: as the note defines it, in braces else by its sign."""
+    known = next((k for k in e.definitions if k.name == node.open and len(k.sub) == 2), None)
+    system = e.lexicon.system
+    if len(body.items) != 2 or not (known or _is_poisson(e, node)):
+        return None
+    values = [e.value(item) for item in body.items]
+    if any(v.shape != SCALAR for v in values):
+        return None
+    if known is None:
+        assert system is not None
+        terms = list(_canonical(e, values, len(system.coordinates), node.span))
+        usual = total(e.lexicon.notation, terms)
+        said = e.definitions.get(POISSON)
+        positive = (
+            BRACKETS.get(e.lexicon.notation.brackets, 1) > 0 if said is None else said == PLUS
+        )
+        return usual if positive else negative(usual, node.span)
+    found = e.definitions[known]
+    letters = (sp.Symbol(text, real=True) for text in known.sub)
+    put = {s: e.name(s.name, t) for s, t in found.scalars.items()}
+    put |= {s: e.expression(v.term) for s, v in zip(letters, values, strict=True)}
+
+    def rule(term: Term) -> Term:
+        return expr(term.data[0].xreplace(put)) if term.head == "expr" else term
+
+    return replace(found, term=rewritten(found.term, rule), dimension=None, span=node.span)
+
+
+POISSON = Look("{")
+"""By what the sign of Poisson brackets is known, once a note has shown it."""
+PLUS, MINUS = (Value(expr(sp.Integer(s)), SCALAR) for s in (1, -1))
+"""Signs of Poisson brackets: {q, p} = 1 or {p, q} = 1."""
+
+
+def _is_poisson(e: Elaborator, node: Node) -> bool:
+    """Return whether braces around two things are a Poisson bracket in the canonical coordinates."""
+    pair = isinstance(node, Group) and node.open == "{" and isinstance(node.body, Sequence)
+    system = e.lexicon.system
+    return pair and system is not None and bool(system.coordinates)
+
+
+def leaves_sign(e: Elaborator, members: Iterable[Node]) -> bool:
+    """Return whether Poisson brackets stand in members whose sign nothing before has said."""
+    said = any(k == POISSON or (k.name == "{" and len(k.sub) == 2) for k in e.definitions)
+    if said or e.lexicon.notation.brackets:
+        return False
+    return any(_is_poisson(e, n) for m in members for n in walk(m))
+
+
+def is_fundamental(e: Elaborator, members: Iterable[Node]) -> bool:
+    """Return whether an equation gives one bracket of a coordinate and a momentum as a number or delta."""
+    plain = [_without_sign(n) for n in members]
+    braces = [n for n in plain if _is_poisson(e, n)]
+    others = [n for n in plain if not _is_poisson(e, n)]
+    if len(braces) != 1 or len(others) != 1:
+        return False
+    found = seen(others[0])
+    delta = found is not None and found.look.name == "delta"
+    items = braces[0].body.items
+    return (isinstance(others[0], Number) or delta) and {_half(e, i) for i in items} == {"q", "p"}
+
+
+def _without_sign(node: Node) -> Any:
+    return node.terms[0] if isinstance(node, Addition) and len(node.terms) == 1 else node
+
+
+def _half(e: Elaborator, node: Node) -> str:
+    """Return "q" for a coordinate of the system, "p" for a momentum, "" for all else."""
+    system = e.lexicon.system
+    assert system is not None
+    try:
+        term = e.value(node).term
+    except Refusal:
+        return ""
+    plain = term.head == "expr" and term.data[0].is_Symbol
+    meaning = e.scalars.get(term.data[0]) if plain else None
+    if meaning is None or meaning.head != "atom" or meaning.data[0] != "system":
+        return ""
+    name = str(meaning.data[1])
+    numbers = [str(k) for k, _ in enumerate(system.coordinates, 1)]
+    if name in {*system.coordinates, *(f"q_{k}" for k in numbers)}:
+        return "q"
+    return "p" if name in {f"p_{k}" for k in (*system.coordinates, *numbers)} else ""
+
+
+def _canonical(e: Elaborator, values: list[Value], count: int, span: Span) -> Iterator[Value]:
+    """Yield the terms of a Poisson bracket."""
+    f, h = values
+    for k in range(1, count + 1):
+        q, p = (
+            Value(expr(e.name(n, atom("system", n, kind=SCALAR))), SCALAR)
+            for n in (f"q_{k}", f"p_{k}")
+        )
+        for a, b, sign in ((q, p, 1), (p, q, -1)):
+            above, below = partially(e, f, a, span), partially(e, h, b, span)
+            yield beside(
+                e.lexicon.notation,
+                number(sp.Integer(sign), span),
+                beside(e.lexicon.notation, above, below),
+            )

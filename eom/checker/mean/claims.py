@@ -23,7 +23,7 @@ import sympy as sp
 
 from eom import limits
 from eom.checker.mean import instants, numbers
-from eom.checker.mean.calculus import lone_logarithm
+from eom.checker.mean.calculus import leaves_sign, lone_logarithm
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator, in_brackets
 from eom.checker.mean.elaborator import TRANSPOSED, Elaborator, own_look, turned_round
@@ -58,6 +58,7 @@ from eom.checker.read.syntax import (
     Sign,
     Symbol,
     Words,
+    walk,
 )
 from eom.terms.terms import COLUMN, SCALAR, VECTOR, Term, dot, expr, inner
 from eom.terms.vocabulary import position, unit
@@ -114,6 +115,7 @@ class Claim:
     ``model``: the system that scalar lines of the note are about. ``parameters``: of a chain of free
     scalars, see `eom.checker.mean.parameters`; ``numbers``: that it gives, see `eom.checker.mean.numbers`;
     ``order``: of what is said to be left out, and in what; ``indices``: what free ones stand for in it.
+    ``otherwise``: the same with Poisson brackets of the other sign, where nothing says which they have.
     """
 
     members: tuple[Value, ...]
@@ -131,6 +133,7 @@ class Claim:
     order: tuple[Value, int] | None = field(default=None, compare=False)
     numbers: Mapping[Look, Value] = field(default_factory=dict, compare=False)
     indices: Mapping[str, str] = field(default_factory=dict, compare=False)
+    otherwise: Claim | None = field(default=None, compare=False, repr=False)
 
     @property
     def verdict(self) -> str:
@@ -155,6 +158,22 @@ def claims(
     claims that a leading sign of equality may continue; ``indices``: what bound ones stand for. Words
     alone claim nothing.
     """
+    found = _found(statement, lexicon, definitions, before, indices)
+    if not leaves_sign(elaborator(lexicon, definitions), statement.members):
+        return found
+    turned = replace(lexicon, notation=replace(lexicon.notation, brackets="p q"))
+    others = _found(statement, turned, definitions, before, indices)
+    pairs = zip(found, others, strict=True)
+    return tuple(replace(a, otherwise=b if a.members != b.members else None) for a, b in pairs)
+
+
+def _found(
+    statement: Statement,
+    lexicon: Lexicon,
+    definitions: Mapping[Look, Value] | None,
+    before: Sequenced[Claim],
+    indices: Mapping[str, str] | None,
+) -> tuple[Claim, ...]:
     known = dict(definitions or {})
     found: list[Claim] = []
     parts = [*statement.conditions, ("", statement)]
@@ -188,7 +207,7 @@ def _claimed(one: Statement, e: Elaborator, before: Sequenced[Claim]) -> Iterato
 def defined(found: Iterable[Claim]) -> dict[Look, Value]:
     """Return what claims define, and the numbers that they give."""
     found = tuple(found)
-    new = [c for c in found if c.kind == DEFINITION and c.defines is not None]
+    new = [c for c in found if c.kind == DEFINITION and c.defines and c.otherwise is None]
     named = {
         c.defines: replace(c.members[0], scalars=c.scalars) for c in new if c.defines is not None
     }
@@ -411,7 +430,7 @@ def _new(
         return None
     node = called_symbol(nodes[0])
     brackets = bracket_of(node)
-    if brackets is not None and _defines_brackets(brackets, signs[0], e):
+    if brackets is not None and _defines_brackets(brackets, signs[0], nodes[1:], e):
         return brackets
     inner = node.body if isinstance(node, Group) and node.open == "[" else node
     found = seen(inner)
@@ -428,8 +447,15 @@ def _new(
     return look if signs[0] == ":=" and not _values(e, [inner])[0] else None
 
 
-def _defines_brackets(look: Look, sign: str, e: Elaborator) -> bool:
-    """Return whether brackets of two letters are defined: of any functions, for the first time."""
+def _defines_brackets(look: Look, sign: str, others: Iterable[Node], e: Elaborator) -> bool:
+    """Return whether brackets of two letters are defined: of any functions, for the first time.
+
+    What they are is said with both of the letters, and with no such bracket.
+    """
+    inside = [n for other in others for n in walk(other)]
+    shown = {f.look.text for n in inside if (f := seen(n)) is not None}
+    if len({*look.sub} & shown) < 2 or any(bracket_of(n) for n in inside):
+        return False
     if any(k.name == look.name and len(k.sub) == 2 for k in e.definitions):
         return False
     system = e.lexicon.system

@@ -51,7 +51,7 @@ how it hangs on another, its joint has its name:
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -61,7 +61,7 @@ import sympy as sp
 from eom.checker.mean.model import Model, Particular, load_model, model_of
 from eom.errors import InputError, unknown_name
 from eom.mass.solids import CENTRE
-from eom.mechanics.lagrange import Mechanism, Placed, Spring, lagrange_system, speed
+from eom.mechanics.lagrange import LONG, Mechanism, Placed, Spring, lagrange_system, speed
 from eom.quantities import TIME, Definition, Quantity
 from eom.scenes.parse import parse
 from eom.system import Expr, System
@@ -179,10 +179,12 @@ def _described(table: Mapping[str, Any], where: str) -> Model:
 
 def _with_own(model: Model, table: Mapping[str, Any], where: str, assume: Iterable[str]) -> Model:
     """Return a model with values, functions and motions that the lexicon adds. Raises `InputError`."""
-    outputs, vectors = list(model.system.outputs), dict(model.vectors)
+    own_names = _own_table(table, "values", where)
+    outputs = [_aside(d, own_names) for d in model.system.outputs]
+    vectors = dict(model.vectors)
     read = _Read(table, where, {n: q.symbol for n, q in model.quantities.items()})
     read.names["t"] = model.system.time
-    for name, given in _own_table(table, "values", where).items():
+    for name, given in own_names.items():
         place = f"{where} > values > {name}"
         row = _of_type(given, Mapping, place)
         _known(row, {"is", "unit"}, place)
@@ -202,6 +204,13 @@ def _with_own(model: Model, table: Mapping[str, Any], where: str, assume: Iterab
         canonical=model.canonical | frozenset(functions),
     )
     return model_of(made, assume)
+
+
+def _aside(d: Definition, taken: Container[str]) -> Definition:
+    """Return an energy by its long name where the lexicon has its letter for something else."""
+    if d.name not in taken or d.name not in LONG:
+        return d
+    return Definition(replace(d.quantity, symbol=sp.Symbol(LONG[d.name], real=True)), d.expression)
 
 
 def _any_function(model: Model, name: str, of: str, where: str) -> Definition:

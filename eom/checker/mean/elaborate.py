@@ -5,12 +5,12 @@ derivatives, functions and tables, `eom.checker.mean.elaborator` that for symbol
 
 Attitude in formulas: elementary rotations ``C_3(\psi)``, and ``c\theta`` for cosines.
 
-Poisson brackets, as a note defines them or as is usual; sums over the coordinates of a system.
+Sums over the coordinates of a system.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -61,6 +61,7 @@ from eom.checker.mean.values import (
     UNDECIDED,
     Refusal,
     Value,
+    atoms_in,
     beside,
     components,
     determinant,
@@ -106,9 +107,8 @@ from eom.checker.read.syntax import (
     walk,
 )
 from eom.kinematics.coordinates import elementary
-from eom.terms.terms import MATRIX, SCALAR, TABLE, VECTOR, Term, atom, entries, expr, inner
+from eom.terms.terms import MATRIX, SCALAR, TABLE, VECTOR, entries, expr, inner
 from eom.terms.terms import dot as dot_product
-from eom.terms.terms import replace as rewritten
 from eom.terms.vocabulary import quantity
 from eom.worlds.worlds import ANGLES
 
@@ -403,7 +403,8 @@ def _applied(e: Elaborator, node: Node, argument: Group, above: Node | None) -> 
         return None
     body = argument.body
     listed = above is None and isinstance(body, Sequence) and all(map(seen, body.items))
-    function = entry.meaning.function or (listed and entry.meaning.quantity in _OF_VARIABLES)
+    listed = listed and entry.meaning.quantity in _OF_VARIABLES and not _multiplies(e, node, body)
+    function = entry.meaning.function or listed
     return e.value(node) if function or _of_coordinates(entry.meaning, body) else None
 
 
@@ -430,6 +431,28 @@ def _of_coordinates(meaning: Meaning, body: Node) -> bool:
 
 _OF_VARIABLES = frozenset({"equals", "defined", "system"})
 """What letters behind a symbol in brackets, with commas between them, are the variables of."""
+
+
+def _multiplies(e: Elaborator, node: Node, body: Any) -> bool:
+    """Return whether a symbol is made of parameters alone, of others than those in brackets behind it."""
+    model = e.lexicon.system
+    still = () if model is None else tuple(q.name for q in model.system.parameters)
+    try:
+        atoms = atoms_in(e.value(node).term, e.scalars)
+        listed = [atoms_in(e.value(item).term, e.scalars) for item in body.items]
+    except Refusal:
+        return False
+    return (
+        bool(atoms)
+        and not all(a <= atoms for a in listed)
+        and all(
+            a.data[0] in _STILL or (a.data[0] == "system" and a.data[1] in still) for a in atoms
+        )
+    )
+
+
+_STILL = frozenset({"scalar", "mass", "total_mass"})
+"""Quantities that do not change."""
 
 
 _OPERATORS: dict[str, Callable[..., Value]] = {
@@ -459,7 +482,7 @@ def _fraction(e: Elaborator, node: Fraction) -> Value:
 
 def _group(e: Elaborator, node: Group) -> Value:
     if isinstance(node.body, Sequence):
-        return bracket(e, node, node.body) or calculus.tuple_value(e, node, node.body)
+        return calculus.bracket(e, node, node.body) or calculus.tuple_value(e, node, node.body)
     found = between_frames(e, node) or _tabled(e, node)
     if found is not None:
         return found
@@ -488,49 +511,6 @@ def _tabled(e: Elaborator, node: Group) -> Value | None:
     columns = list(numberings(letters[1:], (node.body,), known))
     cells = [[e.bound(**r, **c).value(node.body) for c in columns] for r in rows]
     return calculus.table_of(e, cells, node.span)
-
-
-def bracket(e: Elaborator, node: Group, body: Sequence) -> Value | None:
-    """Return a Poisson bracket of two scalars: as the note defines it, in braces else as is usual."""
-    known = next((k for k in e.definitions if k.name == node.open and len(k.sub) == 2), None)
-    system = e.lexicon.system
-    usual = node.open == "{" and system is not None and bool(system.coordinates)
-    if len(body.items) != 2 or not (known or usual):
-        return None
-    values = [e.value(item) for item in body.items]
-    if any(v.shape != SCALAR for v in values):
-        return None
-    if known is None:
-        assert system is not None
-        return total(
-            e.lexicon.notation, list(_canonical(e, values, len(system.coordinates), node.span))
-        )
-    found = e.definitions[known]
-    letters = (sp.Symbol(text, real=True) for text in known.sub)
-    put = {s: e.name(s.name, t) for s, t in found.scalars.items()}
-    put |= {s: e.expression(v.term) for s, v in zip(letters, values, strict=True)}
-
-    def rule(term: Term) -> Term:
-        return expr(term.data[0].xreplace(put)) if term.head == "expr" else term
-
-    return replace(found, term=rewritten(found.term, rule), dimension=None, span=node.span)
-
-
-def _canonical(e: Elaborator, values: list[Value], count: int, span: Span) -> Iterator[Value]:
-    """Yield the terms of a Poisson bracket."""
-    f, h = values
-    for k in range(1, count + 1):
-        q, p = (
-            Value(expr(e.name(n, atom("system", n, kind=SCALAR))), SCALAR)
-            for n in (f"q_{k}", f"p_{k}")
-        )
-        for a, b, sign in ((q, p, 1), (p, q, -1)):
-            above, below = calculus.partially(e, f, a, span), calculus.partially(e, h, b, span)
-            yield beside(
-                e.lexicon.notation,
-                number(sp.Integer(sign), span),
-                beside(e.lexicon.notation, above, below),
-            )
 
 
 def _matrix(e: Elaborator, node: Matrix) -> Value:

@@ -322,6 +322,8 @@ AXES = {"1": "1", "2": "2", "3": "3", "x": "1", "y": "2", "z": "3"}
 
 QUATERNION_PRODUCTS = ("hamilton first", "hamilton last", "shuster first", "shuster last")
 """Products of quaternions: Hamilton's, i j = k, or the one in the other order; with the scalar's place."""
+BRACKETS = {"q p": 1, "p q": -1}
+"""Poisson brackets by the pair of a coordinate and its momentum whose bracket is 1, with their sign."""
 SPATIAL_ORDERS = ("angular first", "linear first")
 """Halves of spatial vectors: of motions, with the moment of forces in the place of the angular one."""
 
@@ -338,7 +340,8 @@ class Notation:
     from the second to the first; ``marks``: raised marks that are derivatives, with their frames;
     ``alike``: (style, accents) that mean the same, the first stands for all; ``quaternions``: how they
     are multiplied, and where the scalar stands ("hamilton first"), see `QUATERNION_PRODUCTS`;
-    ``spatial``: which half of spatial vectors stands on top, see `SPATIAL_ORDERS`.
+    ``spatial``: which half of spatial vectors stands on top, see `SPATIAL_ORDERS`; ``brackets``: which
+    sign Poisson brackets have, see `BRACKETS`.
     """
 
     dot: str = INERTIAL
@@ -350,6 +353,7 @@ class Notation:
     bracketed: bool = False
     quaternions: str = ""
     spatial: str = ""
+    brackets: str = ""
     marks: Mapping[str, str] = field(default_factory=dict)
     alike: tuple[tuple[tuple[str, tuple[str, ...]], ...], ...] = ()
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from eom.checker.mean.lexicon import (
+    BRACKETS,
     QUATERNION_PRODUCTS,
     SLOT,
     SPATIAL_ORDERS,
@@ -509,7 +510,11 @@ def _entry(latex: str, value: Any, notation: Notation, where: str) -> Entry:
     return Entry(look, found, latex, where)
 
 
-CHOICES = {"quaternions": QUATERNION_PRODUCTS, "spatial": SPATIAL_ORDERS}
+CHOICES: dict[str, Collection[str]] = {
+    "quaternions": QUATERNION_PRODUCTS,
+    "spatial": SPATIAL_ORDERS,
+    "brackets": BRACKETS,
+}
 """What settings may say."""
 _SETTINGS: dict[str, type] = {
     "dot": str,
@@ -521,6 +526,7 @@ _SETTINGS: dict[str, type] = {
     "bracketed": bool,
     "quaternions": str,
     "spatial": str,
+    "brackets": str,
     "alike": list,
 }
 

@@ -334,3 +334,38 @@ class Named:
     def add(self, headings: tuple[str, ...], claims: Iterable[Claim]) -> None:
         """Take in what claims define."""
         self.found += [(headings, look, value) for look, value in defined(claims).items()]
+
+
+ENERGIES = {"T": "kinetic", "V": "potential", "L": "lagrang", "E": "energy"}
+"""Letters that a system has for its energies, and how the words for these begin."""
+_OTHERS = (
+    "tension|period|torque|temperature|thrust|time|pull|force|couple|moment|momentum|length|speed|velocity"
+    "|volume|voltage|inductance|modulus|duration|field"
+)
+_OF_IT = r"(?: (?:in|of|on|for|at|about)(?: \S+){1,3}?)?"
+_BEFORE = re.compile(
+    rf"\b(?:{_OTHERS}){_OF_IT}(?:,? (?:is|be|equals|reads|becomes|then))*\s*:?$", re.IGNORECASE
+)
+_BEHIND = re.compile(
+    rf"(?:is |denotes |be |,)? ?(?:the|an?|its) (?:\w+ )?(?:{_OTHERS})\b", re.IGNORECASE
+)
+
+
+def otherwise_named(pieces: Sequence[Piece], number: int) -> bool:
+    """Return whether the words beside a formula that begins with the letter of an energy name no energy."""
+    letter = pieces[number].body.strip()[:1]
+    before, behind = (
+        " ".join(_plain(pieces[k].body).split()) if 0 <= k < len(pieces) else ""
+        for k in (number - 1, number + 1)
+    )
+    near = before[-_REACH // 8 :]
+    if letter not in ENERGIES or ENERGIES[letter] in near.lower():
+        return False
+    alone = len(pieces[number].body.strip()) == 1
+    return bool(_BEFORE.search(near)) or (alone and bool(_BEHIND.match(behind)))
+
+
+def unnamed(pieces: Iterable[Piece]) -> frozenset[str]:
+    """Return the letters of energies that the words of a note name nowhere; none where it has no words."""
+    words = " ".join(p.body for p in pieces if p.kind in {"prose", "heading"}).lower()
+    return frozenset(k for k, begins in ENERGIES.items() if begins not in words)

@@ -267,13 +267,13 @@ def system_rows(lexicon: Lexicon, meaning: Meaning, span: Span) -> list[list[Ter
     if kind == "force_column":
         return [[_of_system(model, f"Q_{x.data[1]}", span)] for x in q]
     if kind == "gravity_column":
-        stored = _energy(model, ("V", "potential_energy"), span)
+        stored = _energy(model, ("potential_energy", "V"), span)
         return [[partial(stored, x)] for x in q]
     if kind in {"place", "jacobian"}:
         axes = [AXES[c] for c in meaning.component] or COUNTS
         places = [_of_system(model, f"{meaning.labels[0]}_{'xyz'[int(k) - 1]}", span) for k in axes]
         return [[p] if kind == "place" else [partial(p, x) for x in q] for p in places]
-    moved = _energy(model, ("T", "kinetic_energy"), span)
+    moved = _energy(model, ("kinetic_energy", "T"), span)
     speeds = [der(x) for x in q]
     mass = [[partial(partial(moved, a), b) for b in speeds] for a in speeds]
     return mass if kind == "mass_matrix" else _coriolis(mass, q, speeds)

@@ -217,6 +217,12 @@ DECIDES: dict[str, tuple[str, ...]] = {
     "a line of [notation] in the lexicon that says which": (
         *("what a product of quaternions is", "no spatial vector"),
     ),
+    "a line above that defines them, or one such as {q, p} = 1, or `brackets` in [notation]": (
+        "it rests on the sign of Poisson",
+    ),
+    "a line of [system.symbols] in the lexicon that says what the letter is": (
+        "it fails with the energy of the system",
+    ),
     "the same in components, with their frame": (
         "a derivative in another frame",
         *("a sum of unit vectors in", "a multiple of unit vectors", "derivatives of unit vectors"),

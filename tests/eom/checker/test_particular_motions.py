@@ -102,7 +102,7 @@ OF_PENDULUM = {
     r"\dot q_i=\frac{\partial H}{\partial p_i},\qquad\dot p_i=-\frac{\partial H}{\partial q_i}": "holds",
     r"\dot q_i=\frac{\partial H}{\partial p_i},\qquad\dot p_i=\frac{\partial H}{\partial q_i}": "wrong",
     r"H=\sum_i p_i\dot q_i-L": "holds",
-    r"\{q_i,p_j\}=\delta_{ij}": "holds",
+    r"\{q_i,p_j\}=\delta_{ij}": "definition",  # of the sign
     r"\dot f=\{f,H\}+\frac{\partial f}{\partial t}": "holds",
     r"\dot f=\{f,H\}": "wrong",
     r"\dot h=\{h,H\}": "holds",
@@ -213,6 +213,126 @@ def test_brackets_and_routhians_are_what_the_note_says():
     }
     own = parse_lexicon(PENDULUM.replace("[symbols]", '[symbols]\nR = "defined"', 1))
     assert [v.verdict for v in judged(own, *lines)] == list(lines.values())
+
+
+@pytest.mark.parametrize(
+    ("setting", "lines"),
+    [
+        (
+            "",
+            {
+                r"\dot h=\{h,H\}": "undecided",
+                r"\dot h=2\{h,H\}": "wrong",
+                r"\{\alpha,\beta\}=0": "holds",
+                r"\{h,h\}=0": "holds",
+                r"\{f,h\}=-\{h,f\}": "holds",
+                r"\{f,h\}=\{h,f\}": "wrong",
+            },
+        ),
+        ("", {r"\{p_\beta,\beta\}=1": "definition", r"\dot h=\{H,h\}": "holds"}),
+        ("", {r"\{\beta,p_\beta\}=2": "wrong", r"\dot h=\{H,h\}": "undecided"}),
+        ("p q", {r"\{\beta,p_\beta\}=1": "wrong", r"\dot h=\{H,h\}": "holds"}),
+        ("q p", {r"\dot h=\{h,H\}": "holds", r"\{p_\beta,\beta\}=1": "wrong"}),
+    ],
+)
+def test_brackets_have_the_sign_that_something_says(setting, lines):
+    own = f'[notation]\nbrackets = "{setting}"\n' if setting else ""
+    found = judged(parse_lexicon(own + PENDULUM), *lines)
+    assert [v.verdict for v in found] == list(lines.values())
+
+
+ROD = r"""
+[system]
+coordinates = { theta = "rad" }
+parameters = { m = "kg", l = "m", g = "m/s^2", k = "N/m" }
+gravity = [0, "-g", 0]
+[system.bodies]
+bob = { mass = "m", at = ["l*sin(theta)", "-l*cos(theta)", 0] }
+[system.reactions]
+T = { on = "bob", along = ["-sin(theta)", "cos(theta)", 0] }
+"""
+PLANE = r"""
+[symbols]
+'A' = "defined"
+[system]
+coordinates = { x = "m", y = "m" }
+parameters = { m = "kg", k = "N/m" }
+[system.bodies]
+ball = { mass = "m", at = ["x", "y", 0] }
+[system.springs]
+s = { between = ["ball", [0, 0, 0]], stiffness = "k" }
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        (
+            ROD,  # potential energy is zero where the first line has it
+            {
+                r"V=mgl(1-\cos\theta)": "holds",
+                r"L=\frac12 ml^2\dot\theta^2-mgl(1-\cos\theta)": "holds",
+                r"E=\frac12 ml^2\dot\theta^2+V": "holds",
+                r"V=-mgl\cos\theta": "wrong",
+            },
+        ),
+        (ROD, {r"V=mgl(1+\cos\theta)": "wrong", r"E=V+mgl(1-\cos\theta)": "wrong"}),
+        (
+            ROD,  # T is no energy where the lexicon has the letter
+            {
+                r"T=ml\dot\theta^2+mg\cos\theta": "holds",
+                r"T=ml\dot\theta^2-mg\cos\theta": "wrong",
+                r"E-V=\frac12 ml^2\dot\theta^2": "holds",
+            },
+        ),
+        (
+            PLANE,  # parameters have no variables in brackets behind them
+            {
+                r"V(x,y)=\frac12k(x^2+y^2)": "holds",
+                r"A(x,y)=x^2-y^2": "definition",
+                r"\dot A(x,y)=2x\dot x-2y\dot y": "holds",
+                r"m(\ddot x,\ddot y)=-k(x,y)": "holds",
+                r"m(\ddot x,\ddot y)=-k(x,-y)": "wrong",
+            },
+        ),
+    ],
+)
+def test_letters_are_what_lines_and_lexicon_make_of_them(text, lines):
+    found = judged(parse_lexicon(text), *lines)
+    assert [v.verdict for v in found] == list(lines.values())
+
+
+STRING = r"""+++
+[check.system]
+coordinates = { theta = "rad" }
+parameters = { m = "kg", l = "m", g = "m/s^2" }
+gravity = [0, "-g", 0]
+[check.system.bodies]
+bob = { mass = "m", at = ["l*sin(theta)", "-l*cos(theta)", 0] }
++++
+# Energy
+
+The kinetic energy is
+$$T=\frac12ml\dot\theta^2$$
+
+# String
+
+The tension $T$ follows.
+$$T=ml\dot\theta^2+mg\cos\theta$$
+The moment of momentum about the hinge is
+$$L=ml^2\dot\theta$$
+and the energy
+$$E=\frac12ml^2\dot\theta^2-mgl\sin\theta$$
+
+# Small swings
+
+$$T=ml^2\dot\theta^2$$
+"""
+
+
+def test_letters_of_energies_are_theirs_unless_the_words_say_otherwise():
+    found = [f.verdict for f in check(STRING).findings if f.kind == "display"]
+    assert found == ["wrong", "undecided", "undecided", "wrong", "wrong"]
 
 
 SWING = r"""+++
