@@ -4,7 +4,8 @@ A number that a symbol is given is kept for the lines behind it. In a chain such
 ``L = I\omega = 0.09\cdot 50 = 4.5`` every number has to be what stands before it, to half a unit of its
 last digit; a decimal in the place of what is no given number is known to half a unit of its own last
 digit, as 0.577 for tan 30 deg. What has no number is judged as if the numbers were not there. A number
-that is wrong defines nothing: what stands before it in the chain does.
+that is wrong defines nothing: what stands before it in the chain does. A number that was worked out is
+forgotten when one that it was worked out from is given anew.
 """
 
 from __future__ import annotations
@@ -108,10 +109,21 @@ def key(look: Look, dots: int = 0) -> Look:
     return replace(look, accents=(*look.accents, *("dot",) * dots, "number"))
 
 
-def kept(look: Look, dots: int, value: Expr, off: Expr) -> Mapping[Look, Value]:
-    """Return the definition of a number; ``off``: how far it may be rounded."""
+Used = tuple[tuple[Look, Expr], ...]
+"""Numbers that were recalled, with their values."""
+
+
+@dataclass(frozen=True)
+class Kept(Value):
+    """A number and how far it may be rounded; ``used``: what it was worked out from."""
+
+    used: Used = ()
+
+
+def kept(look: Look, dots: int, value: Expr, off: Expr, used: Used = ()) -> Mapping[Look, Value]:
+    """Return the definition of a number."""
     term = table([[expr(value)], [expr(off)]])
-    return {key(look, dots): Value(term, term.kind, NONE)}
+    return {key(look, dots): Kept(term, term.kind, NONE, used=used)}
 
 
 # -- values --------------------------------------------------------------------------------------------
@@ -385,6 +397,7 @@ def worked(s: Statement, e: Elaborator) -> Worked | None:
     literal = [p is not None and p.value != 0 for p in pure]
     data = _Data(e)
     full = [measured(m, data.value) for m in s.members]
+    used = tuple(data.used.items())
     if not any(literal) or not _is_example(s, pure, full, literal):
         return None
     rest = [m for m, own in zip(s.members, literal, strict=True) if not own]
@@ -393,7 +406,8 @@ def worked(s: Statement, e: Elaborator) -> Worked | None:
     finding, compared = _judged(s, e, full, data)
     if finding is None and not compared:
         finding = Finding(UNDECIDED, GIVEN_NUMBER, s.span)
-    return Worked(left, finding, _learned(s, e, _taken(s, pure, full, finding, data), data))
+    taken = _taken(s, pure, full, finding, data)
+    return Worked(left, finding, _learned(s, e, taken, used, data))
 
 
 def given(s: Statement, e: Elaborator) -> Mapping[Look, Value]:
@@ -413,15 +427,24 @@ class _Data:
         self.known = e.definitions
         self.lexicon = e.lexicon
         self.depth = 0
+        self.used: dict[Look, Expr] = {}
         self.shifted: Look | None = None
         self.turn: Expr = RADIANS
 
     def value(self, look: Look) -> Expr | None:
-        found = self.known.get(look)
-        if found is None:
+        if not self.holds(look):
             return self._by_formula(look)
-        value, off = (t.data[0] for t in found.term.args)
+        value, off = (t.data[0] for t in self.known[look].term.args)
+        self.used[look] = value
         return value + off if look == self.shifted else value
+
+    def holds(self, look: Look) -> bool:
+        """Return whether a number is known, and what it was worked out from was not given anew."""
+        found = self.known.get(look)
+        return isinstance(found, Kept) and all(
+            k not in self.known or (self.holds(k) and self.known[k].term.args[0].data[0] == x)
+            for k, x in found.used
+        )
 
     def _by_formula(self, look: Look) -> Expr | None:
         """Return the number of what the lexicon says by a formula."""
@@ -629,17 +652,17 @@ def _taken(
 
 
 def _learned(
-    s: Statement, e: Elaborator, taken: tuple[Expr, Expr] | None, data: _Data
+    s: Statement, e: Elaborator, taken: tuple[Expr, Expr] | None, used: Used, data: _Data
 ) -> Mapping[Look, Value]:
     """Return the number that symbols alone in the chain have got, rounded as it stands."""
     found: dict[Look, Value] = {}
     for member in s.members if taken is not None else ():
         symbol = _primed(member)
-        if symbol is None or symbol.raised or key(symbol.look, symbol.dots) in data.known:
+        if symbol is None or symbol.raised or data.holds(key(symbol.look, symbol.dots)):
             continue
         turn = _turn(member, e) or TURN
         value, off = (x.subs(TURN, turn) for x in taken or ())
-        found |= kept(symbol.look, symbol.dots, value, off)
+        found |= kept(symbol.look, symbol.dots, value, off, used)
     return found
 
 

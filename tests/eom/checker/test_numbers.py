@@ -3,6 +3,7 @@ r"""Worked examples: arithmetic, units, rounding; true lines hold, slips are fou
 import pytest
 
 from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.note.checking import check
 from tests.eom.checker.system_lines import judged
 
 LEXICON = r"""
@@ -185,3 +186,41 @@ def test_the_argument_of_an_inverse_function_is_a_ratio():
     lines = (r"s=3\,\mathrm{m}", r"t=4\,\mathrm{s}", r"v=5\,\mathrm{m/s}")
     assert verdicts(*lines, r"\arctan v/s = 59.0^\circ")[-1] == "holds"
     assert verdicts(*lines, r"\tan^{-1} s/v = 31.0^\circ")[-1] == "holds"
+
+
+EXAMPLES = r"""+++
+[check.symbols]
+'m' = {is = "scalar m", unit = "kg"}
+'v' = {is = "scalar v", unit = "m/s"}
+'p' = {is = "scalar p", unit = "kg m/s"}
+'E' = {is = "scalar E", unit = "J"}
++++
+# One
+Let $m = 2\,\mathrm{kg}$ and $v = 3\,\mathrm{m/s}$.
+$$p = mv = 6\,\mathrm{kg\,m/s}$$
+$$E = \frac12 pv = 9\,\mathrm{J}$$
+# Two
+Let $m = 5\,\mathrm{kg}$ and $v = 3\,\mathrm{m/s}$.
+"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "wanted"),
+    [
+        ((r"p = mv = 15\,\mathrm{kg\,m/s}", r"E = \frac12 pv = 22.5\,\mathrm{J}"), "holds holds"),
+        ((r"p = mv = 6\,\mathrm{kg\,m/s}", r"E = \frac12 pv = 9\,\mathrm{J}"), "wrong wrong"),
+        ((r"E = \frac12 mv^2 = 22.5\,\mathrm{J}",), "holds"),  # p is not worked out again
+        ((r"E = \frac12 mv^2 = 9\,\mathrm{J}",), "wrong"),
+        ((r"m = 5\,\mathrm{kg}", r"v = 4\,\mathrm{m/s}"), "holds wrong"),  # given, not worked out
+    ],
+)
+def test_a_number_is_forgotten_when_what_it_was_worked_out_from_is_given_anew(lines, wanted):
+    found = check(EXAMPLES + "".join(f"$${line}$$\n" for line in lines)).findings
+    shown = [f.verdict for f in found if f.kind == "display"]
+    assert shown == ["holds", "holds", *wanted.split()]
+
+
+def test_a_number_outlives_the_section_of_its_data():
+    text = EXAMPLES.partition("# Two")[0] + "# Two\n$$2p = %s\\,\\mathrm{kg\\,m/s}$$\n"
+    found = [check(text % number).findings[-1].verdict for number in ("12", "14")]
+    assert found == ["holds", "wrong"]
