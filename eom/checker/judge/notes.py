@@ -8,7 +8,7 @@ what was read otherwise.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -47,7 +47,7 @@ from eom.checker.read.grammar import Reading
 from eom.checker.read.spans import Source
 from eom.checker.read.statements import Formula, Statement, read_piece, split
 from eom.checker.read.symbol_shape import Look, seen
-from eom.checker.read.syntax import Node, walk
+from eom.checker.read.syntax import Node, Scripts, children
 from eom.checker.read.tokens import tokenize
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
@@ -241,12 +241,21 @@ def _by_letter(u: Understood, letter: str) -> bool:
     if found is None or model is None or reading is None or found.entry.where.endswith(letter):
         return False
     energies = {d.name for d in model.system.outputs}
-    shown = (seen(n) for n in walk(reading.tree))
     return (
         found.meaning.labels == (letter,)
         and letter in energies
-        and Look(letter) in {g.look for g in shown if g is not None}
+        and Look(letter) in _symbols(reading.tree)
     )
+
+
+def _symbols(node: Node) -> Iterator[Look]:
+    """Yield the symbols of a formula; indices and the mark of a transpose are none."""
+    found = seen(node)
+    if found is not None:
+        yield found.look
+        return
+    for inside in (node.base,) if isinstance(node, Scripts) else children(node):
+        yield from _symbols(inside)
 
 
 @dataclass

@@ -303,6 +303,8 @@ def test_letters_are_what_lines_and_lexicon_make_of_them(text, lines):
 
 
 STRING = r"""+++
+[check.symbols]
+'\Omega_T' = "defined"
 [check.system]
 coordinates = { theta = "rad" }
 parameters = { m = "kg", l = "m", g = "m/s^2" }
@@ -319,6 +321,9 @@ $$T=\frac12ml\dot\theta^2$$
 
 The tension $T$ follows.
 $$T=ml\dot\theta^2+mg\cos\theta$$
+With an index it is another letter:
+$$\Omega_T:=\sqrt{g/l}$$
+$$\ddot\theta=\Omega_T^2\sin\theta$$
 The moment of momentum about the hinge is
 $$L=ml^2\dot\theta$$
 and the energy
@@ -332,7 +337,7 @@ $$T=ml^2\dot\theta^2$$
 
 def test_letters_of_energies_are_theirs_unless_the_words_say_otherwise():
     found = [f.verdict for f in check(STRING).findings if f.kind == "display"]
-    assert found == ["wrong", "undecided", "undecided", "wrong", "wrong"]
+    assert found == ["wrong", "undecided", "definition", "wrong", "undecided", "wrong", "wrong"]
 
 
 SWING = r"""+++
