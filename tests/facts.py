@@ -420,7 +420,7 @@ FACTS = {
     "eom.views.body.rotating.sphere": (NONE, NONE, "along the axes of the frame", NONE),
     "eom.views.tree.sketches.tree_frames": (NONE, NONE, "the axes x, y, z of the ground", NONE),
     "eom.views.tree.sketches.sketch": (NONE, "to scale (m)", "along -a3", NONE),
-    "eom.views.draw.turned.figure": (NONE, "in inches", NONE, NONE),
+    "eom.views.draw.turned.page": (NONE, "in inches", NONE, NONE),
     "eom.views.body.frame_sketches.wheel": (
         NONE,
         "(rad)",

@@ -51,7 +51,7 @@ MODULES = {
     ),
     "eom.views.draw.printed": "figure",
     "eom.views.draw.saving": "save",
-    "eom.views.draw.turned": "figure",
+    "eom.views.draw.turned": "page",
     "eom.views.gallery": "Ask PICTURES available picture pictures",
     "eom.views.live.page": "page",
     "eom.views.time.histories": "histories histories_of quantities",

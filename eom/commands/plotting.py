@@ -62,7 +62,7 @@ def _pictures() -> Rows:
 )
 @click.option("--list", "listed", is_flag=True, help="List the pictures, or those SCENE can have.")
 def plot(scene: str, names: str, file: Path | None, listed: bool, **options: Any) -> None:
-    """Draw pictures of SCENE: for print by Matplotlib, or as a page to turn by hand by Plotly.
+    """Draw pictures of SCENE: for print by Matplotlib, or as a page to turn by hand.
 
     Examples: eom plot t-handle --out polhodes.svg; eom plot --moments 1,2,3 --omega 0.1,2,0.1 --what cones
     """

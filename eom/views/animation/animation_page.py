@@ -42,7 +42,7 @@ def page(animation: Animation) -> str:
         "words": f"<p>{html.escape(words)}</p>" if words else "",
         "notes": "".join(f"<li>{html.escape(n)}</li>" for n in animation.notes),
     }
-    scripts = [pages.web(name) for name in ("three.js", "viewer.js", "animation.js")]
+    scripts = [pages.web(name) for name in ("three.js", "packed.js", "viewer.js", "animation.js")]
     return pages.page("animation", parts, data(animation), scripts)
 
 

@@ -1,4 +1,4 @@
-"""Pictures as data, and their renderers: Matplotlib for print, Plotly to turn by hand.
+"""Pictures as data, and their renderers: Matplotlib for print, pages to turn by hand.
 
 In: panels of marks. Out: PNG, SVG, PDF, HTML, what notebooks display.
 Imports: `codegen.runs`, `eom.errors`, `eom.mass`, `eom.typeset`.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eom.views.draw.meshes import Faces, brightness, tip
 from eom.views.draw.picture import (
@@ -79,19 +80,30 @@ class View:
 
 
 def bounds(panel: Panel) -> tuple[Floats, Floats]:
-    """Return the least and the greatest coordinates of a panel in space, of shape (3,)."""
-    arrays = [np.reshape(a, (-1, 3)) for item in panel.items for a in placed(item)]
-    points = np.concatenate([*arrays, np.zeros((0, 3))])
+    """Return the least and the greatest coordinates of a panel, (2,) or (3,); powers of ten on log axes."""
+    size = len(panel.axes)
+    arrays = [np.reshape(a, (-1, size)) for item in panel.items for a in placed(item)]
+    points = np.concatenate([*arrays, np.zeros((0, size))])
+    log = np.array([axis.scale == "log" for axis in panel.axes])
+    points = _powers(points, log)
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
-        points = np.array([[-1.0] * 3, [1.0] * 3])
+        points = np.array([[-1.0] * size, [1.0] * size])
     low, high = points.min(axis=0), points.max(axis=0)
     room = np.maximum(0.04 * (high - low), 0.02 * max(float((high - low).max()), 1e-300))
     low, high = low - room, high + room
     for k, axis in enumerate(panel.axes):
         if axis.limits is not None:
-            low[k], high[k] = axis.limits
+            low[k], high[k] = _powers(np.array(axis.limits, float)[:, None], log[k : k + 1])[:, 0]
     return low, high
+
+
+def _powers(points: Floats, log: NDArray[np.bool_]) -> Floats:
+    """Return coordinates with those on logarithmic axes as powers of ten; what has none is no number."""
+    made = points.copy()
+    positive = np.where(points > 0, points, np.nan)
+    made[:, log] = np.log10(positive[:, log])
+    return made
 
 
 def diagonal(low: Floats, high: Floats) -> float:

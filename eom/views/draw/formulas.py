@@ -21,6 +21,7 @@ from eom.typeset.writing import expression_pieces
 
 _DOLLAR = re.compile(r"(?<!\\)\$")
 _WORDS = re.compile(r"(?:\$(?:\\.|[^$])*\$|\\.|[^\s$]|\$)+")
+_TAG = re.compile(r"<(/?)(sub|sup|b|i)>")
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\s+|.", re.DOTALL)
 
 SYMBOLS = {
@@ -183,6 +184,28 @@ def as_text(text: str) -> str:
     """
     marked = as_html(text).replace("<sub>", "_").replace("<sup>", "^").replace("<br>", "\n")
     return html.unescape(re.sub(r"</?(?:sub|sup|b|i)>", "", marked))
+
+
+Run = tuple[str, str, str]
+
+
+def as_runs(text: str) -> list[Run]:
+    r"""Return words as runs: text, its style ("", "i" or "b") and level ("", "sub" or "sup").
+
+    >>> as_runs(r"$\omega_1$ [rad/s]")
+    [('\u03c9', 'i', ''), ('1', '', 'sub'), (' [rad/s]', '', '')]
+    """
+    first, *parts = _TAG.split(as_html(text).replace("<br>", " "))
+    made = [(first, "", "")]
+    styles, levels = [""], [""]
+    for closed, tag, piece in zip(parts[::3], parts[1::3], parts[2::3], strict=True):
+        within = levels if tag in LEVELS.values() else styles
+        if closed:
+            within.pop()
+        else:
+            within.append(tag)
+        made.append((piece, styles[-1], levels[-1]))
+    return [(html.unescape(piece), style, level) for piece, style, level in made if piece]
 
 
 def _formula(source: str) -> str:

@@ -116,7 +116,7 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     >>> figure(frame_sketch("3-1-2"), size=(6, 5)).get_size_inches().tolist()
     [6.0, 5.0]
     """
-    require("matplotlib")
+    require()
     check(picture)
     with _settings():
         return _figure(picture, size)
@@ -165,7 +165,7 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
         if len(row) == 1:  # panels below each other have their sides in line
             _beside(_panel(made, grid[k, 0], row[0]), row[0])
             continue
-        columns = grid[k, 0].subgridspec(1, len(row), width_ratios=[_width(p) for p in row])
+        columns = grid[k, 0].subgridspec(1, len(row), width_ratios=[width_of(p) for p in row])
         for column, panel in enumerate(row):
             _beside(_panel(made, columns[0, column], panel), panel)
     return made
@@ -173,7 +173,7 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
 def _row(part: Any, row: tuple[Panel, ...]) -> None:
     """Draw a row of panels; one legend below them lists what is drawn in all."""
-    columns = part.add_gridspec(1, len(row), width_ratios=[_width(panel) for panel in row])
+    columns = part.add_gridspec(1, len(row), width_ratios=[width_of(panel) for panel in row])
     drawn = [_panel(part, columns[0, k], panel) for k, panel in enumerate(row)]
     if not any(_square(panel) for panel in row):
         for axes, panel in zip(drawn, row, strict=True):
@@ -182,7 +182,7 @@ def _row(part: Any, row: tuple[Panel, ...]) -> None:
     handles = {label: handle for panel in row for label, handle in _handles(panel).items()}
     if handles:
         longest = max(len(formulas.as_text(label)) for label in handles) + ROOM
-        fitting = int(LETTERS * sum(map(_width, row)) / longest)
+        fitting = int(LETTERS * sum(map(width_of, row)) / longest)
         part.legend(
             list(handles.values()),
             [_words(label) for label in handles],
@@ -200,7 +200,8 @@ def height_of(panel: Panel) -> float:
     return panel.height * (SQUARE if _square(panel) else FLAT)[1]
 
 
-def _width(panel: Panel) -> float:
+def width_of(panel: Panel) -> float:
+    """Return the width in inches that a panel and its legend have if no size is asked for."""
     if _square(panel):
         return panel.height * SQUARE[0]
     return FLAT[0] + (LEGEND if _handles(panel) else 0.0)
@@ -215,7 +216,7 @@ def size_of(picture: Picture) -> tuple[float, float]:
 
 def _size(rows: list[tuple[Panel, ...]], height: float) -> tuple[float, float]:
     square = all(_square(panel) for row in rows for panel in row)
-    widths = [sum(_width(panel) for panel in row) for row in rows]
+    widths = [sum(width_of(panel) for panel in row) for row in rows]
     return max(*widths, 0.0 if square else WIDE), height + 0.5
 
 
@@ -486,22 +487,16 @@ def sharp_edges(mesh: Mesh) -> Faces:
     return np.asarray(edges[counts == 1])
 
 
-EXTRAS = {"matplotlib": ("Matplotlib", "plot"), "plotly": ("Plotly", "turn")}
-"""Name and extra by package."""
+def installed() -> bool:
+    """Return whether Matplotlib is there."""
+    return importlib.util.find_spec("matplotlib") is not None
 
 
-def installed(package: str) -> bool:
-    """Return whether a package is there."""
-    return importlib.util.find_spec(package) is not None
-
-
-def require(package: str, where: str = "") -> None:
-    """Raise `InputError` that says which extra to install where a package is missing."""
-    if not installed(package):
-        name, extra = EXTRAS[package]
-        raise InputError(
-            f"{name} is not installed", where=where, hint=f"pip install 'eom-toolkit[{extra}]'"
-        )
+def require(where: str = "") -> None:
+    """Raise `InputError` that says which extra to install where Matplotlib is missing."""
+    if not installed():
+        hint = "pip install 'eom-toolkit[plot]', or write a page, .html"
+        raise InputError("Matplotlib is not installed", where=where, hint=hint)
 
 
 DPI = 96.0

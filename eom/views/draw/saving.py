@@ -8,8 +8,7 @@ from pathlib import Path
 
 from codegen.runs.export import whole
 from eom.errors import InputError
-from eom.views.draw import printed
-from eom.views.draw import turned as turned_page
+from eom.views.draw import printed, turned
 from eom.views.draw.picture import Picture, check
 from eom.views.draw.printed import installed, require
 
@@ -20,10 +19,10 @@ MOST_INCHES, MOST_DPI = 100.0, 1200.0
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of file: what it is, the package it needs, and what writes it."""
+    """A kind of file: what it is, whether Matplotlib draws it, and what writes it."""
 
     meaning: str
-    package: str
+    printed: bool
     write: Callable[[Picture, Path, Size | None, float], None]
 
 
@@ -32,14 +31,14 @@ def _print(kind: str) -> Callable[[Picture, Path, Size | None, float], None]:
 
 
 def _page(picture: Picture, file: Path, size: Size | None, dpi: float) -> None:  # noqa: ARG001
-    file.write_text(turned_page.page(picture, size), encoding="utf-8", newline="\n")
+    file.write_text(turned.page(picture, size), encoding="utf-8", newline="\n")
 
 
 KINDS = {
-    ".png": Kind("pixels", "matplotlib", _print("png")),
-    ".svg": Kind("lines, for pages", "matplotlib", _print("svg")),
-    ".pdf": Kind("lines, for print", "matplotlib", _print("pdf")),
-    ".html": Kind("a page on which it is turned by hand", "plotly", _page),
+    ".png": Kind("pixels", True, _print("png")),
+    ".svg": Kind("lines, for pages", True, _print("svg")),
+    ".pdf": Kind("lines, for print", True, _print("pdf")),
+    ".html": Kind("a page on which it is turned by hand", False, _page),
 }
 """Kinds of file by their ending."""
 
@@ -47,7 +46,7 @@ KINDS = {
 def kind_of(path: str | Path) -> Kind:
     """Return the kind of file that a name's ending says.
 
-    Raises `InputError` for other endings, and where the package that it needs is not installed.
+    Raises `InputError` for other endings, and where Matplotlib is needed and not installed.
     """
     file = Path(path)
     kind = KINDS.get(file.suffix.lower())
@@ -59,22 +58,23 @@ def kind_of(path: str | Path) -> Kind:
             got=file.suffix or "no ending",
             expected=f"a name that ends in {', '.join(most)} or {last}",
         )
-    require(kind.package, str(file))
+    if kind.printed:
+        require(str(file))
     return kind
 
 
 def can_write(path: str | Path) -> bool:
-    """Return whether a picture's ending is known, and the package that it needs is installed."""
+    """Return whether a picture's ending is known, and what it needs is installed."""
     kind = KINDS.get(Path(path).suffix.lower())
-    return kind is not None and installed(kind.package)
+    return kind is not None and (installed() or not kind.printed)
 
 
 def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: float = DPI) -> Path:
-    """Write a picture to ``path`` (.png, .svg, .pdf by Matplotlib, .html by Plotly); return the path.
+    """Write a picture to ``path`` (.png, .svg, .pdf by Matplotlib, .html for a browser); return the path.
 
     ``size``: width and height in inches, by default as the panels need; ``dpi``: pixels an inch (PNG).
     The same picture gives the same bytes. Folders are made. Raises `InputError` for other endings, a
-    missing package, a size that no paper has, a picture that cannot be drawn, and where the file cannot
+    missing Matplotlib, a size that no paper has, a picture that cannot be drawn, and where the file cannot
     be written; then nothing is.
 
     >>> import tempfile

@@ -11,18 +11,10 @@
 
   // -- data ---------------------------------------------------------------------------------------
 
-  function bytes(text) {
-    const plain = atob(text);
-    const found = new Uint8Array(plain.length);
-    for (let k = 0; k < plain.length; k += 1) {
-      found[k] = plain.charCodeAt(k);
-    }
-    return found.buffer;
-  }
-  const floats = (text) => (text ? new Float32Array(bytes(text)) : null);
+  const floats = (text) => (text ? unpacked(text) : null);
   const meshes = data.meshes.map((m) => ({
     vertices: floats(m.vertices),
-    faces: m.wide ? new Uint32Array(bytes(m.faces)) : new Uint16Array(bytes(m.faces)),
+    faces: unpacked(m.faces, m.wide ? "u4" : "u2"),
     round: m.round,
     flat: m.flat,
   }));

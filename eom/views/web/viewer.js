@@ -13,11 +13,16 @@
      bodies: [{name, colour, frame, axes, shapes: [shape]}],   frame: length of b1, b2, b3, or 0; axes: their names
      stand: [shape],              what does not move
      theme: "light" | "dark",
+     dark: {colour: "#rrggbb"},   colours that are others in the dark theme
+     paper: true,                 whether the background is that of a page of figures
+     fit: [x, y, z, ...],         points that the camera sees all of at first, in place of the ball
      names: {space: ["a1", "a2", "a3"], body: ["b1", "b2", "b3"]}
    }
    shape: {kind, ...sizes, position, quaternion, colour, opacity, plain} in the body frame; an axis of
    symmetry is b3. The kinds and their sizes are the rows of SHAPES below. Round shapes have octants in
-   two tones, so that one sees them turn, unless they are plain. */
+   two tones, so that one sees them turn, unless they are plain; meshes and boxes have edges unless they are
+   smooth.
+   text: a string, or runs: lists of [text, style, level], style "", "i", "b", level "", "sub", "sup". */
 "use strict";
 
 const createViewer = (() => {
@@ -36,7 +41,9 @@ const createViewer = (() => {
   const LABEL = 17;
   const ROUND = 48;
 
+  const PAPERS = {light: "#ffffff", dark: "#14171c"};
   const colourOf = (given) => new THREE.Color(COLOURS[given] || given || COLOURS.sky);
+  const runsOf = (text) => (Array.isArray(text) ? text : [[text, "", ""]]);
   const vectorOf = (v) => new THREE.Vector3(v[0], v[1], v[2]);
   const turnOf = (q) => new THREE.Quaternion(q[1], q[2], q[3], q[0]).normalize();
 
@@ -139,7 +146,7 @@ const createViewer = (() => {
     const mesh = new THREE.Mesh(part.geometry, marked ? materials : materials[0]);
     mesh.scale.set(...part.scale);
     mesh.castShadow = mesh.receiveShadow = shape.opacity === undefined || shape.opacity === 1;
-    if (["box", "mesh", "cylinder"].includes(shape.kind)) {
+    if (["box", "mesh", "cylinder"].includes(shape.kind) && !shape.smooth) {
       const dark = colour.clone().multiplyScalar(0.45);
       const edges = new THREE.EdgesGeometry(part.geometry, 30);
       mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: dark, transparent: true, opacity: 0.7})));
@@ -175,28 +182,42 @@ const createViewer = (() => {
 
   // -- words and arrows -----------------------------------------------------------------------------
 
-  function label(text, colour, halo) {
-    const scale = 3;
+  const SCALE = 2;
+  const LEVELS = {"": [1, 0], sub: [0.72, 0.28], sup: [0.72, -0.38]};
+  const STYLES = {"": "", i: "italic ", b: "bold "};
+  const fontOf = (style, level, size, weight) => (STYLES[style] || "") + (style === "b" ? "" : weight + " ")
+    + LEVELS[level][0] * size * SCALE + "px system-ui, 'Segoe UI', 'Noto Sans', 'DejaVu Sans', sans-serif";
+
+  /* Words that face the camera; look: size in pixels and weight. */
+  function label(text, colour, halo, {size = LABEL, weight = 600} = {}) {
     const canvas = document.createElement("canvas");
     const pen = canvas.getContext("2d");
-    const font = "600 " + LABEL * scale + "px system-ui, 'Segoe UI', 'Noto Sans', 'DejaVu Sans', sans-serif";
-    pen.font = font;
-    canvas.width = Math.ceil(pen.measureText(text).width) + 8 * scale;
-    canvas.height = Math.ceil(1.5 * LABEL * scale);
-    pen.font = font;
+    let wide = 0;
+    const parts = runsOf(text).map(([part, style, level]) => {
+      const font = fontOf(style, level, size, weight);
+      pen.font = font;
+      const left = wide;
+      wide += pen.measureText(part).width + (style === "i" ? 0.06 * size * SCALE : 0);
+      return {part, font, left, down: LEVELS[level][1] * size * SCALE};
+    });
+    canvas.width = Math.ceil(wide) + 8 * SCALE;
+    canvas.height = Math.ceil(1.7 * size * SCALE);
     pen.textBaseline = "middle";
-    pen.textAlign = "center";
     pen.lineJoin = "round";
-    pen.lineWidth = 4 * scale;
+    pen.lineWidth = 4 * SCALE;
     pen.strokeStyle = halo;
-    pen.strokeText(text, canvas.width / 2, canvas.height / 2);
     pen.fillStyle = colour;
-    pen.fillText(text, canvas.width / 2, canvas.height / 2);
+    ["strokeText", "fillText"].forEach((paint) => parts.forEach(({part, font, left, down}) => {
+      pen.font = font;
+      pen[paint](part, left + 4 * SCALE, canvas.height / 2 + down);
+    }));
     const map = new THREE.CanvasTexture(canvas);
     map.colorSpace = THREE.SRGBColorSpace;
+    map.generateMipmaps = false;
+    map.minFilter = map.magFilter;
     const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map, sizeAttenuation: false, depthTest: false}));
     sprite.renderOrder = 10;
-    sprite.userData.pixels = [canvas.width / scale, canvas.height / scale];
+    sprite.userData.pixels = [canvas.width / SCALE, canvas.height / SCALE];
     return sprite;
   }
 
@@ -249,7 +270,9 @@ const createViewer = (() => {
     const bodies = [];
     const labels = new Set();
     let theme = THEMES.light;
+    let colours = {};
     let asked = false;
+    let grid = null;
 
     const layer = (name) => {
       if (!layers[name]) {
@@ -316,13 +339,18 @@ const createViewer = (() => {
     }
 
     // frames
-    function tag(text, colour, parent) {
-      const sprite = label(text, colour, theme.background);
-      sprite.userData.words = {text, colour};
+    function tag(text, colour, parent, size) {
+      const sprite = label(text, inked(colour), theme.background, size);
+      sprite.userData.words = {text, colour, size};
       sized(sprite);
       parent.add(sprite);
       labels.add(sprite);
       return sprite;
+    }
+
+    /* The colour that a name has in this theme, as a style. */
+    function inked(name) {
+      return colours[name] || COLOURS[name] || theme[name] || name;
     }
 
     function sized(sprite) {
@@ -373,7 +401,12 @@ const createViewer = (() => {
 
     // look
     function look(name) {
-      theme = THEMES[name] || THEMES.light;
+      theme = Object.assign({}, THEMES[name] || THEMES.light);
+      if (description.paper) {
+        theme.background = PAPERS[name] || PAPERS.light;
+      }
+      colours = name === "dark" ? description.dark || {} : {};
+      Object.keys(description.dark || {}).forEach(reinked);
       renderer.setClearColor(theme.background);
       sky.color.set(theme.sky);
       sky.groundColor.set(theme.earth);
@@ -389,6 +422,20 @@ const createViewer = (() => {
       ask();
     }
 
+    function reinked(name) {
+      scene.traverse((node) => [].concat(node.material || []).filter((m) => m.userData.colour === name)
+        .forEach((m) => [m.color, m.emissive].filter(Boolean).forEach((c) => c.set(inked(name)))));
+    }
+
+    /* Write down which colour the parts of an object have, so that they follow the theme. */
+    function dyed(object, name) {
+      object.traverse((node) => [].concat(node.material || []).forEach((m) => {
+        m.userData.colour = name;
+        [m.color, m.emissive].filter((c) => c && colours[name]).forEach((c) => c.set(inked(name)));
+      }));
+      return object;
+    }
+
     function recolour(grid, colours) {
       const array = grid.geometry.getAttribute("color");
       const count = array.count / 4;
@@ -401,8 +448,8 @@ const createViewer = (() => {
     }
 
     function repainted(sprite) {
-      const {text, colour} = sprite.userData.words;
-      const fresh = label(text, colour, theme.background);
+      const {text, colour, size} = sprite.userData.words;
+      const fresh = label(text, inked(colour), theme.background, size);
       sprite.material.map.dispose();
       sprite.material.map = fresh.material.map;
       sprite.userData.pixels = fresh.userData.pixels;
@@ -410,13 +457,35 @@ const createViewer = (() => {
     }
 
     // camera
-    function home() {
+    const sight = (() => {
       const [azimuth, elevation] = (description.view || [35, 22]).map((a) => (a * Math.PI) / 180);
-      const narrow = Math.min(1, camera.aspect);
-      const distance = (1.14 * radius) / Math.sin((FIELD * Math.PI) / 360) / narrow;
       const [c, s] = [Math.cos(elevation), Math.sin(elevation)];
+      return from(c * Math.cos(azimuth), c * Math.sin(azimuth), s);
+    })();
+
+    /* The least distance from which all points to fit are seen, with a margin for words, or the whole ball. */
+    function distance() {
+      if (!description.fit) {
+        return (1.14 * radius) / Math.sin((FIELD * Math.PI) / 360) / Math.min(1, camera.aspect);
+      }
+      const right = new THREE.Vector3().crossVectors(up, sight).normalize();
+      const top = new THREE.Vector3().crossVectors(sight, right);
+      const margin = (pixels, least) => Math.max(0.4, 1 - (2 * least) / Math.max(pixels, 1));
+      const [beside, above] = description.margins || [28, 28];
+      const high = Math.tan((FIELD * Math.PI) / 360) * margin(canvas.clientHeight, above);
+      const wide = Math.tan((FIELD * Math.PI) / 360) * camera.aspect * margin(canvas.clientWidth, beside);
+      let found = 0.2 * radius;
+      for (let k = 0; k < description.fit.length; k += 3) {
+        const p = vectorOf(description.fit.slice(k, k + 3)).sub(centre);
+        const [a, b, c] = [p.dot(right), p.dot(top), p.dot(sight)];
+        found = Math.max(found, c + Math.abs(a) / wide, c + Math.abs(b) / high);
+      }
+      return found;
+    }
+
+    function home() {
       controls.target.copy(centre);
-      camera.position.copy(centre).addScaledVector(from(c * Math.cos(azimuth), c * Math.sin(azimuth), s), distance);
+      camera.position.copy(centre).addScaledVector(sight, distance());
       controls.update();
       ask();
     }
@@ -470,19 +539,23 @@ const createViewer = (() => {
     }
 
     function render() {
+      if (grid) {
+        turnedBox();
+      }
       renderer.render(scene, camera);
     }
 
+    let apart = distance();
     function resize() {
       const [wide, high] = [Math.max(canvas.clientWidth, 1), Math.max(canvas.clientHeight, 1)];
       renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
       renderer.setSize(wide, high, false);
-      const before = Math.min(1, camera.aspect);
+      const before = apart;
       camera.aspect = wide / high;
       camera.updateProjectionMatrix();
-      const after = Math.min(1, camera.aspect);
-      if (before !== after) {
-        const offset = camera.position.clone().sub(controls.target).multiplyScalar(before / after);
+      apart = distance();
+      if (before !== apart) {
+        const offset = camera.position.clone().sub(controls.target).multiplyScalar(apart / before);
         camera.position.copy(controls.target).add(offset);
       }
       labels.forEach(sized);
@@ -494,13 +567,13 @@ const createViewer = (() => {
     function arrow(name, origin, vector, options) {
       let found = named.arrows.get(name);
       if (!found) {
-        const {colour = "red", text = name} = options || {};
-        const object = arrowObject(colourOf(colour), 0.009 * radius);
+        const {colour = "red", text = name, layer: where = "vectors", thickness = 0.009} = options || {};
+        const object = dyed(arrowObject(colourOf(colour), thickness * radius), colour);
         const group = new THREE.Group();
         group.add(object);
-        layer("vectors").add(group);
+        layer(where).add(group);
         const gap = (options && options.gap) || 0.07;
-        found = {group, object, gap, words: tag(text, "#" + colourOf(colour).getHexString(), group)};
+        found = {group, object, gap, words: tag(text, colour, group, options && options.size)};
         named.arrows.set(name, found);
       }
       const v = vector && vectorOf(vector);
@@ -514,11 +587,16 @@ const createViewer = (() => {
     }
 
     function newTrail(options, segments) {
-      const {colour = "orange", width = 2.5, opacity = 0.9, layer: where = "trails", body} = options;
+      const {colour = "orange", width = 2.5, opacity = 0.9, layer: where = "trails", body, dash} = options;
       const geometry = new THREE.LineSegmentsGeometry();
       geometry.setPositions(segments);
-      const material = new THREE.LineMaterial({color: colourOf(colour), linewidth: width, transparent: true, opacity});
+      const material = new THREE.LineMaterial({color: colourOf(colour), linewidth: width, transparent: opacity < 1, opacity});
       const object = new THREE.LineSegments2(geometry, material);
+      dyed(object, colour);
+      if (dash) {
+        Object.assign(material, {dashed: true, dashSize: dash[0], gapSize: dash[1]});
+        object.computeLineDistances();
+      }
       object.frustumCulled = false;
       (body === undefined ? layer(where) : bodies[body].group).add(object);
       return {object, geometry, buffer: geometry.getAttribute("instanceStart").data, next: 0, filled: 0, last: null};
@@ -526,10 +604,14 @@ const createViewer = (() => {
 
     function trail(name, points, options) {
       const flat = Float32Array.from(Array.isArray(points[0]) ? points.flat() : points);
-      const count = Math.max(flat.length / 3 - 1, 0);
-      const segments = new Float32Array(6 * Math.max(count, 1));
-      for (let k = 0; k < count; k += 1) {
-        segments.set(flat.subarray(3 * k, 3 * k + 6), 6 * k);
+      const segments = new Float32Array(6 * Math.max(flat.length / 3 - 1, 1));
+      let count = 0;
+      for (let k = 0; k + 3 < flat.length; k += 3) {
+        const piece = flat.subarray(k, k + 6);
+        if (piece.every(Number.isFinite)) {
+          segments.set(piece, 6 * count);
+          count += 1;
+        }
       }
       if (named.trails.has(name)) {
         freed(named.trails.get(name).object);
@@ -589,9 +671,139 @@ const createViewer = (() => {
         freed(named.surfaces.get(name));
       }
       const group = new THREE.Group();
-      group.add(shapeGroup(shape, colour));
+      group.add(shape.kind === "mesh" && shape.smooth ? dyed(shapeGroup(shape, colour), colour) : shapeGroup(shape, colour));
       layer(where).add(group);
       named.surfaces.set(name, group);
+    }
+
+    // dots, words, a box with ticks
+    function dots(points, options) {
+      const {colour = "black", size = 6, layer: where = "dots"} = options;
+      const canvas = document.createElement("canvas");
+      canvas.width = canvas.height = 64;
+      const pen = canvas.getContext("2d");
+      pen.fillStyle = "#ffffff";
+      pen.arc(32, 32, 31, 0, 2 * Math.PI);
+      pen.fill();
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.Float32BufferAttribute(points, 3));
+      const material = new THREE.PointsMaterial({color: colourOf(colour), size, sizeAttenuation: false,
+                                                 map: new THREE.CanvasTexture(canvas), alphaTest: 0.5});
+      Object.assign(material, {polygonOffset: true, polygonOffsetUnits: -8});
+      const object = dyed(new THREE.Points(geometry, material), colour);
+      object.frustumCulled = false;
+      layer(where).add(object);
+    }
+
+    function text(place, runs, options) {
+      const {colour = "black", layer: where = "words", size} = options;
+      tag(runs, colour, layer(where), size).position.copy(vectorOf(place));
+    }
+
+    const SIGNS = [-1, 1];
+    const others = (k) => [(k + 1) % 3, (k + 2) % 3];
+
+    /* The three sides of a box that are turned away have a grid, its outline has the words of the ticks.
+       low, high: [x, y, z]; ticks: of each axis, [{at, runs}]; names: of the axes, runs. */
+    function box({low, high, ticks, names: axes}) {
+      const sides = [];
+      [0, 1, 2].forEach((k) => SIGNS.forEach((sign) => {
+        const [i, j] = others(k);
+        const lines = [];
+        [[i, j], [j, i]].forEach(([a, b]) => [low[a], ...ticks[a].map((t) => t.at), high[a]].forEach((at) => {
+          [low[b], high[b]].forEach((end) => {
+            const p = [0, 0, 0];
+            [p[k], p[a], p[b]] = [sign < 0 ? low[k] : high[k], at, end];
+            lines.push(...p);
+          });
+        }));
+        const geometry = new THREE.BufferGeometry();
+        geometry.setAttribute("position", new THREE.Float32BufferAttribute(lines, 3));
+        const side = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({color: theme.grid}));
+        layer("box").add(side);
+        sides.push({side, k, sign});
+      }));
+      const marks = ticks.map((list) => list.filter((t) => t.runs).map((t) => (
+        {at: t.at, sprite: tag(t.runs, "axis", layer("box"), {size: 12, weight: 400})})));
+      const heads = axes.map((runs) => tag(runs, "text", layer("box"), {size: 14, weight: 400}));
+      grid = {low, high, sides, marks, heads};
+    }
+
+    function turnedBox() {
+      camera.updateMatrixWorld();
+      const {low, high, sides, marks, heads} = grid;
+      const ends = (k, sign) => (sign < 0 ? low[k] : high[k]);
+      const faces = (k, sign) => sign * (camera.position.getComponent(k) - ends(k, sign)) > 0;
+      sides.forEach(({side, k, sign}) => {
+        side.visible = !faces(k, sign);
+        side.material.color.set(theme.grid);
+      });
+      [0, 1, 2].forEach((k) => {
+        const edge = outline(k, ends, faces);
+        heads[k].visible = Boolean(edge);
+        marks[k].forEach(({sprite}) => { sprite.visible = Boolean(edge); });
+        if (edge) {
+          const depths = marks[k].map(({at, sprite}) => edge.put(sprite, at, 4));
+          edge.name(heads[k], Math.max(4, ...depths) + 3);
+        }
+      });
+    }
+
+    /* Of the edges along axis k that bound the box on the screen the lowest, or of the upright ones the one to the left:
+       put(sprite, place, gap) lays words beside a place of it, off the box, and returns how far they reach (pixels);
+       name(sprite, gap) lays them beside its middle, or on top of an upright one. */
+    function outline(k, ends, faces) {
+      const [i, j] = others(k);
+      const upright = Math.abs(up.getComponent(k)) > 0.9;
+      const found = [];
+      SIGNS.forEach((a) => SIGNS.forEach((b) => {
+        if (faces(i, a) === faces(j, b)) {
+          return;
+        }
+        const at = (place) => new THREE.Vector3().setComponent(k, place).setComponent(i, ends(i, a)).setComponent(j, ends(j, b));
+        const seen = at((ends(k, -1) + ends(k, 1)) / 2).project(camera);
+        found.push({at, worth: upright ? seen.x : seen.y});
+      }));
+      if (!found.length) {
+        return null;
+      }
+      const {at} = found.sort((p, q) => p.worth - q.worth)[0];
+      const pixel = [canvas.clientWidth / 2, canvas.clientHeight / 2];
+      const onScreen = (p) => new THREE.Vector3(p.x * pixel[0], p.y * pixel[1], 0);
+      const [first, last] = [-1, 1].map((sign) => onScreen(at(ends(k, sign)).project(camera)));
+      const middle = onScreen(new THREE.Vector3(...[0, 1, 2].map((n) => (ends(n, -1) + ends(n, 1)) / 2)).project(camera));
+      const ahead = last.clone().sub(first).normalize();
+      const off = new THREE.Vector3(-ahead.y, ahead.x, 0);
+      off.multiplyScalar(off.dot(middle.sub(first)) > 0 ? -1 : 1);
+      const lay = (sprite, place, way, gap) => {
+        const [wide, high] = sprite.userData.pixels;
+        const half = (Math.abs(way.x) * (wide - 8) + Math.abs(way.y) * high / 1.7) / 2;
+        const p = at(place).project(camera);
+        p.x += (way.x * (gap + half)) / pixel[0];
+        p.y += (way.y * (gap + half)) / pixel[1];
+        sprite.position.copy(p.unproject(camera));
+        return gap + 2 * half;
+      };
+      return {
+        put(sprite, place, gap) { return lay(sprite, place, off, gap); },
+        name(sprite, gap) { return upright ? lay(sprite, ends(k, 1), ahead, 4) : lay(sprite, (ends(k, -1) + ends(k, 1)) / 2, off, gap); },
+      };
+    }
+
+    /* Where a point is on the canvas, in pixels, and how deep. */
+    function seenAt(place) {
+      camera.updateMatrixWorld();
+      const p = vectorOf(place).project(camera);
+      return [((p.x + 1) / 2) * canvas.clientWidth, ((1 - p.y) / 2) * canvas.clientHeight, p.z];
+    }
+
+    /* All words that are seen: text, place of their middle and size in pixels. */
+    function allWords() {
+      const shown = (node) => node.visible && (!node.parent || shown(node.parent));
+      return [...labels].filter((sprite) => shown(sprite) && sprite.userData.words.text.length).map((sprite) => {
+        const [x, y] = seenAt(sprite.getWorldPosition(new THREE.Vector3()).toArray());
+        return {text: runsOf(sprite.userData.words.text).map((run) => run[0]).join(""), x, y, size: sprite.userData.pixels};
+      });
     }
 
     function placed(object, position, quaternion) {
@@ -612,11 +824,11 @@ const createViewer = (() => {
       pose(k, position, quaternion) { placed(bodies[k].group, position, quaternion); },
       /* Give body k other shapes. */
       dress,
-      /* Show an arrow from a point; a vector of null or (almost) zero hides it. options:
-         colour, text, gap (of the text from the tip, as a share of the radius). */
+      /* Show an arrow from a point; a vector of null or (almost) zero hides it. options: colour, text, layer,
+         size of the text, thickness and gap (of the text from the tip) as shares of the radius. */
       arrow,
-      /* A line through points (flat or in triples). options: colour, width, opacity, layer, or the number
-         of a body that it is fixed to, with points in its frame. */
+      /* A line through points (flat or in triples), broken where one is no number. options: colour, width, opacity,
+         dash: lengths of dashes and gaps, layer, or the number of a body that it is fixed to, with points in its frame. */
       trail,
       /* Draw the first points of a trail alone. */
       trailTo,
@@ -642,6 +854,11 @@ const createViewer = (() => {
       },
       /* light or dark. */
       theme: look,
+      /* Dots at points (flat); options: colour, size in pixels, layer. Words at a place; options: colour, layer,
+         size: {size, weight}. A box with a grid and ticks (see above). */
+      dots, text, box,
+      /* Where a point is seen, in pixels; all words that are seen, with their places. */
+      seenAt, words: allWords,
       /* Draw now; draw with the next frame. */
       render, ask,
       /* Turn the camera (radians), move it nearer (factor below 1) or farther, put it back. */

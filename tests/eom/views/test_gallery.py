@@ -14,7 +14,6 @@ from eom.views.gallery import PICTURES, Ask
 from tests.eom.rows import every
 
 pytest.importorskip("matplotlib")
-pytest.importorskip("plotly")
 
 SCENES = dict.fromkeys(PICTURES, "t-handle") | {
     "sphere": "bicycle-wheel",
@@ -45,8 +44,9 @@ def test_every_picture_is_drawn_by_both_renderers(name):
     figure = printed.figure(picture, (4.0, 3.0))
     assert len(figure.axes) == sum(map(len, picture.rows))
     described = turned.described(picture)
-    assert described["data"]
-    assert described["layout"]["title"]["text"]
+    drawn = [panel for row in described["rows"] for panel in row]
+    assert len(drawn) == sum(map(len, picture.rows))
+    assert all(panel["items"] for panel in drawn)
 
 
 @pytest.mark.parametrize("name", ["t-handle", "heavy-top", "bicycle-wheel", "double-pendulum"])
