@@ -17,6 +17,7 @@ import sympy as sp
 from sympy.simplify.fu import TR8
 
 from eom.errors import InputError
+from eom.expressions import as_expression
 from eom.quantities import TIME, Definition, Quantity
 from eom.system import System
 
@@ -58,7 +59,7 @@ class Spring:
     @property
     def span(self) -> Vector:
         """The vector from the first end to the second."""
-        return tuple(sp.sympify(y) - x for x, y in zip(*self.ends, strict=True))
+        return tuple(as_expression(y) - x for x, y in zip(*self.ends, strict=True))
 
     @property
     def distance(self) -> Expr:
@@ -127,7 +128,7 @@ class Mechanism:
 
     def rate(self, expression: Expr, order: int = 1) -> Expr:
         """Return the time derivative of an expression over coordinates, rates and t."""
-        found = sp.sympify(expression)
+        found = as_expression(expression)
         names = {q: speed(q) for q in self.moving}
         names |= {speed(q): acceleration(q) for q in self.moving}
         for _ in range(order):
@@ -138,7 +139,7 @@ class Mechanism:
     def applied(self, q: Expr) -> Expr:
         """Return the generalised force of all that has no potential."""
         own = (
-            f * sp.sympify(x).diff(q)
+            f * as_expression(x).diff(q)
             for b in self.bodies.values()
             for f, x in zip(b.force, b.at, strict=True)
         )
@@ -268,10 +269,10 @@ def _outputs(m: Mechanism, found: Mapping[Expr, Expr]) -> Iterator[Definition]:
         yield _output("H", "J", by_speeds - T + V)
     for name, placed in m.bodies.items():
         for axis, x in zip("xyz", placed.at, strict=True):
-            yield _output(f"{name}_{axis}", "m", sp.sympify(x))
+            yield _output(f"{name}_{axis}", "m", as_expression(x))
     for name, (body, along) in m.reactions.items():
         force = sum(f * e for f, e in zip(m.reaction(body), along, strict=True))
-        yield _output(name, "N", sp.sympify(force).xreplace(dict(found)))
+        yield _output(name, "N", as_expression(force).xreplace(dict(found)))
 
 
 def _output(name: str, unit: str, expression: Expr) -> Definition:

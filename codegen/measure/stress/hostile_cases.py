@@ -87,7 +87,7 @@ def _oscillator(force: Expr, stiffness: Expr = 1) -> dict[Expr, Expr]:
 
 def _body(moments: Sequence[Expr], torque: Sequence[Expr]) -> dict[Expr, Expr]:
     """Return Euler's equations in principal axes of the body, torque in N m by components there."""
-    a, b, c = map(sp.sympify, moments)
+    a, b, c = (sp.sympify(m, strict=True) for m in moments)
     first, second, third = torque
     return {
         w1: ((b - c) * w2 * w3 + first) / a,

@@ -81,7 +81,7 @@ class AtInstants(Drawn, ABC):
                 return self.noted(put(self.derived(*e.name.split("@"))), *e.name.split("@"))
             return e.func(*map(plain, e.args)) if e.args else e
 
-        return sp.sympify(plain(e)), known
+        return sp.sympify(plain(e), strict=True), known
 
     def derived(self, name: str, label: str) -> Number:
         """Return a quantity at an instant of a motion, or what is derived of the motion."""
@@ -465,7 +465,7 @@ def _behind(model: Model, m: Particular, first: Motion) -> tuple[Motion, tuple[i
         return first, ()
 
     def value(e: Expr, n: int = 0) -> int:
-        return int(first.series(sp.sympify(e)).coefficients[n])
+        return int(first.series(sp.sympify(e, strict=True)).coefficients[n])
 
     jumps, impulses = struck(model, m, value, lambda rows, wanted: solve(rows, wanted, RESIDUES))
     after = {s: (first.start[s] + d) % PRIME for s, d in jumps.items()}

@@ -60,6 +60,7 @@ import sympy as sp
 
 from eom.checker.mean.model import Model, Particular, load_model, model_of
 from eom.errors import InputError, unknown_name
+from eom.expressions import as_expression
 from eom.mass.solids import CENTRE
 from eom.mechanics.lagrange import LONG, Mechanism, Placed, Spring, lagrange_system, speed
 from eom.quantities import TIME, Definition, Quantity
@@ -192,7 +193,7 @@ def _with_own(model: Model, table: Mapping[str, Any], where: str, assume: Iterab
             vectors[name] = read.vector(row["is"], place)
         else:
             own = Quantity(sp.Symbol(name, real=True), row.get("unit", ""))
-            outputs.append(Definition(own, sp.sympify(read.formula(row.get("is"), place))))
+            outputs.append(Definition(own, as_expression(read.formula(row.get("is"), place))))
             read.names[name] = own.symbol
     functions = _own_table(table, "functions", where)
     outputs += [_any_function(model, n, str(of), where) for n, of in functions.items()]
@@ -319,18 +320,18 @@ class _Read:
         row = _of_type(given, Mapping, where)
         _known(row, _MOTION, where)
         constant, zero, nonzero, closing = (
-            tuple(map(sp.sympify, self._listed(row.get(k, []), where)))
+            tuple(map(as_expression, self._listed(row.get(k, []), where)))
             for k in ("constant", "zero", "nonzero", "closing")
         )
         start, blows = (self._by_name(row, k, where) for k in ("start", "impulse"))
         until = self.formula(row["until"], where) if "until" in row else None
-        restitution = sp.sympify(self.formula(row.get("restitution", 0), where))
+        restitution = as_expression(self.formula(row.get("restitution", 0), where))
         return Particular(constant, zero, nonzero, start, until, blows, closing, restitution)
 
     def _by_name(self, row: Mapping[str, Any], key: str, where: str) -> dict[Expr, Expr]:
         found = _own_table(row, key, where)
         _known(found, self.names, f"{where} > {key}")
-        return {self.names[n]: sp.sympify(self.formula(f, where)) for n, f in found.items()}
+        return {self.names[n]: as_expression(self.formula(f, where)) for n, f in found.items()}
 
     def each(self, key: str, read: Callable[[Any, str], Any]) -> dict[str, Any]:
         """Return what the rows of a table are read as."""

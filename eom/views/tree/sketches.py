@@ -508,7 +508,7 @@ def _joint(s: TreeAtStart, joint: Joint) -> Iterator[Item]:
 def _law(joint: Joint, k: int) -> sp.Expr | int:
     """Return what springs, dampers, motors and applied forces do along speed k, on the child."""
     coordinate = joint.row.paired(joint.attitude)[k] if joint.motion is None else None
-    law = sp.sympify(0)
+    law = sp.S.Zero
     if coordinate is not None:
         law -= joint.stiffness[k] * (joint.coordinates[coordinate].symbol - joint.rest[k])
     if joint.motion is None:
