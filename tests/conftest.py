@@ -55,9 +55,11 @@ QUICK_FLAGS = {
 """Five times as fast to compile; same numbers, but in Taylor loops, which fuse operations if optimised."""
 
 MARKS = (
-    "sparse(most, only): the default suite runs the diagonal of the product, at most so many, or these ids",
-    "shipped_flags: compiled as users' code is, where accuracy, last bits or speed are the question",
+    "sparse(most, only, slow): by default the diagonal of the product runs, at most so many",
+    "long: CI does not run it, since a shorter form asks the same; it has a command of its own",
+    "shipped_flags(when): compiled as users' code is, where flags are the question; 'slow': if it is slow",
 )
+"""Of `sparse`: at most so many, or the ids ``only``; slow tests run the ids ``slow``, by default all."""
 
 
 def pytest_configure(config):
@@ -74,7 +76,7 @@ def spread(count, most):
     return {k * count // most for k in range(most)} if most < count else set(range(count))
 
 
-def thinned(items, most=None, only=()):
+def thinned(items, most=None, only=(), slow=()):
     """Return the cases of one test that the default suite runs; its name says where they begin."""
     if only:
         return [item for item in items if item.callspec.id in only]
@@ -100,16 +102,19 @@ def pytest_collection_modifyitems(items):
     for cases in tests.values():
         mark = cases[0].get_closest_marker("sparse")
         found = thinned(cases, *mark.args, **mark.kwargs) or cases[:1]  # one that is asked for
-        kept = {item.nodeid for item in found}
+        kept, slow = {item.nodeid for item in found}, mark.kwargs.get("slow")
         for item in cases:
             if item.nodeid not in kept:
                 item.add_marker("slow")
+                if slow and item.callspec.id not in slow:
+                    item.add_marker("long")
 
 
 @pytest.fixture(autouse=True)
 def quick_flags(request, monkeypatch):
-    """Let the default suite compile quickly, slow tests as users do."""
-    if not any(request.node.get_closest_marker(m) for m in ("slow", "shipped_flags")):
+    """Compile quickly, but for tests of what users' flags could change."""
+    slow, mark = map(request.node.get_closest_marker, ("slow", "shipped_flags"))
+    if not mark or (mark.args and not slow):
         for module, flags in QUICK_FLAGS.items():
             monkeypatch.setattr(module, "FLAGS", flags)
 

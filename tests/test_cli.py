@@ -125,7 +125,9 @@ def test_fixed_parameters_leave_none(run, tmp_path):
     assert "PARAMETERS = ()" in (tmp_path / "t_handle.py").read_text()
 
 
-@pytest.mark.sparse(only=("t-handle", "double-pendulum"))
+@pytest.mark.sparse(
+    only=("t-handle", "double-pendulum"), slow=("rolling-disc", "gravity-gradient-satellite")
+)
 @pytest.mark.parametrize("name", catalogue.names())
 def test_simulate_reports_and_saves(run, tmp_path, name):
     done = run(
@@ -317,7 +319,9 @@ def test_generate_needs_a_folder_or_a_report(run):
     assert "--out FOLDER" in done.stderr
 
 
-@pytest.mark.sparse(only=("t-handle", "bicycle-wheel", "double-pendulum"))
+@pytest.mark.sparse(
+    only=("t-handle", "bicycle-wheel", "double-pendulum"), slow=("rolling-disc", "heavy-top")
+)
 @pytest.mark.parametrize("name", catalogue.names())
 def test_accuracy_reports_every_result(run, name):
     from eom import load_scene

@@ -76,7 +76,7 @@ def deaf(integrator):
 # --- the table --------------------------------------------------------------------------------------
 
 
-@pytest.mark.sparse(only=("extreme-bodies", "closed-forms"))
+@pytest.mark.sparse(only=("closed-forms",))
 @needs_compiler
 @pytest.mark.parametrize("name", [n for n in checks.NAMES if n != "long-run"])
 def test_every_check_passes(run, tmp_path, name):

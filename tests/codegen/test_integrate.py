@@ -323,6 +323,7 @@ def swing(times):
         return [f(t)[0] for t in times]
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize(("method", "order"), [("DOP853", 8), ("DP5", 5), ("Tsit5", 5)])
 @pytest.mark.parametrize("project", [False, True])
@@ -341,6 +342,7 @@ def test_halving_fixed_steps_divides_the_error_by_two_to_the_order(method, order
     assert np.all(orders < order + 1.6)
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize(("method", "order"), [("DOP853", 7), ("DP5", 4), ("Tsit5", 4)])
 @pytest.mark.parametrize("project", [False, True])

@@ -18,6 +18,7 @@ from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
 pytestmark = [
+    pytest.mark.shipped_flags("slow"),
     pytest.mark.sparse,
     pytest.mark.skipif(not native.compiler(), reason="compares methods in C"),
 ]

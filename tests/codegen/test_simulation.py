@@ -128,8 +128,9 @@ def test_every_method_comes_back_when_it_runs_backwards(built, method):
 
 
 @pytest.mark.slow
-def test_ready_scenes_keep_their_constants(built):
-    for name in catalogue.names():
+@pytest.mark.shipped_flags
+def test_ready_scenes_keep_their_constants(built, target):
+    for name in catalogue.names()[:: 1 if target == "c" else 4]:
         scene = eom.load_scene(name)
         compiled = built(scene.derive())
         end = min(scene.integration.t_end, 5000.0)
@@ -707,10 +708,10 @@ def test_a_run_that_chatters_ends_with_a_reason(built):
     """Coulomb friction without a model of rest: the sign changes at every step."""
     x = sp.Symbol("x", real=True)
     system = System.from_rates("friction", {x: -sp.sign(x)})
-    result = simulate(built(system), [1.0], (0, 2), max_steps=10_000)
+    result = simulate(built(system), [1.0], (0, 2), max_steps=2_000)
     assert result.status == -1
     assert result.t_stop == pytest.approx(1.0, abs=1e-2)
-    assert "all of max_steps = 10,000 were tried" in result.message
+    assert "all of max_steps = 2,000 were tried" in result.message
     assert "friction" in result.message
 
 

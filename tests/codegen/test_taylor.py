@@ -26,6 +26,8 @@ from eom.quantities import TIME
 from eom.system import System
 from tests.codegen.scenes import SCENES
 
+pytestmark = pytest.mark.shipped_flags("slow")
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
 y1, y2, y3, k, u = sp.symbols("y1 y2 y3 k u", real=True)
 RIGID = System.from_rates("rigid", {y1: y2 * y3, y2: -y1 * y3, y3: -sp.Rational(51, 100) * y1 * y2})
@@ -67,6 +69,7 @@ def agree(pairs):
         assert abs(ours - theirs) <= mpmath.mpf(10) ** -9 * (1 + abs(theirs)), n
 
 
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize("op", UNARY)
 @settings(max_examples=3)
 @given(share=st.floats(0.01, 0.99), at=st.sampled_from([-0.5, 0.25, 0.75]))

@@ -20,7 +20,10 @@ from codegen.watch.trust import limits
 from eom.quantities import TIME
 from eom.system import System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
+pytestmark = [
+    pytest.mark.shipped_flags("slow"),
+    pytest.mark.skipif(not native.compiler(), reason="runs C"),
+]
 t, (x, v, w, p, q) = TIME, sp.symbols("x v w p q", real=True)
 R = sp.Rational
 

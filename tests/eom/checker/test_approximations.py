@@ -41,6 +41,7 @@ def test_formulas(line):
     assert [v.verdict for v in judged(parse_lexicon(LEXICON), line)] == [LINES[line]]
 
 
+@pytest.mark.slow
 def test_a_system():
     lexicon = parse_lexicon(
         """

@@ -226,6 +226,7 @@ LINES = [
 ]  # fmt: skip
 
 
+@pytest.mark.sparse(36)
 @pytest.mark.parametrize(("lexicon", "line", "said"), LINES)
 def test_a_line_of_matrices(lexicon: str, line: str, said: str):
     assert _verdicts(lexicon, line) == [said]

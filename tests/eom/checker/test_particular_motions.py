@@ -193,6 +193,7 @@ SYSTEMS = (
 )  # fmt: skip
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("system", range(len(SYSTEMS)))
 def test_what_is_derived_of_a_system(system):
     text, lines = SYSTEMS[system]
@@ -385,6 +386,7 @@ def test_bad_motions_are_told(old, new, message):
         parse_lexicon(HOOP.replace(old, new))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(
     ("text", "line", "repaired"),
     [

@@ -322,6 +322,7 @@ def test_the_words_of_a_note_explain_a_load_to_any_lexicon():
     assert "rotor_torque k" in report.lexicon
 
 
+@pytest.mark.slow
 def test_what_is_worked_out_behind_an_assumption_is_judged():
     lead = "Let the weight be the only load. Assume\n\n"
     lexicon = LOADS + '\'h\' = { is = "scalar h", unit = "m" }\n\'\\hat b_1\' = "unit B 1"\n'

@@ -206,6 +206,7 @@ WHEEL = (
 )
 
 
+@pytest.mark.slow
 def test_one_wheel_at_constant_speed(found):
     displays, _ = found(f"$${WHEEL}$$", ROTORS)
     assert displays[0].verdict == "holds under"

@@ -25,7 +25,8 @@ def oracle(name):
     return importlib.import_module(f"tests.eom.checker.unseen.oracle_{name}").CASES
 
 
-@pytest.mark.parametrize("name", only(NOTES, "solids"))
+@pytest.mark.sparse(only=("solids",), slow=SHORT)
+@pytest.mark.parametrize("name", NOTES)
 def test_the_truth_is_that_of_explicit_motions(name):
     rows = {k.split(":")[1]: row for k, row in TRUTH.items() if k.startswith(f"{name}:")}
     claims = {k for k, row in rows.items() if row["verdict"] != "not_an_equation"}
@@ -60,7 +61,7 @@ REACHED = {
 """How many equations of each note have been judged rightly; no change may make them fewer."""
 
 
-@pytest.mark.parametrize("name", only(NOTES, *SHORT))
+@pytest.mark.parametrize("name", only(NOTES, "quaternions", "solids"))
 def test_no_line_is_judged_falsely_and_no_fewer_are_decided(name):
     """No true line is called wrong, and no wrong one said to hold always."""
     rows = list(of_note(FOLDER, name))
