@@ -78,7 +78,7 @@ def unusable(function, arguments):
     return refused
 
 
-@pytest.mark.sparse(40)
+@pytest.mark.sparse(20)
 @pytest.mark.parametrize("name", NAMES, ids=".".join)
 def test_whatever_an_argument_is_there_is_a_result_or_one_clear_error(
     table, name, tmp_path, monkeypatch
@@ -97,7 +97,7 @@ def test_whatever_an_argument_is_there_is_a_result_or_one_clear_error(
     assert unusable(function, arguments) > len(HOSTILE) // 4 * len(arguments)
 
 
-@pytest.mark.sparse(7)
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", sorted(METHODS))
 def test_methods_take_nothing_wrong_either(table, name):
     function, arguments = table[""][name]

@@ -96,7 +96,7 @@ def data_files(folder):
     return sorted(files)
 
 
-@pytest.mark.sparse(1)
+@pytest.mark.slow
 def test_whatever_file_is_damaged_is_computed_again(compiled, expected, kind, tmp_path):
     folder = tmp_path / "runs"
     run(compiled, store=folder, store_format=kind)

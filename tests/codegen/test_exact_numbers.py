@@ -105,7 +105,7 @@ def test_constants_of_a_derivative_stay_short():
         assert max(max(abs(c.numerator), c.denominator) for c in constants).bit_length() <= 2 * own
 
 
-@pytest.mark.sparse(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "count", "kinds"),
     [

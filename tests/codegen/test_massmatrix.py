@@ -251,7 +251,7 @@ def _dense(derived, point):
     return dict(zip(derived.pattern, entries, strict=True))
 
 
-@pytest.mark.sparse(only=("numpy",))
+@pytest.mark.slow
 def test_jacobians_of_a_pendulum_do_not_depend_on_how_it_is_solved(target, monkeypatch):
     straight = compile_system(PENDULUM, target)
     monkeypatch.setattr(massmatrix, "UNROLLED", 2)

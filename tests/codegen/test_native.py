@@ -203,7 +203,7 @@ assert library.read_bytes() == whole
 """
 
 
-@pytest.mark.sparse(1)
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.6, 0.99])
 def test_a_library_that_was_cut_off_does_not_end_the_process(cache, share):

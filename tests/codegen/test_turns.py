@@ -101,6 +101,7 @@ def spun(count, method="DOP853", rate=20.0, **options):
     return run.t, run["psi"], run.notice
 
 
+@pytest.mark.sparse(5)
 @pytest.mark.parametrize("dense", [False, True])
 @pytest.mark.parametrize("count", [2, 30, 52, 101, 1001])
 def test_turns_are_counted_however_few_times_are_stored(count, dense):

@@ -151,6 +151,7 @@ def some(request):
     return [derivations.derive(n) for n in request.param]
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("notation", NOTATIONS)
 def test_every_derivation_in_every_format(some, notation):
     for derivation in some:

@@ -58,7 +58,7 @@ OF_TOP = {
 }
 
 
-@pytest.mark.sparse(2)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("line", OF_TOP)
 def test_energies_of_a_top(line):
     assert [v.verdict for v in judged(parse_lexicon(TOP), line)] == [OF_TOP[line]]

@@ -47,6 +47,7 @@ LINES = {
 }
 
 
+@pytest.mark.sparse(12)
 @pytest.mark.parametrize("line", LINES)
 def test_index_notation(line):
     (found,) = judged(parse_lexicon(LEXICON), line)

@@ -84,7 +84,7 @@ LINES = {
 }
 
 
-@pytest.mark.sparse(10)
+@pytest.mark.sparse(5)
 @pytest.mark.parametrize("name", LINES)
 def test_what_was_meant_is_offered_and_said(name):
     lexicon, text, meant, words = LINES[name]

@@ -71,6 +71,7 @@ EULER = r"$$J_3\dot p_3 = (J_2 - J_1)p_1p_2 + N_3$$"
 AXES = "The axes are principal axes at $G$. "
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(
     ("text", "case"),
     [
@@ -255,6 +256,7 @@ STATED = {
 }
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("line", STATED)
 def test_the_lowest_condition_on_the_quantities_of_a_line(found, line):
     ((last,), report) = found(line, BOB)

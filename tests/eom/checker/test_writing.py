@@ -1,5 +1,6 @@
 """Drawn trees: what is written reads again as the same tree."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -217,6 +218,7 @@ def test_changed_trees_get_the_brackets_that_they_need(tree):
     assert without_brackets(again) == without_brackets(changed)
 
 
+@pytest.mark.slow
 @given(drawn("sum"))
 def test_walking(tree):
     assert transform(tree, lambda n: n) is tree

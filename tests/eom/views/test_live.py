@@ -77,7 +77,7 @@ def difference(got, states):
 
 
 @needs_both
-@pytest.mark.parametrize("name", only(SUPPORTED, "t-handle", "double-pendulum"))
+@pytest.mark.parametrize("name", only(SUPPORTED, "double-pendulum"))
 def test_the_page_moves_as_the_c_target_does(name):
     got = run(text_of(name), PLAY)
     about = subject(name)
