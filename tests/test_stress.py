@@ -26,6 +26,7 @@ from eom.commands import stressing as random_scenes
 from eom.mechanics.rigidbody import free_rigid_body
 from eom.rotations import cosines
 
+pytestmark = pytest.mark.shipped_flags("slow")
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
 SHORT = Size(
     "quick", 100, 4, (1e-4, 1e-8, 2.0**-52), 0.05, 0.5, 4, 2, 10_000, trials=10, apart=20, forms=40

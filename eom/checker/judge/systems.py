@@ -101,6 +101,15 @@ class OnSolution(Drawn):
         return [int(f.coefficients[0]) for f in found]
 
 
+def _given_parameter(pair: Pair, parameters: set[Expr]) -> Expr | None:
+    """Return the parameter whose power one side is, where the other has others alone; None for none."""
+    for own, other in (pair, pair[::-1]):
+        base, others = own.as_base_exp()[0], other.free_symbols
+        if base in parameters and base not in others and others <= parameters:
+            return base
+    return None
+
+
 @dataclass(frozen=True)
 class Solutions(Models):
     """Solutions of the system that a claim is about; names are those of restrictions."""
@@ -254,12 +263,22 @@ class Solutions(Models):
         loose = sorted({str(a) for pair in self.said for e in pair for a in e.atoms(anything)})
         if loose:
             return f"nothing ties {', '.join(loose)} to the system"
+        free = self._free_parameters()
+        if free:
+            return f"any value is possible of {', '.join(free)}, a parameter of the system"
         system = self.model.system
         if tells_time(self.claim, self.model):
             return "how the motion starts is not known here"
         exact = not any(inexact(system, e) for pair in self.said for e in pair)
         certain = exact or any(differs(system, a, b, self.held) for a, b in self.said)
         return "" if certain else "the functions in this are not decided exactly"
+
+    def _free_parameters(self) -> list[str]:
+        """Return the parameters that all that fails gives by other parameters, as no motion does."""
+        parameters = {q.symbol for q in self.model.system.parameters}
+        failing = (p for p in self.said if next(self._failing(p), None) is not None)
+        found = {_given_parameter(pair, parameters) for pair in failing}
+        return [] if None in found else sorted(map(str, found))
 
     def why(self, search: Search) -> str:
         """Say what is wrong with the first equation that fails, and what would have to rest."""

@@ -10,6 +10,7 @@ forgotten when one that it was worked out from is given anew.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -22,6 +23,7 @@ from eom.checker.mean.dimensions import NONE, UNITS, Dimension
 from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
 from eom.checker.mean.values import ILL_FORMED, UNDECIDED, WRONG, Finding, Refusal, Value
 from eom.checker.read.grammar import read_formula
+from eom.checker.read.spans import Span
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, Seen, grown, seen
 from eom.checker.read.syntax import (
@@ -588,7 +590,7 @@ def _compared(
         put = own + data.rounding(node)
         sides = ((own if number_only(m) else put, m, f) for m, f in (before[0], before[-1]))
         if not any(_near(here, off, f, m, data) for off, m, f in sides):
-            return _other(node, here, before[-1][1]), True
+            return _other(node, here, before[-1][1], data.turn), True
     return None, compared
 
 
@@ -600,9 +602,22 @@ def _near(here: Measure, own: Expr, there: Measure, node: Node, data: _Data) -> 
     return bool(apart <= sp.N(allowed * SLACK + scale * sp.Rational(1, 10**20), DIGITS))
 
 
-def _other(node: Node, here: Measure, there: Measure) -> Finding:
-    shown = (str(sp.N(m.value, SHOWN)) for m in (here, there))
-    return Finding(WRONG, ANOTHER, node.span, *shown)
+def _other(node: Node, here: Measure, there: Measure, turn: Expr) -> Finding:
+    got, expected = (str(sp.N(m.value, SHOWN)) for m in (here, there))
+    return Finding(WRONG, ANOTHER, node.span, got, expected, _instead(node, there.value, turn))
+
+
+def _instead(node: Node, value: Expr, turn: Expr) -> tuple[Span, str] | None:
+    """Return what should stand for a number that is written out, with as many decimals or two digits."""
+    written = next((n for n in walk(node) if isinstance(n, Number)), None)
+    if written is None or last_digit(node) is None:
+        return None
+    one = transform(node, lambda n: replace(written, text="1") if n is written else n)
+    unit = measured(one, lambda _: None)
+    if unit is None or unit.value == 0 or not (right := value / unit.value.subs(TURN, turn)) > 0:
+        return None
+    decimals = max(len(written.text.partition(".")[2]), 1 - math.floor(math.log10(right)))
+    return written.span, f"{float(right):.{decimals}f}"
 
 
 def _unfit(s: Statement, e: Elaborator, k: int, here: Measure) -> Finding | None:

@@ -64,13 +64,14 @@ UNDECIDED, ILL_FORMED, WRONG, AMBIGUOUS = "undecided", "ill-formed", "wrong", "a
 
 @dataclass(frozen=True)
 class Finding:
-    """What is the matter with a place of a formula: verdict, what, got and expected, span."""
+    """What is the matter with a place: verdict, what, got, expected, span; what to write in which place."""
 
     verdict: str
     what: str
     span: Span = NOWHERE
     got: str = ""
     expected: str = ""
+    instead: tuple[Span, str] | None = None
 
 
 class Refusal(Exception):

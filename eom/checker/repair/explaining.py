@@ -55,6 +55,10 @@ def explain(
     if compared is not None:
         first = next((c.change for c in compared.corrections), "")
         return replace(compared, reason=first or _left(compared.residual))
+    numbers = [f.instead for f in judged.claim.findings if f.instead is not None]
+    if numbers:
+        right = tuple(_exchanged(understood, numbers))
+        return Explanation(blamed=tuple(span for span, _ in numbers), corrections=right)
     wrong = line(understood, judged.claim)
     if wrong is None:
         return Explanation(blamed=places or tuple(f.span for f in judged.claim.findings))
@@ -72,6 +76,19 @@ def explain(
         convention=other_convention(understood, wrong.number, given),
         reason=_left(residual) if candidate is None else sentence(wrong, candidate),
     )
+
+
+def _exchanged(understood: Understood, numbers: Iterable[tuple[Span, str]]) -> Iterator[Correction]:
+    """Yield the line with a wrong number exchanged for the right one, if none is wrong then."""
+    piece = understood.formula.piece
+    for span, new in numbers:
+        start, stop = span.start - piece.span.start, span.stop - piece.span.start
+        text = piece.body[:start] + new + piece.body[stop:]
+        tree = _reads(understood, text)
+        left = [] if tree is None else [f for c in reread(understood, tree) for f in c.findings]
+        if tree is not None and not any(f.instead for f in left):
+            change = f"the number: ${piece.body[start:stop]}$ should be ${new}$"
+            yield Correction(text.strip(), change, "number", span, new)
 
 
 def _left(residual: str) -> str:

@@ -459,3 +459,37 @@ class Palette:
     frames: tuple[Node, ...] = ()
     marks: tuple[str, ...] = ()
     skew: tuple[str, ...] = ()
+
+
+# -- labels ----------------------------------------------------------------------------------------
+
+
+def relabelled(script: Node, palette: Palette) -> Iterator[Node]:
+    """Yield scripts with one label exchanged."""
+    if isinstance(script, Number) and script.text.isdigit():
+        yield from (replace(script, text=text) for text in _digits(script.text))
+    for row in palette.labels:
+        if script in row:
+            yield from (other for other in row if other != script)
+    if isinstance(script, Product | Quotient):
+        parts = script.factors if isinstance(script, Product) else (script.left, script.right)
+        for k, part in enumerate(parts):
+            others = (n for n in relabelled(part, palette) if n not in parts)
+            yield from (_reparted(script, (*parts[:k], n, *parts[k + 1 :])) for n in others)
+        if len(parts) == 2:
+            yield _reparted(script, (parts[1], parts[0]))
+
+
+def _digits(text: str) -> Iterator[str]:
+    """Yield numbers of axes with one digit exchanged, and two digits the other way round."""
+    for k, digit in enumerate(text):
+        others = (o for o in "123" if digit in "123" and o != digit)
+        yield from (text[:k] + o + text[k + 1 :] for o in others)
+    if len(text) == 2:
+        yield text[::-1]
+
+
+def _reparted(script: Node, parts: tuple[Node, ...]) -> Node:
+    if isinstance(script, Quotient):
+        return replace(script, left=parts[0], right=parts[1])
+    return Product(parts, span=script.span)

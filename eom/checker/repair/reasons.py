@@ -61,6 +61,7 @@ SENTENCES: Mapping[str, str] = {
     "factor": "the factor {gained} is missing in {old}",
     "number": "the number is wrong: {new}, not {old}",
     "exponent": "the power is wrong: {new}, not {old}",
+    "power of a sum": "the power of a sum is not the sum of the powers: {new}, not {old}",
     "frame of the derivative": "the derivative is taken in the wrong frame: {new}, not {old}",
     "mark of the derivative": "the derivative is taken in the wrong frame: {new}, not {old}",
     "order": "the factors stand in the wrong order, and do not commute: {new}, not {old}",

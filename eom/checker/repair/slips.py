@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from eom.checker.read.paths import NOTHING, Path, at, places, put, tidy
 from eom.checker.read.symbol_shape import DOTS, seen
@@ -38,7 +39,7 @@ from eom.checker.read.syntax import (
     Section,
     Symbol,
 )
-from eom.checker.repair.lines import Addend, Offer, Palette, Signature
+from eom.checker.repair.lines import Addend, Offer, Palette, Signature, relabelled
 from eom.terms.terms import Term
 
 # -- labels and letters ----------------------------------------------------------------------------
@@ -58,7 +59,7 @@ def labels(node: Node, palette: Palette) -> Iterator[Offer]:
         script = getattr(node, corner)
         power = corner == "sup" and isinstance(script, Number)
         if script is not None and not power and not isinstance(script, Marks):
-            for new in _relabelled(script, palette):
+            for new in relabelled(script, palette):
                 yield _cornered(node, corner, new), 0.0
 
 
@@ -66,37 +67,6 @@ def _cornered(node: Scripts, corner: str, new: Node) -> Scripts:
     corners = {"sub": node.sub, "sup": node.sup, "presub": node.presub, "presup": node.presup}
     corners[corner] = new
     return Scripts(node.base, **corners, span=node.span)
-
-
-def _relabelled(script: Node, palette: Palette) -> Iterator[Node]:
-    """Yield scripts with one label exchanged."""
-    if isinstance(script, Number) and script.text.isdigit():
-        yield from (replace(script, text=text) for text in _digits(script.text))
-    for row in palette.labels:
-        if script in row:
-            yield from (other for other in row if other != script)
-    if isinstance(script, Product | Quotient):
-        parts = script.factors if isinstance(script, Product) else (script.left, script.right)
-        for k, part in enumerate(parts):
-            others = (n for n in _relabelled(part, palette) if n not in parts)
-            yield from (_reparted(script, (*parts[:k], n, *parts[k + 1 :])) for n in others)
-        if len(parts) == 2:
-            yield _reparted(script, (parts[1], parts[0]))
-
-
-def _digits(text: str) -> Iterator[str]:
-    """Yield numbers of axes with one digit exchanged, and two digits the other way round."""
-    for k, digit in enumerate(text):
-        others = (o for o in "123" if digit in "123" and o != digit)
-        yield from (text[:k] + o + text[k + 1 :] for o in others)
-    if len(text) == 2:
-        yield text[::-1]
-
-
-def _reparted(script: Node, parts: tuple[Node, ...]) -> Node:
-    if isinstance(script, Quotient):
-        return replace(script, left=parts[0], right=parts[1])
-    return Product(parts, span=script.span)
 
 
 NEIGHBOURS: tuple[frozenset[str], ...] = tuple(
@@ -167,6 +137,7 @@ def signs(node: Node, _: Palette) -> Iterator[Offer]:
                     yield replace(node, rows=(*node.rows[:r], new_row, *node.rows[r + 1 :])), 0.0
 
 
+ONE = Number("1")
 HALF = Fraction(Number("1"), Number("2"))
 _FACTORS: tuple[tuple[Node, float], ...] = ((HALF, 0.0), (Number("2"), 0.0), (Number("3"), 0.5))
 
@@ -223,6 +194,25 @@ def exponent(node: Node, _: Palette) -> Iterator[Offer]:
             yield replace(node, sup=None), 0.0
     if isinstance(node, Root):
         yield node.body, 0.2
+
+
+def power_of_sum(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a power of a sum taken of each of its terms, and one of all terms taken of the sum."""
+    whole, inside = isinstance(node, Scripts), node.base if isinstance(node, Scripts) else node
+    if not (isinstance(inside, Group) and isinstance(inside.body, Addition)):
+        return
+    terms = inside.body.terms
+    if isinstance(node, Scripts) and isinstance(node.sup, Number):
+        found = [t if t == ONE else Scripts(_bracketed(t), None, node.sup) for t in terms]
+        yield replace(inside, body=replace(inside.body, terms=tuple(found))), 0.0
+    powers = {t.sup for t in terms if isinstance(t, Scripts)}
+    if not whole and len(powers) == 1 and all(isinstance(t, Scripts) or t == ONE for t in terms):
+        bare = tuple(without_sup(t) if isinstance(t, Scripts) else t for t in terms)
+        yield Scripts(replace(inside, body=replace(inside.body, terms=bare)), None, *powers), 0.0
+
+
+def _bracketed(node: Node) -> Node:
+    return node if seen(node) is not None or isinstance(node, Number | Group) else Group(node)
 
 
 _TRIG = {"sin": ("cos",), "cos": ("sin",), "tan": ("sin", "cos", "cot"), "s": ("c",), "c": ("s",)}
@@ -338,11 +328,15 @@ def missing_vector(node: Node, palette: Palette) -> Iterator[Offer]:
 
 
 def order(node: Node, _: Palette) -> Iterator[Offer]:
-    """Offer two neighbours of a product exchanged."""
+    """Offer two neighbours of a product exchanged, or all of it the other way round."""
     if isinstance(node, Product) and node.operator in {"", "cross", "tensor"}:
         for k in range(len(node.factors) - 1):
             a, b = node.factors[k : k + 2]
             yield replace(node, factors=(*node.factors[:k], b, a, *node.factors[k + 2 :])), 0.0
+        called = [k for k, n in enumerate(node.factors) if not (k and isinstance(n, Group))]
+        parts = [node.factors[i:j] for i, j in pairwise([*called, len(node.factors)])]
+        if len(parts) > 2:
+            yield replace(node, factors=tuple(n for p in reversed(parts) for n in p)), 0.0
 
 
 def operator(node: Node, _: Palette) -> Iterator[Offer]:
@@ -622,6 +616,7 @@ SLIPS: tuple[Slip, ...] = (
     Slip("factor", "a number as a factor was lost", 1.1, missing_number),
     Slip("number", "another number", 1.1, other_number),
     Slip("exponent", "another exponent", 1.15, exponent, uniform=True),
+    Slip("power of a sum", "a power of a sum is not that of its terms", 1.15, power_of_sum),
     Slip("frame of the derivative", "the frame of a derivative", 1.05, frame_of_derivative),
     Slip("mark of the derivative", "the mark of a derivative", 1.1, other_mark, uniform=True),
     Slip("order", "factors in another order", 1.1, order),

@@ -160,6 +160,9 @@ DECIDES: dict[str, tuple[str, ...]] = {
         ),
         *("rates that are not explicit", "only a system says when"),
     ),
+    "in the lexicon, that it is left to the note (defined), or what of the system it is": (
+        "any value is possible of",
+    ),
     "a range, a sign or a value of what stands in it, as a condition of the line": (
         *(
             "this rests on the signs",

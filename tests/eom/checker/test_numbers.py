@@ -224,3 +224,26 @@ def test_a_number_outlives_the_section_of_its_data():
     text = EXAMPLES.partition("# Two")[0] + "# Two\n$$2p = %s\\,\\mathrm{kg\\,m/s}$$\n"
     found = [check(text % number).findings[-1].verdict for number in ("12", "14")]
     assert found == ["holds", "wrong"]
+
+
+@pytest.mark.parametrize(
+    ("line", "repaired"),
+    [
+        (r"\sqrt{2\cdot 9.81}\approx 0.43", r"\sqrt{2\cdot 9.81}\approx 4.43"),
+        (r"\frac{1}{120} = 0.1", r"\frac{1}{120} = 0.0083"),
+        (
+            r"30\cdot 1.50\ \mathrm{cm} = 46.8\ \mathrm{cm}",
+            r"30\cdot 1.50\ \mathrm{cm} = 45.0\ \mathrm{cm}",
+        ),
+        (
+            r"\frac{1.20}{7}\ \mathrm{m} = 1.2\cdot 10^{-2}\ \mathrm{m}",
+            r"\frac{1.20}{7}\ \mathrm{m} = 17.1\cdot 10^{-2}\ \mathrm{m}",
+        ),
+        (r"2\cdot 3.1 = 6.3 = 6.4", ""),  # what is right for the one leaves the other wrong
+        (r"1.5 - 2.5 = 1.0", "1.5 - 2.5 = -1.0"),
+    ],
+)
+def test_a_wrong_number_is_exchanged_for_the_right_one(line, repaired):
+    (found,) = check(f"$${line}$$").findings
+    assert found.verdict == "wrong"
+    assert [c.latex for c in found.explanation.corrections] == [repaired] * bool(repaired)

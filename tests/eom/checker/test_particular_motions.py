@@ -513,3 +513,35 @@ def test_angles_by_a_formula_turn_with_those_that_they_are_made_of():
     }
     found = judged(parse_lexicon(named), *lines)
     assert [v.verdict for v in found] == list(lines.values())
+
+
+FREE = r"""+++
+[check.system]
+coordinates = { theta = "rad" }
+parameters = { m = "kg", l = "m", a = "m", g = "m/s^2", P = "s" }
+gravity = [0, "-g", 0]
+[check.system.bodies]
+bob = { mass = "m", at = ["l*sin(theta)", "-l*cos(theta)", 0] }
+[check.system.values]
+I = { is = "m*l^2", unit = "kg*m^2" }
++++
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (r"P=2\pi\sqrt{\frac lg}", "undecided"),
+        (r"P^2=4\pi^2\frac lg", "undecided"),
+        (r"l=2a", "undecided"),
+        (r"P=2\pi\sqrt{\frac lg}=3\pi\sqrt{\frac lg}", "wrong"),
+        (r"l=\frac l2+\frac l3", "wrong"),
+        (r"mgl=mga", "wrong"),
+        (r"I=2ml^2", "wrong"),
+        (r"l\ddot\theta=-2g\sin\theta", "wrong"),
+    ],
+)
+def test_a_parameter_given_by_others_is_not_decided_by_motions(line, said):
+    found = check(f"{FREE}$${line}$$").findings[-1]
+    assert found.verdict == said
+    assert ("parameter of the system" in found.reason) == (said == "undecided")

@@ -44,7 +44,46 @@ TABLE = (
     r"{{}}^{{\mathcal B}}C^{{\mathcal A}} = \begin{{bmatrix}}1&0&0\\0&\cos\theta&{}\\"
     r"0&{}&\cos\theta\end{{bmatrix}}"
 )
+SEQUENCE = parse_lexicon(
+    r"""
+[symbols]
+'C' = "rotation B I"
+'R_1' = "turn 1"
+'R_2' = "turn 2"
+'R_3' = "turn 3"
+'a' = "turn_angle 1 321 B I"
+'b' = "turn_angle 2 321 B I"
+'c' = "turn_angle 3 321 B I"
+"""
+)
+SCALARS = parse_lexicon(
+    r"""
+[symbols]
+'x' = "scalar x"
+'y' = "scalar y"
+'z' = "= 1 - x^2 y"
+'w' = "= (x + y)^2"
+"""
+)
 LINES = {
+    "a power of a sum for the sum of powers": (
+        SCALARS,
+        "z = (1 - x)^2 y + 1 - y",
+        "z = (1 - x^2) y + 1 - y",
+        "the power of a sum",
+    ),
+    "a sum of powers for the power of the sum": (
+        SCALARS,
+        "3 w = 3 (x^2 + y^2)",
+        "3 w = 3 (x + y)^2",
+        "the power of a sum",
+    ),
+    "a product the other way round": (
+        SEQUENCE,
+        "C = R_3(a) R_2(b) R_1(c)",
+        "C = R_1(c) R_2(b) R_3(a)",
+        "the wrong order",
+    ),
     "two slips in a term, two sequences in the lexicon": (
         TURNS,
         r"\dot a = (q\cos c + r\sin c)\frac{1}{\cos b}",
@@ -84,7 +123,7 @@ LINES = {
 }
 
 
-@pytest.mark.sparse(5)
+@pytest.mark.sparse(6)
 @pytest.mark.parametrize("name", LINES)
 def test_what_was_meant_is_offered_and_said(name):
     lexicon, text, meant, words = LINES[name]
