@@ -263,7 +263,7 @@ class Proportion:
         above, below = sides
         known = above.is_number and below.is_number and below != 0 and (above / below).is_finite
         if not known or abs(above) < _CLOSE:
-            raise InputError("a quotient without a value")
+            raise InputError("in this proportion a side has no value")
         return above / below
 
     @property
@@ -284,7 +284,7 @@ def _proportional(claim: Claim, given: tuple[str, ...]) -> Judgement:
         if claim.parameters is not None:
             return _of_letters(claim)
         if len(claim.members) != 2 or {m.shape for m in claim.members} != {SCALAR}:
-            raise InputError("only scalars are compared in their proportion")
+            raise InputError("in this proportion only scalars are compared")
         return (_of_states if on_solutions(claim) else _of_worlds)(claim, given)
     except InputError as error:
         return Judgement(UNDECIDED, reason=str(error))
@@ -308,7 +308,7 @@ def _of_letters(claim: Claim) -> Judgement:
     if last.below.free_symbols & known.keys() or not (
         last.below.free_symbols <= last.above.free_symbols
     ):
-        raise InputError("nothing here says how these depend on each other")
+        raise InputError("in this proportion nothing says how the sides depend on each other")
     return Judgement(WRONG, reason=f"the quotient of both sides is not constant where {last.words}")
 
 
@@ -336,7 +336,7 @@ def _of_worlds(claim: Claim, given: tuple[str, ...]) -> Judgement:
             return Judgement(WRONG, reason=why)
     by_time = _in_time(claim, given)
     if by_time.verdict == WRONG:
-        raise InputError("whether all else is to be held constant in this proportion is open")
+        raise InputError("in this proportion it is open whether all else is constant")
     return by_time
 
 
@@ -345,7 +345,7 @@ def _in_time(claim: Claim, given: tuple[str, ...]) -> Judgement:
     quotient = judge(_steady(claim, _squared_quotient), given)
     if quotient.verdict == HOLDS:
         if not _moves(claim, given):
-            raise InputError("nothing varies here in which this could be proportional")
+            raise InputError("in this proportion nothing varies")
         return replace(quotient, reason="as time goes on")
     alone = tuple(s for s in quotient.sets if _moves(claim, (*given, *s)))
     if quotient.verdict == UNDER:
@@ -377,7 +377,7 @@ def _of_states(claim: Claim, given: tuple[str, ...]) -> Judgement:
     model = claim.model
     assert model is not None
     if of_members(replace(claim, relations=("=",))):
-        raise InputError("what is derived of a system is not compared in its proportion")
+        raise InputError("in this proportion what is derived of a system is not compared")
     models, found = Solutions(claim, claim.scalars, given), None
     with suppress(InputError):
         found = _over_states(claim, models)
@@ -388,7 +388,7 @@ def _of_states(claim: Claim, given: tuple[str, ...]) -> Judgement:
         if by_time.verdict != WRONG:
             return by_time
     if found is None:
-        raise InputError("how these depend on the state of the system is not known here")
+        raise InputError("in this proportion the state of the system is not explicit")
     names = [n for n, r in models.possible.items() if (r.held or r.zero) and not r.rest]
     special = next((n for n in names if _in_special(found, models, n)), "")
     if special:

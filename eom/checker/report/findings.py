@@ -214,6 +214,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
     "the number of the one that is meant, from the slowest, or a word for the damping": (
         "more than one ",
     ),
+    "the same as an equation, with the factor": ("in this proportion",),
     "a line of [notation] in the lexicon that says which": (
         *("what a product of quaternions is", "no spatial vector"),
     ),
