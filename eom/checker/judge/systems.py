@@ -19,7 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from itertools import combinations, islice, pairwise
+from itertools import combinations, islice, pairwise, permutations
 from typing import ClassVar
 
 import sympy as sp
@@ -46,6 +46,7 @@ from eom.worlds.solutions import (
     inexact,
     order,
     rate,
+    real_point,
     since,
     spread,
     start,
@@ -422,6 +423,76 @@ def _proper(factor: Expr) -> Iterator[Expr]:
 
 def _inside(expression: Expr) -> Iterator[Expr]:
     yield from (n for n in sp.preorder_traversal(expression) if not n.is_number)
+
+
+# -- where conditions hold ------------------------------------------------------------------------------
+
+
+def at_conditions(claim: Claim, conditions: Iterable[Claim]) -> bool | None:
+    """Return whether a claim holds where quantities of its system have values; None where that is open.
+
+    It may do so for an instant, or, where a quantity keeps its value, in such motions.
+    """
+    models = Solutions(claim, claim.scalars)
+    system = models.model.system
+    if system.mass_matrix is not None:
+        return None
+    own = {q.symbol for q in (*system.states, *system.inputs, *system.parameters)}
+    values: dict[Expr, Expr] = {}
+    for left, right in (p for c in conditions for p in Solutions(c, c.scalars).said):
+        pair = (_plain(system, e).xreplace(values) for e in (left, right))
+        found = next(((a, b) for a, b in permutations(pair) if a in own and not b.has(a)), None)
+        if found is None:
+            return None
+        values = {s: e.xreplace(dict([found])) for s, e in values.items()} | dict([found])
+    apart = [_plain(system, a - b).xreplace(values) for a, b in models.said]
+    fixed = [q.symbol for q in system.states if q.symbol in values]
+    if not values or any(e.has(sp.zoo, sp.nan) for e in apart):
+        return None
+    here = _vanish(models, apart)
+    kept = None if here is not False else _kept(system, apart, values, fixed)
+    return here if kept is None else _vanish(models, kept)
+
+
+def _kept(
+    system: System, apart: Sequence[Expr], values: dict[Expr, Expr], fixed: Iterable[Expr]
+) -> list[Expr] | None:
+    """Return what is to be zero in motions in which states keep their values; None where there are none.
+
+    What keeps them is solved for a speed, which may be zero, or for any other quantity, which may not.
+    """
+    found, speeds = list(apart), {q.symbol for q in system.states if q.unit in SPEEDS}
+    for e in (e for state in fixed for e in (rate(state), rate(rate(state)))):
+        zero = sp.numer(sp.together(_plain(system, e).xreplace(values)))
+        if zero == 0:
+            continue
+        linear = (s for s in sorted(zero.free_symbols, key=str) if sp.diff(zero, s, 2) == 0)
+        symbol = next(linear, None)
+        value = None if symbol is None else sp.cancel(symbol - zero / sp.diff(zero, symbol))
+        if value is None or (value == 0 and symbol not in speeds):
+            return None
+        values = {s: v.xreplace({symbol: value}) for s, v in values.items()} | {symbol: value}
+        found = [f.xreplace({symbol: value}) for f in found]
+    return found
+
+
+def _vanish(models: Solutions, expressions: Sequence[Expr]) -> bool | None:
+    """Return whether expressions without rates are zero at real points; None where they have no value."""
+    system, found = models.model.system, list[bool]()
+    equal = {b: a for r in models.held for a, b in r.equal} | {
+        s: sp.S.Zero for r in models.held for s in r.zero
+    }
+    for seed in range(TRIES):
+        point = real_point(system, seed)
+        values = [e.xreplace(equal).xreplace(point).evalf(DIGITS) for e in expressions]
+        if all(v.is_number and v.is_real for v in values):
+            found.append(all(abs(v) < _NOTHING for v in values))
+        if len(found) == ENOUGH:
+            return all(found)
+    return None
+
+
+DIGITS, _NOTHING = 50, sp.Float(10) ** -30
 
 
 # -- what is left over --------------------------------------------------------------------------------

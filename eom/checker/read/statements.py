@@ -111,6 +111,8 @@ ROLES: dict[str, str] = {
     for word in words.split()
 }
 """The first word of a text, and the role of what follows it."""
+_ALONE = {"at": "for"}
+"""The same of words that announce something only by themselves."""
 _LEADING = {"then": "implies", "so": "implies", "thus": "implies", "hence": "implies"}
 _LEADING |= {"therefore": "therefore", "implies": "implies"}
 _JOINING = frozenset({"and", "or", "also", "but", "otherwise"})
@@ -285,7 +287,7 @@ class _Splitter:
         """Take in words: they announce a condition, join, or only comment."""
         first = (node.sign or node.text.strip(" ,.;:()").split(" ")[0]).lower().strip(",.:;")
         last = node.text.strip(" ,.;:()").split(" ")[-1].lower()
-        role = ROLES.get(first) or ROLES.get(last)
+        role = ROLES.get(first) or ROLES.get(last) or _ALONE.get(node.text.strip(" ,").lower())
         if role is not None:
             self.flush()
             self.role = role
