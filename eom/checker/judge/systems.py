@@ -20,16 +20,19 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations, islice, pairwise, permutations
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import sympy as sp
 
 from eom.checker.judge.coordinates import elements, equations, tells_time, written
-from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search
+from eom.checker.judge.models import ENOUGH, Cases, Drawn, Models, Said, Search
+from eom.checker.judge.particular import EXACT, value_at
+from eom.checker.judge.particular import drawn as point_of
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.dimensions import dimension
 from eom.checker.mean.model import Model, imposed, is_load
 from eom.errors import InputError
+from eom.exact.numbers import MP
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.quantities import Definition
@@ -146,6 +149,36 @@ class Solutions(Models):
             stated = [s for pair in self.said if 0 in pair for s in pair if s in parameters]
         return found | {f"{s.name} = 0": Restriction(f"{s.name} = 0", zero=(s,)) for s in stated}
 
+    @cached_property
+    def signed(self) -> bool:
+        """Whether the claim has functions that real numbers alone have: cases, magnitudes, signs."""
+        return any(e.has(sp.Piecewise, sp.Abs, sp.sign) for pair in self.said for e in pair)
+
+    def cases(self, names: frozenset[str]) -> Cases | None:
+        """Return what is found at points in real numbers, None where other fields know all functions.
+
+        Raises `InputError` where motions keep what points do not show.
+        """
+        if not self.signed:
+            return None
+        if any(r.held for r in self.kept(names)) or self.model.system.assumptions:
+            raise InputError(self.undefined)
+        values = {s: sp.S.Zero for r in self.kept(names) for s in r.zero}
+        found = tuple(c for seed in range(TRIES) for c in self._at(seed, values))
+        if len(found) < ENOUGH:
+            raise InputError(self.undefined)
+        return found
+
+    def _at(self, seed: int, zero: Mapping[Expr, Expr]) -> Iterator[tuple[int, bool, Any]]:
+        """Yield what is found at a point in real numbers, nothing where the claim has no value."""
+        point = point_of(self.model, seed).moved({s: MP.mpf(0) for s in zero})
+        with suppress(Singular, ZeroDivisionError):
+            motion = point.motion(self.model.system, self.length)
+            sides = [(value_at(motion, a), value_at(motion, b)) for a, b in self.said]
+            if all(MP.im(v) == 0 for pair in sides for v in pair):
+                true = all(abs(a - b) <= EXACT * max(1, abs(a), abs(b)) for a, b in sides)
+                yield seed, true, tuple(sorted(motion.branches.items(), key=str))
+
     def kept(self, names: Iterable[str]) -> tuple[Restriction, ...]:
         """Return what is given, and what names assume besides."""
         chosen = self.closed(names)
@@ -169,6 +202,8 @@ class Solutions(Models):
 
         What is absent is drawn at once; for what is held a motion is looked for.
         """
+        if self.signed:
+            return
         names = [n for n, r in self.possible.items() if not r.rest and self._concerns(r)]
         absent = base | {n for n in names if self._loads.issuperset(self.possible[n].symbols)}
         if absent > base and search.holds(absent):
@@ -258,18 +293,25 @@ class Solutions(Models):
         system = self.model.system
         if tells_time(self.claim, self.model):
             return "how the motion starts is not known here"
+        cases = self.cases(frozenset())
+        if cases is not None:
+            return self.branch(cases)
         exact = not any(inexact(system, e) for pair in self.said for e in pair)
         certain = exact or any(differs(system, a, b, self.held) for a, b in self.said)
         return "" if certain else "the functions in this are not decided exactly"
 
     def why(self, search: Search) -> str:
         """Say what is wrong with the first equation that fails, and what would have to rest."""
+        if self.signed:
+            return ""
         rest = next(self._small(search, list(self.possible), MAX_REST), None)
         held = f"it holds if {' and '.join(self.shown(rest))}" if rest else ""
         return "; ".join(filter(None, (self._slip(), held)))
 
     def leaves(self) -> Expr | None:
         """Return what the one equation that fails leaves over, None where it is long."""
+        if self.signed:
+            return None
         failing = [p for p in self.said if next(self._failing(p), None) is not None]
         with suppress(Singular, InputError):
             found = (
