@@ -38,7 +38,7 @@ from eom.checker.judge.inequalities import (
 )
 from eom.checker.judge.members import Members, of_members
 from eom.checker.judge.models import ENOUGH, NO_BODY, Models, Search
-from eom.checker.judge.scalars import Scalars
+from eom.checker.judge.scalars import Proportion, Scalars, numbers
 from eom.checker.judge.systems import LENGTH, TRIES, Solutions
 from eom.checker.judge.worlds import MAX_TESTS, Worlds
 from eom.checker.mean.claims import (
@@ -240,44 +240,6 @@ def _nearly(claim: Claim) -> Judgement:
 # -- proportions -----------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Proportion:
-    """Two sides in letters that take any values; ``names``: how these are written."""
-
-    above: Expr
-    below: Expr
-    points: tuple[Mapping[Expr, Expr], ...]
-    names: Callable[[Expr], str] = str
-
-    def constant(self) -> bool:
-        """Return whether the quotient is the same for other values of the letters below."""
-        first, *others = self.points
-        found = [
-            self._at({**first, **{s: p[s] for s in self.below.free_symbols}})
-            for p in (first, *others)
-        ]
-        return all(abs(q - found[0]) < _CLOSE * abs(found[0]) for q in found)
-
-    def _at(self, point: Mapping[Expr, Expr]) -> Expr:
-        sides = (side.xreplace(point).evalf(DIGITS) for side in (self.above, self.below))
-        above, below = sides
-        known = above.is_number and below.is_number and below != 0 and (above / below).is_finite
-        if not known or abs(above) < _CLOSE:
-            raise InputError("in this proportion a side has no value")
-        return above / below
-
-    @property
-    def words(self) -> str:
-        """What varies, and what is held."""
-        varied = self.below.free_symbols
-        held = (self.above / self.below).free_symbols - varied
-        shown = [", ".join(sorted(map(self.names, found))) for found in (varied, held)]
-        return f"{shown[0]} may vary" + (f"; held constant: {shown[1]}" if shown[1] else "")
-
-
-_CLOSE = sp.Float(10) ** -40
-
-
 def _proportional(claim: Claim, given: tuple[str, ...]) -> Judgement:
     """Return whether the quotient of two sides is constant over what varies; what is held is the reason."""
     try:
@@ -300,7 +262,7 @@ def _of_letters(claim: Claim) -> Judgement:
     while above.free_symbols & stated.keys() and len(stages) < MAX_STAGES:
         above = above.xreplace(stated)
         stages.append((above, below))
-    rows = [Proportion(a, b, _points({*a.free_symbols, *b.free_symbols})) for a, b in stages]
+    rows = [Proportion(a, b, numbers({*a.free_symbols, *b.free_symbols})) for a, b in stages]
     held = next((r for r in rows if r.constant()), None)
     if held is not None:
         return Judgement(HOLDS, reason=held.words)
@@ -315,19 +277,12 @@ def _of_letters(claim: Claim) -> Judgement:
 MAX_STAGES = 8
 
 
-def _points(letters: Iterable[Expr]) -> tuple[Mapping[Expr, Expr], ...]:
-    """Return three lots of positive numbers for letters."""
-    generator = random.Random("proportions")  # noqa: S311 - reproducible, no secret
-    ordered = sorted(letters, key=str)
-    return tuple({s: sp.Rational(generator.randint(20, 90), 61) for s in ordered} for _ in range(3))
-
-
 def _of_worlds(claim: Claim, given: tuple[str, ...]) -> Judgement:
     """Return whether two scalars are proportional as time goes on, or as free ones that are any."""
     atoms: dict[Term, Expr] = {}
     with suppress(InputError):
         above, below = (_expression(m.term, claim.scalars, atoms) for m in claim.members)
-        found = Proportion(above, below, _points(atoms.values()))
+        found = Proportion(above, below, numbers(atoms.values()))
         if found.constant():
             return Judgement(HOLDS, reason=found.words)
         tied = below.free_symbols <= above.free_symbols

@@ -391,7 +391,7 @@ class Members(Models):
         pairs = [pair for said in self.said for pair in permutations(said)]
         claimed = [(s.name.partition("@")[0], e) for s, e in pairs if s.is_Symbol and "@" in s.name]
         if len(self.labels) != 1 or len(claimed) != len(self.said):
-            raise InputError("this has no value in a motion that it says by cases")
+            raise InputError("no values are known here of what its cases say")
         applied = tuple(map(own.case, self._by_cases))
         numbers = {self.model.symbol(name): own.value(e) for name, e in claimed}
         if any(MP.im(v) for v in numbers.values()):

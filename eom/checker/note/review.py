@@ -110,11 +110,7 @@ def review(
     worldly = [replace(u, claims=()) if _is_apart(u) else u for u in understood]
     context = assumed(document, worldly, alone)
     loose, free = (spoken(document.pieces, table) for table in (APPROXIMATE, ANY_MOTION))
-    sections = {u.headings: [v for v in understood if v.headings == u.headings] for u in understood}
-    names = {
-        h: named(c for u in us for c in u.claims) | zeros(u.formula for u in us)
-        for h, us in sections.items()
-    }
+    names = _named(understood)
     placed = [
         _Placed(
             k, context, loose, free, (*given, *u.lexicon.assume), names[u.headings], u.lexicon
@@ -124,15 +120,10 @@ def review(
     settled = [v for v, _ in placed]
     lines = [u.formula.piece.line for u in understood]
     valued = of_systems(document, understood, first)
+    there = [_at_values(v, valued, p) for v, p in zip(first, context.places, strict=True)]
     about = remarks(settled, lines, context, given)
     final = [
-        _apart(
-            understood[: k + 1],
-            _at_values(first[k], [s for s in valued if s.holds_at(context.places[k])]),
-            names[u.headings],
-            context.places[k],
-            (loose, free),
-        )
+        _apart(understood[: k + 1], there[k], names[u.headings], context.places[k], (loose, free))
         if _is_apart(u)
         else settled[k]
         for k, u in enumerate(understood)
@@ -142,6 +133,15 @@ def review(
         _reviewed(u, final[k], (own, about[k]), slips.get(k), lines, context.names(k))
         for k, (u, (_, own)) in enumerate(zip(understood, placed, strict=True))
     )
+
+
+def _named(understood: Sequence[Understood]) -> Mapping[tuple[str, ...], frozenset[Name]]:
+    """Return what the formulas under each heading name."""
+    sections = {u.headings: [v for v in understood if v.headings == u.headings] for u in understood}
+    return {
+        h: named(c for u in us for c in u.claims) | zeros(u.formula for u in us)
+        for h, us in sections.items()
+    }
 
 
 def _reviewed(
@@ -219,9 +219,9 @@ def _in_general(
     return _replaced(judged, found)
 
 
-def _at_values(found: Verdict, near: Sequence[Stated]) -> Verdict:
+def _at_values(found: Verdict, stated: Iterable[Stated], place: Place) -> Verdict:
     """Return the verdict on a formula about a system where conditions near it give quantities values."""
-    conditions = [c for s in near for c in s.premises]
+    conditions = [c for s in stated if s.holds_at(place) for c in s.premises]
     claims = tuple(_at_value(j, conditions) for j in found.claims) if conditions else found.claims
     return _gravest(claims) if claims != found.claims else found
 
