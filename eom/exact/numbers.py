@@ -7,7 +7,7 @@ are, and carry the relative tolerance `TOLERANCE` in comparisons.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -102,6 +102,22 @@ class Reals(Field):
 
 TINY = MP.mpf(10) ** (-MANY // 2)
 """What is smaller is zero in a comparison, among numbers of the size of one."""
+_MET = {"==": {0}, "!=": {-1, 1}, "<": {-1}, ">": {1}, "<=": {-1, 0}, ">=": {0, 1}}
+"""Which signs of a difference the relations of SymPy mean."""
+
+
+def met(condition: Any, value: Callable[[Any], Number]) -> bool:
+    """Return whether a condition of SymPy is met; ``value``: of its sides, to `MANY` digits."""
+    if condition in {sp.true, sp.false}:
+        return bool(condition)
+    if isinstance(condition, sp.And | sp.Or):
+        join = all if isinstance(condition, sp.And) else any
+        return join(met(a, value) for a in condition.args)
+    if isinstance(condition, sp.Not):
+        return not met(condition.args[0], value)
+    apart = value(condition.lhs) - value(condition.rhs)
+    sign = 0 if abs(apart) < TINY else 1 if apart > 0 else -1
+    return sign in _MET[condition.rel_op]
 
 
 class Signed(Reals):

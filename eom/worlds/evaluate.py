@@ -17,7 +17,7 @@ import sympy as sp
 from eom import limits
 from eom.errors import InputError
 from eom.exact import series
-from eom.exact.numbers import MANY, SIGNED, TINY, Number
+from eom.exact.numbers import MANY, SIGNED, TINY, Number, met
 from eom.exact.rings import ARITHMETIC, TRIGONOMETRY, Evaluation, Row, arguments, none, summands
 from eom.exact.series import LENGTH, Series
 from eom.fields import Singular
@@ -231,28 +231,11 @@ class _InNumbers(_Scalars):
     def case(self, node: Any) -> Series:
         """Return the first case whose condition is met; raises `Singular` where none is."""
         for k, (value, condition) in enumerate(node.args):
-            if self.met(condition):
+            if met(condition, self.first):
                 self.evaluator.branches[node] = k
                 found: Series = self.value(value)
                 return found
         raise Singular
-
-    def met(self, condition: Any) -> bool:
-        """Return whether a condition is met at t = 0."""
-        if condition in {sp.true, sp.false}:
-            return bool(condition)
-        if isinstance(condition, sp.And | sp.Or):
-            join = all if isinstance(condition, sp.And) else any
-            return join(self.met(a) for a in condition.args)
-        if isinstance(condition, sp.Not):
-            return not self.met(condition.args[0])
-        apart = self.first(condition.lhs) - self.first(condition.rhs)
-        sign = 0 if abs(apart) < TINY else 1 if apart > 0 else -1
-        return sign in _MET[condition.rel_op]
-
-
-_MET = {"==": {0}, "!=": {-1, 1}, "<": {-1}, ">": {1}, "<=": {-1, 0}, ">=": {0, 1}}
-"""Which signs of a difference the relations of SymPy mean."""
 
 
 @cache

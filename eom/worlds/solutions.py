@@ -26,7 +26,7 @@ from mpmath import fp
 
 from eom.errors import InputError
 from eom.exact import series
-from eom.exact.numbers import MANY, Number, Reals
+from eom.exact.numbers import MANY, Number, Reals, met
 from eom.exact.rings import (
     ARITHMETIC,
     FLOATS,
@@ -574,9 +574,14 @@ _FUNCTIONS = (*INVERSES, sp.exp, sp.sinh, sp.cosh, sp.tanh)
 
 @dataclass
 class Real(Motion):
-    """A solution through a point: states, parameters and inputs are ``start`` and ``given``."""
+    """A solution through a point: states, parameters and inputs are ``start`` and ``given``.
+
+    ``branches``: the cases that applied, by the expression that has them.
+    """
 
     numbers: ClassVar[Reals] = Reals()
+
+    branches: dict[Expr, int] = field(default_factory=dict)
 
     def begin(self) -> None:
         """Find the solution; inputs and parameters are constant."""
@@ -601,6 +606,18 @@ class Real(Motion):
         function = getattr(self.numbers.context, type(key).__name__)
         return function(*(self.series(a).coefficients[0] for a in key.args))
 
+    def first(self, node: Expr) -> Number:
+        """Return the value at t = 0."""
+        return self.series(sp.sympify(node)).coefficients[0]
+
+    def case(self, node: Expr) -> Series:
+        """Return the first case whose condition is met; raises `Singular` where none is."""
+        for k, (value, condition) in enumerate(node.args):
+            if met(condition, self.first):
+                self.branches[node] = k
+                return self.series(value)
+        raise Singular
+
     def root(self, node: Expr) -> Series:
         """Return any power of a positive number; the square root of any."""
         base, exponent = node.as_base_exp()
@@ -613,7 +630,15 @@ def _size(_: Motion, __: Expr, values: list[Series]) -> Series:
     return values[0] if values[0].coefficients[0] >= 0 else -values[0]
 
 
-_ROWS = dict.fromkeys(_FUNCTIONS, Row(arguments, integrated)) | {sp.Abs: Row(arguments, _size)}
+def _sign(m: Motion, _: Expr, values: list[Series]) -> Series:
+    return m.constant(1 if values[0].coefficients[0] >= 0 else -1)
+
+
+_ROWS = dict.fromkeys(_FUNCTIONS, Row(arguments, integrated)) | {
+    sp.Abs: Row(arguments, _size),
+    sp.sign: Row(arguments, _sign),
+    sp.Piecewise: Row(none, lambda m, node, _: m.case(node)),
+}
 Real.rows = {**Motion.rows, **_ROWS}
 
 

@@ -9,14 +9,18 @@ Equations that hold nearly: where something is small, both sides agree to the or
 polynomial in what is small is written to its degree, of two such the shorter one; the difference has to be
 of a higher order. What is small is what the note says, else an angle or a coordinate with its rates, or
 all of them. Orders are found by the size of the difference for two small values, to many digits.
+
+Sides that are proportional: their quotient stays the same while the letters of the right side take other
+values and all others are held, or while time goes on.
 """
 
 from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 import sympy as sp
@@ -33,16 +37,27 @@ from eom.checker.judge.inequalities import (
     sign,
 )
 from eom.checker.judge.members import Members, of_members
-from eom.checker.judge.models import NO_BODY, Models, Search
-from eom.checker.judge.scalars import Scalars
-from eom.checker.judge.systems import Solutions
+from eom.checker.judge.models import ENOUGH, NO_BODY, Models, Search
+from eom.checker.judge.scalars import Proportion, Scalars, numbers
+from eom.checker.judge.systems import LENGTH, TRIES, Solutions
 from eom.checker.judge.worlds import MAX_TESTS, Worlds
-from eom.checker.mean.claims import DEFINITION, EQUALITIES, SAME_POINT, STATEMENT, Claim
+from eom.checker.mean.claims import (
+    CONSTANT,
+    DEFINITION,
+    EQUALITIES,
+    PROPORTIONAL,
+    SAME_POINT,
+    STATEMENT,
+    Claim,
+)
+from eom.checker.mean.parameters import expressions
+from eom.checker.mean.values import Value
 from eom.errors import InputError
+from eom.fields import RESIDUES, Singular, reduced
 from eom.limits import Overdue
-from eom.terms.terms import SCALAR, Term, nodes
+from eom.terms.terms import SCALAR, Term, der, expr, nodes
 from eom.terms.vocabulary import described
-from eom.worlds.solutions import rate, real_point, without_rates
+from eom.worlds.solutions import Inconsistent, rate, real_point, without_rates
 
 HOLDS, UNDER, WRONG, UNDECIDED = "holds", "holds under", "wrong", "undecided"
 
@@ -90,6 +105,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     """
     if claim.otherwise is not None:
         return _by_both(claim, lambda c: judge(c, given))
+    if claim.relations == (PROPORTIONAL,):
+        return _proportional(claim, tuple(given))
     if claim.parameters is None and is_nearly(claim):
         return _of_derived(claim, given) if of_members(claim) else _nearly(claim)
     given, ordered = tuple(given), ORDERS & set(claim.relations) and row_of(claim) is Worlds
@@ -218,6 +235,182 @@ def _nearly(claim: Claim) -> Judgement:
     except InputError as error:
         return Judgement(UNDECIDED, reason=str(error))
     return Judgement(HOLDS if holds else WRONG, reason=reason)
+
+
+# -- proportions -----------------------------------------------------------------------------------------
+
+
+def _proportional(claim: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether the quotient of two sides is constant over what varies; what is held is the reason."""
+    try:
+        if claim.parameters is not None:
+            return _of_letters(claim)
+        if len(claim.members) != 2 or {m.shape for m in claim.members} != {SCALAR}:
+            raise InputError("in this proportion only scalars are compared")
+        return (_of_states if on_solutions(claim) else _of_worlds)(claim, given)
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+
+
+def _of_letters(claim: Claim) -> Judgement:
+    """Return whether free scalars are proportional, by what the note says of them."""
+    assert claim.parameters is not None
+    known = {r.symbol: r.value for r in claim.parameters.relations}
+    stated = {r.symbol: r.written for r in claim.parameters.relations}
+    above, below = expressions(claim)
+    stages = [(above, below), (above.xreplace(known), below.xreplace(known))]
+    while above.free_symbols & stated.keys() and len(stages) < MAX_STAGES:
+        above = above.xreplace(stated)
+        stages.append((above, below))
+    rows = [Proportion(a, b, numbers({*a.free_symbols, *b.free_symbols})) for a, b in stages]
+    held = next((r for r in rows if r.constant()), None)
+    if held is not None:
+        return Judgement(HOLDS, reason=held.words)
+    last = rows[-1]
+    if last.below.free_symbols & known.keys() or not (
+        last.below.free_symbols <= last.above.free_symbols
+    ):
+        raise InputError("in this proportion nothing says how the sides depend on each other")
+    return Judgement(WRONG, reason=f"the quotient of both sides is not constant where {last.words}")
+
+
+MAX_STAGES = 8
+
+
+def _of_worlds(claim: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether two scalars are proportional as time goes on, or as free ones that are any."""
+    atoms: dict[Term, Expr] = {}
+    with suppress(InputError):
+        above, below = (_expression(m.term, claim.scalars, atoms) for m in claim.members)
+        found = Proportion(above, below, numbers(atoms.values()))
+        if found.constant():
+            return Judgement(HOLDS, reason=found.words)
+        tied = below.free_symbols <= above.free_symbols
+        if tied and all(_still(t).data[0] == "scalar" for t in atoms):
+            why = f"the quotient of both sides is not constant where {found.words}"
+            return Judgement(WRONG, reason=why)
+    by_time = _in_time(claim, given)
+    if by_time.verdict == WRONG:
+        raise InputError("in this proportion it is open whether all else is constant")
+    return by_time
+
+
+def _in_time(claim: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether the quotient of both sides is constant while the right one is not."""
+    quotient = judge(_steady(claim, _squared_quotient), given)
+    if quotient.verdict == HOLDS:
+        if not _moves(claim, given):
+            raise InputError("in this proportion nothing varies")
+        return replace(quotient, reason="as time goes on")
+    alone = tuple(s for s in quotient.sets if _moves(claim, (*given, *s)))
+    if quotient.verdict == UNDER:
+        return replace(quotient, verdict=UNDER if alone else WRONG, sets=alone)
+    return quotient
+
+
+def _moves(claim: Claim, given: tuple[str, ...]) -> bool:
+    return judge(_steady(claim, lambda _, below: below), given).verdict != HOLDS
+
+
+def _squared_quotient(above: Expr, below: Expr) -> Expr:
+    return (above / below) ** 2
+
+
+def _steady(claim: Claim, rule: Callable[[Expr, Expr], Expr]) -> Claim:
+    """Return the claim that something made of both sides is constant."""
+    names = tuple(sp.Dummy(f"side_{k}", real=True) for k in (1, 2))
+    own = {s: m.term for s, m in zip(names, claim.members, strict=True)}
+    inside = {s: t.data[0] for s, t in own.items() if t.head == "expr"}
+    made = rule(*(inside.get(s, s) for s in names))
+    scalars = {**claim.scalars, **{s: t for s, t in own.items() if made.has(s)}}
+    value = Value(der(expr(made)), SCALAR, span=claim.span)
+    return replace(claim, members=(value,), relations=(), kind=CONSTANT, scalars=scalars)
+
+
+def _of_states(claim: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether quantities of the note's system are proportional, at any state or as time goes on."""
+    model = claim.model
+    assert model is not None
+    if of_members(replace(claim, relations=("=",))):
+        raise InputError("in this proportion what is derived of a system is not compared")
+    models, found = Solutions(claim, claim.scalars, given), None
+    with suppress(InputError):
+        found = _over_states(claim, models)
+        if found.constant():
+            return Judgement(HOLDS, reason=found.words)
+    if found is None or _rests_on_states(found, models):
+        by_time = _in_time(claim, given)
+        if by_time.verdict != WRONG:
+            return by_time
+    if found is None:
+        raise InputError("in this proportion the state of the system is not explicit")
+    names = [n for n, r in models.possible.items() if (r.held or r.zero) and not r.rest]
+    special = next((n for n in names if _in_special(found, models, n)), "")
+    if special:
+        return Judgement(UNDER, ((special,),))
+    return Judgement(
+        WRONG, reason=f"the quotient of both sides is not constant where {found.words}"
+    )
+
+
+def _over_states(claim: Claim, models: Solutions) -> Proportion:
+    """Return both sides over the states of the system. Raises `InputError` where they are not explicit."""
+    model = models.model
+    equal = {b: a for r in models.held for a, b in r.equal} | {
+        s: sp.S.Zero for r in models.held for s in r.zero
+    }
+    above, below = (
+        without_rates(model.system, written(m.term, claim.scalars, model)).xreplace(equal)
+        for m in claim.members
+    )
+    if above.count_ops() + below.count_ops() > MAX_SIZE:
+        raise InputError("too long")
+    points = tuple(real_point(model.system, k) for k in range(3))
+    letters = {q.symbol: model.letter(n) for n, q in model.quantities.items()}
+    return Proportion(above, below, points, lambda s: letters.get(s, str(s)))
+
+
+def _rests_on_states(found: Proportion, models: Solutions) -> bool:
+    """Return whether the quotient is not one of parameters alone, which no motion changes; or zero."""
+    states = {q.symbol for q in models.model.system.states}
+    quotient = sp.cancel(found.above / found.below)
+    return quotient == 0 or any(
+        sp.simplify(quotient.diff(s)) != 0 for s in quotient.free_symbols & states
+    )
+
+
+def _in_special(found: Proportion, models: Solutions, name: str) -> bool:
+    """Return whether the quotient is the same in all motions of a kind that have the other parameters.
+
+    What keeps motions of that kind is zero; so the slope of the quotient has to be a sum of its slopes, and
+    that of the right side must not be.
+    """
+    system, kind = models.model.system, models.possible[name]
+    zeros = [*kind.zero]
+    for e in kind.held:
+        zeros += (first := without_rates(system, rate(e)), without_rates(system, rate(first)))
+    variables = [q.symbol for q in system.states] + [
+        q.symbol for q in system.parameters if found.below.has(q.symbol)
+    ]
+    a, b = found.above, found.below
+    slopes = [[e.diff(v) for v in variables] for e in (*zeros, b)]
+    slopes.append([a.diff(v) * b - a * b.diff(v) for v in variables])
+    drawn = islice(models.model.motions((*models.held, kind), LENGTH, TRIES), ENOUGH)
+    with suppress(Inconsistent, Singular):
+        rows = [
+            [[m.series(e).coefficients[0] for e in row] for row in (*slopes, [a])] for m in drawn
+        ]
+        fine = (
+            _within(slope, own) and not _within(below, own) and any(above)
+            for *own, below, slope, above in rows
+        )
+        return len(rows) == ENOUGH and all(fine)
+    return False
+
+
+def _within(row: list[int], rows: Iterable[list[int]]) -> bool:
+    """Return whether a row is a sum of multiples of others."""
+    return len(reduced([*rows, row], RESIDUES)[1]) == len(reduced([*rows], RESIDUES)[1])
 
 
 def _ordered(claim: Claim, given: tuple[str, ...]) -> Judgement:

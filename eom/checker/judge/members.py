@@ -15,13 +15,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import islice
-from typing import ClassVar
+from itertools import islice, permutations
+from typing import Any, ClassVar
 
 import sympy as sp
 
 from eom.checker.judge.coordinates import elements, equations, tells_time
-from eom.checker.judge.models import ENOUGH, Drawn, Models, Search
+from eom.checker.judge.models import ENOUGH, Cases, Drawn, Models, Search
 from eom.checker.judge.particular import (
     EXACT,
     Point,
@@ -36,7 +36,7 @@ from eom.checker.judge.systems import Pair, written_in
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.model import DERIVED, FIRST, Model, Particular
 from eom.errors import InputError
-from eom.exact.numbers import MP, Number
+from eom.exact.numbers import MP, Number, met
 from eom.fields import PRIME, RESIDUES, Singular, solve
 from eom.system import Expr
 from eom.terms.terms import Term
@@ -182,6 +182,13 @@ class Member(AtInstants):
         spelt, known = self.spelt(e)
         point = replace(self.here, others={**self.here.others, **known})
         return value_at(point.motion(self.models.model.system, self.models.length), spelt)
+
+    def case(self, e: Expr) -> tuple[Expr, int]:
+        """Return an expression with the number of the case that applies. Raises `Singular` for none."""
+        for k, (_, condition) in enumerate(e.args):
+            if met(condition, self.value):
+                return e, k
+        raise Singular
 
     def _point(self, label: str) -> Point:
         if label not in self.instants:
@@ -359,6 +366,45 @@ class Members(Models):
         plain = (s for pair in self.said for e in pair for s in e.free_symbols)
         return frozenset({*plain, *map(self.model.symbol, known)})
 
+    @cached_property
+    def _by_cases(self) -> tuple[Expr, ...]:
+        """The expressions by cases in the claim."""
+        return tuple({p: None for pair in self.said for e in pair for p in e.atoms(sp.Piecewise)})
+
+    def cases(self, names: frozenset[str]) -> Cases | None:
+        """Return what is found of a claim by cases, which say which of several motions they mean."""
+        if not self._by_cases:
+            return None
+        found: list[tuple[int, bool, Any]] = []
+        for seed in range(SEEDS):
+            with suppress(Singular, ZeroDivisionError):
+                found += self._as_claimed(names, seed)
+        if len(found) < ENOUGH:
+            raise InputError(self.undefined)
+        return tuple(found)
+
+    def _as_claimed(self, names: frozenset[str], seed: int) -> Iterator[tuple[int, bool, Any]]:
+        """Yield whether motions begin where the claim says, and which case applied."""
+        values = {s: MP.mpf(v) for n in names for s, v in self.possible[n].values.items()}
+        point = drawn(self.model, seed).moved(values)
+        own = Member(names, seed, self, {}, point, seed)
+        pairs = [pair for said in self.said for pair in permutations(said)]
+        claimed = [(s.name.partition("@")[0], e) for s, e in pairs if s.is_Symbol and "@" in s.name]
+        if len(self.labels) != 1 or len(claimed) != len(self.said):
+            raise InputError("no values are known here of what its cases say")
+        applied = tuple(map(own.case, self._by_cases))
+        numbers = {self.model.symbol(name): own.value(e) for name, e in claimed}
+        if any(MP.im(v) for v in numbers.values()):
+            yield seed, False, applied
+            return
+        begun = self._solved(point.moved(numbers), self.labels, frozenset(point.parameters))
+        members = [
+            Member(names, seed, self, instants, self._here(at, instants), seed)
+            for at, instants in islice(begun, ENOUGH)
+        ]
+        if members:
+            yield seed, any(all(map(m.agrees, self.said)) for m in members), applied
+
     @property
     def _changes(self) -> bool:
         """Whether the claim has a change between the instants of its motion."""
@@ -419,6 +465,9 @@ class Members(Models):
 
     def doubt(self) -> str:
         """Say that the claim holds in some of the motions that fit what is said of it."""
+        cases = self.cases(frozenset())
+        if cases is not None:
+            return self.branch(cases)
         verdicts, turned = set(), set()
         for member in islice(self.draw(frozenset()), 2 * ENOUGH):
             with suppress(Singular, InputError):

@@ -27,6 +27,7 @@ from eom.terms.terms import Equation, Term, zero
 ENOUGH = 3
 """Models in which a claim has to hold."""
 NO_BODY = "no body or motion is known here that has all these quantities"
+SOME = "it holds for some values of these letters and not for others; a sign or a range decides"
 _WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
 
 Cases = tuple[tuple[int, bool, tuple[Any, ...]], ...]
@@ -111,9 +112,19 @@ class Models(ABC):
         """Return what was found in each of many models where signs and branches matter, else None."""
         return None
 
-    def missed(self, cases: Cases) -> str:  # noqa: ARG002 - rows may do without
+    def missed(self, cases: Cases) -> str:
         """Return the condition of a case that applied in none of many models, "" for no such."""
-        return ""
+        met = {pair for _, _, own in cases for pair in own}
+        wanted = {(node, k) for node, _ in met for k in range(len(node.args))} - met
+        return min((str(node.args[k][1]) for node, k in wanted), default="")
+
+    def branch(self, cases: Cases) -> str:
+        """Return why a claim may hold though it is not seen to: "" where it fails in a whole case."""
+        missed = self.missed(cases)
+        if missed and all(true for _, true, _ in cases):
+            return f"no values are known here for which a case applies: {missed}"
+        groups = ([true for _, true, m in cases if m == met] for _, _, met in cases)
+        return "" if any(len(g) >= ENOUGH and not any(g) for g in groups) else SOME
 
     def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:  # noqa: ARG002
         """Yield models where terms have values: without more than is given, and one of each level."""

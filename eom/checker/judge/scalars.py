@@ -8,7 +8,7 @@ integral whose value has no other letters and differs. What is neither an identi
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -19,6 +19,7 @@ import sympy as sp
 from eom.checker.judge.models import ENOUGH, Drawn, Models, Search
 from eom.checker.mean.claims import Claim, Parameters, Relation
 from eom.checker.mean.parameters import expressions
+from eom.errors import InputError
 
 Expr = Any
 Pair = tuple[Expr, Expr]
@@ -177,6 +178,54 @@ def _lone(side: Expr) -> Expr:
     """Return the symbol of which a side is a multiple, None for all else."""
     _, rest = side.as_coeff_Mul()
     return rest if rest.is_Symbol else None
+
+
+# -- proportions ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Proportion:
+    """Two sides in letters that take any values; ``names``: how these are written."""
+
+    above: Expr
+    below: Expr
+    points: tuple[Mapping[Expr, Expr], ...]
+    names: Callable[[Expr], str] = str
+
+    def constant(self) -> bool:
+        """Return whether the quotient is the same for other values of the letters below."""
+        first, *others = self.points
+        found = [
+            self._at({**first, **{s: p[s] for s in self.below.free_symbols}})
+            for p in (first, *others)
+        ]
+        return all(abs(q - found[0]) < _NEAR * abs(found[0]) for q in found)
+
+    def _at(self, point: Mapping[Expr, Expr]) -> Expr:
+        sides = (side.xreplace(point).evalf(DIGITS) for side in (self.above, self.below))
+        above, below = sides
+        known = above.is_number and below.is_number and below != 0 and (above / below).is_finite
+        if not known or abs(above) < _NEAR:
+            raise InputError("in this proportion a side has no value")
+        return above / below
+
+    @property
+    def words(self) -> str:
+        """What varies, and what is held."""
+        varied = self.below.free_symbols
+        held = (self.above / self.below).free_symbols - varied
+        shown = [", ".join(sorted(map(self.names, found))) for found in (varied, held)]
+        return f"{shown[0]} may vary" + (f"; held constant: {shown[1]}" if shown[1] else "")
+
+
+_NEAR = sp.Float(10) ** -40
+
+
+def numbers(letters: Iterable[Expr]) -> tuple[Mapping[Expr, Expr], ...]:
+    """Return three lots of positive numbers for letters."""
+    generator = random.Random("proportions")  # noqa: S311 - reproducible, no secret
+    ordered = sorted(letters, key=str)
+    return tuple({s: sp.Rational(generator.randint(20, 90), 61) for s in ordered} for _ in range(3))
 
 
 # -- relations of a note -----------------------------------------------------------------------------

@@ -19,17 +19,20 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from itertools import combinations, islice, pairwise
-from typing import ClassVar
+from itertools import combinations, islice, pairwise, permutations
+from typing import Any, ClassVar
 
 import sympy as sp
 
 from eom.checker.judge.coordinates import elements, equations, tells_time, written
-from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search
+from eom.checker.judge.models import ENOUGH, Cases, Drawn, Models, Said, Search
+from eom.checker.judge.particular import EXACT, value_at
+from eom.checker.judge.particular import drawn as point_of
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.dimensions import dimension
 from eom.checker.mean.model import Model, imposed, is_load
 from eom.errors import InputError
+from eom.exact.numbers import MP
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.quantities import Definition
@@ -46,6 +49,7 @@ from eom.worlds.solutions import (
     inexact,
     order,
     rate,
+    real_point,
     since,
     spread,
     start,
@@ -154,6 +158,36 @@ class Solutions(Models):
             stated = [s for pair in self.said if 0 in pair for s in pair if s in parameters]
         return found | {f"{s.name} = 0": Restriction(f"{s.name} = 0", zero=(s,)) for s in stated}
 
+    @cached_property
+    def signed(self) -> bool:
+        """Whether the claim has functions that real numbers alone have: cases, magnitudes, signs."""
+        return any(e.has(sp.Piecewise, sp.Abs, sp.sign) for pair in self.said for e in pair)
+
+    def cases(self, names: frozenset[str]) -> Cases | None:
+        """Return what is found at points in real numbers, None where other fields know all functions.
+
+        Raises `InputError` where motions keep what points do not show.
+        """
+        if not self.signed:
+            return None
+        if any(r.held for r in self.kept(names)) or self.model.system.assumptions:
+            raise InputError(self.undefined)
+        values = {s: sp.S.Zero for r in self.kept(names) for s in r.zero}
+        found = tuple(c for seed in range(TRIES) for c in self._at(seed, values))
+        if len(found) < ENOUGH:
+            raise InputError(self.undefined)
+        return found
+
+    def _at(self, seed: int, zero: Mapping[Expr, Expr]) -> Iterator[tuple[int, bool, Any]]:
+        """Yield what is found at a point in real numbers, nothing where the claim has no value."""
+        point = point_of(self.model, seed).moved({s: MP.mpf(0) for s in zero})
+        with suppress(Singular, ZeroDivisionError):
+            motion = point.motion(self.model.system, self.length)
+            sides = [(value_at(motion, a), value_at(motion, b)) for a, b in self.said]
+            if all(MP.im(v) == 0 for pair in sides for v in pair):
+                true = all(abs(a - b) <= EXACT * max(1, abs(a), abs(b)) for a, b in sides)
+                yield seed, true, tuple(sorted(motion.branches.items(), key=str))
+
     def kept(self, names: Iterable[str]) -> tuple[Restriction, ...]:
         """Return what is given, and what names assume besides."""
         chosen = self.closed(names)
@@ -177,6 +211,8 @@ class Solutions(Models):
 
         What is absent is drawn at once; for what is held a motion is looked for.
         """
+        if self.signed:
+            return
         names = [n for n, r in self.possible.items() if not r.rest and self._concerns(r)]
         absent = base | {n for n in names if self._loads.issuperset(self.possible[n].symbols)}
         if absent > base and search.holds(absent):
@@ -269,6 +305,9 @@ class Solutions(Models):
         system = self.model.system
         if tells_time(self.claim, self.model):
             return "how the motion starts is not known here"
+        cases = self.cases(frozenset())
+        if cases is not None:
+            return self.branch(cases)
         exact = not any(inexact(system, e) for pair in self.said for e in pair)
         certain = exact or any(differs(system, a, b, self.held) for a, b in self.said)
         return "" if certain else "the functions in this are not decided exactly"
@@ -282,12 +321,16 @@ class Solutions(Models):
 
     def why(self, search: Search) -> str:
         """Say what is wrong with the first equation that fails, and what would have to rest."""
+        if self.signed:
+            return ""
         rest = next(self._small(search, list(self.possible), MAX_REST), None)
         held = f"it holds if {' and '.join(self.shown(rest))}" if rest else ""
         return "; ".join(filter(None, (self._slip(), held)))
 
     def leaves(self) -> Expr | None:
         """Return what the one equation that fails leaves over, None where it is long."""
+        if self.signed:
+            return None
         failing = [p for p in self.said if next(self._failing(p), None) is not None]
         with suppress(Singular, InputError):
             found = (
@@ -441,6 +484,76 @@ def _proper(factor: Expr) -> Iterator[Expr]:
 
 def _inside(expression: Expr) -> Iterator[Expr]:
     yield from (n for n in sp.preorder_traversal(expression) if not n.is_number)
+
+
+# -- where conditions hold ------------------------------------------------------------------------------
+
+
+def at_conditions(claim: Claim, conditions: Iterable[Claim]) -> bool | None:
+    """Return whether a claim holds where quantities of its system have values; None where that is open.
+
+    It may do so for an instant, or, where a quantity keeps its value, in such motions.
+    """
+    models = Solutions(claim, claim.scalars)
+    system = models.model.system
+    if system.mass_matrix is not None:
+        return None
+    own = {q.symbol for q in (*system.states, *system.inputs, *system.parameters)}
+    values: dict[Expr, Expr] = {}
+    for left, right in (p for c in conditions for p in Solutions(c, c.scalars).said):
+        pair = (_plain(system, e).xreplace(values) for e in (left, right))
+        found = next(((a, b) for a, b in permutations(pair) if a in own and not b.has(a)), None)
+        if found is None:
+            return None
+        values = {s: e.xreplace(dict([found])) for s, e in values.items()} | dict([found])
+    apart = [_plain(system, a - b).xreplace(values) for a, b in models.said]
+    fixed = [q.symbol for q in system.states if q.symbol in values]
+    if not values or any(e.has(sp.zoo, sp.nan) for e in apart):
+        return None
+    here = _vanish(models, apart)
+    kept = None if here is not False else _kept(system, apart, values, fixed)
+    return here if kept is None else _vanish(models, kept)
+
+
+def _kept(
+    system: System, apart: Sequence[Expr], values: dict[Expr, Expr], fixed: Iterable[Expr]
+) -> list[Expr] | None:
+    """Return what is to be zero in motions in which states keep their values; None where there are none.
+
+    What keeps them is solved for a speed, which may be zero, or for any other quantity, which may not.
+    """
+    found, speeds = list(apart), {q.symbol for q in system.states if q.unit in SPEEDS}
+    for e in (e for state in fixed for e in (rate(state), rate(rate(state)))):
+        zero = sp.numer(sp.together(_plain(system, e).xreplace(values)))
+        if zero == 0:
+            continue
+        linear = (s for s in sorted(zero.free_symbols, key=str) if sp.diff(zero, s, 2) == 0)
+        symbol = next(linear, None)
+        value = None if symbol is None else sp.cancel(symbol - zero / sp.diff(zero, symbol))
+        if value is None or (value == 0 and symbol not in speeds):
+            return None
+        values = {s: v.xreplace({symbol: value}) for s, v in values.items()} | {symbol: value}
+        found = [f.xreplace({symbol: value}) for f in found]
+    return found
+
+
+def _vanish(models: Solutions, expressions: Sequence[Expr]) -> bool | None:
+    """Return whether expressions without rates are zero at real points; None where they have no value."""
+    system, found = models.model.system, list[bool]()
+    equal = {b: a for r in models.held for a, b in r.equal} | {
+        s: sp.S.Zero for r in models.held for s in r.zero
+    }
+    for seed in range(TRIES):
+        point = real_point(system, seed)
+        values = [e.xreplace(equal).xreplace(point).evalf(DIGITS) for e in expressions]
+        if all(v.is_number and v.is_real for v in values):
+            found.append(all(abs(v) < _NOTHING for v in values))
+        if len(found) == ENOUGH:
+            return all(found)
+    return None
+
+
+DIGITS, _NOTHING = 50, sp.Float(10) ** -30
 
 
 # -- what is left over --------------------------------------------------------------------------------

@@ -41,7 +41,6 @@ FREELY = frozenset({"coordinate", "free_angle"})
 SIGNED_TRIALS = 40
 """Worlds that are drawn at most, where signs and branches matter."""
 BOUND = "it may follow from the laws of motion, which have no such functions here"
-SOME = "it holds for some values of these letters and not for others; a sign or a range decides"
 MAX_ROOTS = 3
 """Square roots in a claim at most, whose signs are looked at."""
 MAX_TESTS = 160
@@ -284,20 +283,6 @@ class Worlds(Models):
                 found.append((drawn.seed, true, met))
         return tuple(found)
 
-    def missed(self, cases: Cases) -> str:
-        """Return the condition of a case that applied in none of many models, "" for no such."""
-        met = {pair for _, _, own in cases for pair in own}
-        wanted = {(node, k) for node, _ in met for k in range(len(node.args))} - met
-        return min((str(node.args[k][1]) for node, k in wanted), default="")
-
-    def _branch(self, cases: Cases) -> str:
-        """Return why a claim may hold though it is not seen to: "" where it fails in a whole case."""
-        missed = self.missed(cases)
-        if missed and all(true for _, true, _ in cases):
-            return f"no values are known here for which a case applies: {missed}"
-        groups = ([true for _, true, m in cases if m == met] for _, _, met in cases)
-        return "" if any(len(g) >= ENOUGH and not any(g) for g in groups) else SOME
-
     def needs(self, name: str) -> frozenset[str]:
         """Return an assumption with all that it needs."""
         return _needed(name)
@@ -311,7 +296,7 @@ class Worlds(Models):
         cases = self.cases(Search(self).base[1])
         bound = not self._kinds() <= UNBOUND
         if cases and (bound or any(true for _, true, _ in cases)):
-            return BOUND if bound else self._branch(cases)
+            return BOUND if bound else self.branch(cases)
         if self._scalars() == "tied":
             return "nothing here says what these letters are"
         if "expr" not in self._rated_sides and self._of_a_motion():
@@ -319,7 +304,7 @@ class Worlds(Models):
         if "expr" not in self._rated_sides and self._is_law():
             return "this may be a law for quantities that are any, and nothing here ties to others"
         if cases is not None:
-            return self._branch(cases)
+            return self.branch(cases)
         if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, subsets(self.roots))):
             return "this rests on the signs of its roots"
         return ""

@@ -97,6 +97,8 @@ class Parameters:
 
 EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
 COMPARISONS = frozenset({"<", ">", "<=", ">=", "!=", "<<", ">>", "approx", "simeq"})
+PROPORTIONAL = "propto"
+"""The sign of a constant quotient; such a claim has two members, of any dimensions."""
 LIMITS = frozenset({"to"})
 """Signs of what is approached, which claim nothing: N to infinity."""
 STATEMENT, DEFINITION, CONSTANT, SAME_POINT = "statement", "definition", "constant", "same point"
@@ -225,7 +227,8 @@ def _component(one: Component, s: Statement) -> Claim:
 def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]:
     """Return what a chain says."""
     signs = (*_introducing(s), *(sign.name for sign in s.signs[1:]))
-    unknown = next((g for g in s.signs if g.name not in EQUALITIES | COMPARISONS), None)
+    known = EQUALITIES | COMPARISONS | {PROPORTIONAL}
+    unknown = next((g for g in s.signs if g.name not in known), None)
     if unknown is not None and unknown.name in LIMITS:
         return []
     if unknown is not None:
@@ -340,6 +343,8 @@ def _is_list(node: Node) -> bool:
 def _joined(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
     """Return the claim with members of one shape; every link is compared, and the ends."""
     notation = e.lexicon.notation
+    if claim.relations == (PROPORTIONAL,):
+        return replace(claim, members=tuple(values))
     shaped: list[Value] = values[:1]
     findings = list(claim.findings)
     for value in values[1:]:

@@ -13,7 +13,15 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, Parameters, Relation, claims
+from eom.checker.mean.claims import (
+    EQUALITIES,
+    PROPORTIONAL,
+    STATEMENT,
+    Claim,
+    Parameters,
+    Relation,
+    claims,
+)
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import Elaborator
 from eom.checker.mean.instants import timely
@@ -224,7 +232,8 @@ def _parameters(
     claim: Claim, members: tuple[Node, ...], relations: tuple[Relation, ...], fresh: Iterable[Look]
 ) -> Parameters | None:
     """Return what a claim between free scalars is made of; None if it is about anything else."""
-    if claim.kind != STATEMENT or claim.findings or not EQUALITIES.issuperset(claim.relations):
+    known = EQUALITIES | {PROPORTIONAL}
+    if claim.kind != STATEMENT or claim.findings or not known.issuperset(claim.relations):
         return None
     terms = [*(m.term for m in claim.members), *claim.scalars.values()]
     plain = all(n.head in _PLAIN for t in terms for n in nodes(t))

@@ -10,6 +10,7 @@ motion that fulfils them refutes it; nothing is decided where neither is found.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,6 +32,7 @@ from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.special import Name, excused, in_letters, named, says, zeros
+from eom.checker.judge.systems import Solutions, at_conditions
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
 from eom.checker.judge.worlds import Worlds
 from eom.checker.mean.claims import EQUALITIES, Claim
@@ -55,12 +57,14 @@ from eom.checker.prose_claims.assumptions import (
     amounts,
     assumed,
     implied,
+    of_systems,
     spoken,
 )
 from eom.checker.prose_claims.propositions import Plain, Reading, Test, truth
 from eom.checker.read.documents import Document
 from eom.checker.report.findings import CARRIED, CARRIED_AND_OWN, Remark
 from eom.errors import InputError
+from eom.fields import Singular
 from eom.terms.terms import VECTOR, Term, add, cross, dot, nodes
 from eom.terms.terms import replace as rewritten
 from eom.terms.vocabulary import unit
@@ -106,11 +110,7 @@ def review(
     worldly = [replace(u, claims=()) if _is_apart(u) else u for u in understood]
     context = assumed(document, worldly, alone)
     loose, free = (spoken(document.pieces, table) for table in (APPROXIMATE, ANY_MOTION))
-    sections = {u.headings: [v for v in understood if v.headings == u.headings] for u in understood}
-    names = {
-        h: named(c for u in us for c in u.claims) | zeros(u.formula for u in us)
-        for h, us in sections.items()
-    }
+    names = _named(understood)
     placed = [
         _Placed(
             k, context, loose, free, (*given, *u.lexicon.assume), names[u.headings], u.lexicon
@@ -119,9 +119,11 @@ def review(
     ]
     settled = [v for v, _ in placed]
     lines = [u.formula.piece.line for u in understood]
+    valued = of_systems(document, understood, first)
+    there = [_at_values(v, valued, p) for v, p in zip(first, context.places, strict=True)]
     about = remarks(settled, lines, context, given)
     final = [
-        _apart(understood[: k + 1], first[k], names[u.headings], context.places[k], (loose, free))
+        _apart(understood[: k + 1], there[k], names[u.headings], context.places[k], (loose, free))
         if _is_apart(u)
         else settled[k]
         for k, u in enumerate(understood)
@@ -131,6 +133,15 @@ def review(
         _reviewed(u, final[k], (own, about[k]), slips.get(k), lines, context.names(k))
         for k, (u, (_, own)) in enumerate(zip(understood, placed, strict=True))
     )
+
+
+def _named(understood: Sequence[Understood]) -> Mapping[tuple[str, ...], frozenset[Name]]:
+    """Return what the formulas under each heading name."""
+    sections = {u.headings: [v for v in understood if v.headings == u.headings] for u in understood}
+    return {
+        h: named(c for u in us for c in u.claims) | zeros(u.formula for u in us)
+        for h, us in sections.items()
+    }
 
 
 def _reviewed(
@@ -206,6 +217,27 @@ def _in_general(
     why = f"it is wrong in general: it holds only if {plain}, which the note does not state"
     found = replace(judged.judgement, verdict=WRONG, sets=(), reason=why, special=case)
     return _replaced(judged, found)
+
+
+def _at_values(found: Verdict, stated: Iterable[Stated], place: Place) -> Verdict:
+    """Return the verdict on a formula about a system where conditions near it give quantities values."""
+    conditions = [c for s in stated if s.holds_at(place) for c in s.premises]
+    claims = tuple(_at_value(j, conditions) for j in found.claims) if conditions else found.claims
+    return _gravest(claims) if claims != found.claims else found
+
+
+def _at_value(judged: Judged, conditions: Sequence[Claim]) -> Judged:
+    claim, unmet = judged.claim, judged.reason == UNMET
+    plain = not claim.role and not claim.findings and row_of(claim) is Solutions
+    if not plain or not (unmet or judged.verdict in {WRONG, UNDER}):
+        return judged
+    holds = None
+    with suppress(Singular, InputError):
+        holds = at_conditions(claim, conditions)
+    if holds is None or not (holds or unmet):
+        return judged
+    why = "where its conditions hold" if holds else "it fails where its conditions hold"
+    return _replaced(judged, Judgement(HOLDS if holds else WRONG, reason=why))
 
 
 def _near(found: Iterable[Said], place: Place) -> bool:

@@ -18,6 +18,7 @@ from functools import cache
 from typing import Any
 
 from eom.checker.judge.consequences import follows
+from eom.checker.judge.coordinates import on_solutions
 from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.verdicts import LAWS, Judged, Verdict
@@ -509,6 +510,24 @@ def _formulas(
         premises = (judged.claim,) if judged.judgement.verdict != HOLDS else ()
         text = letters(piece.body)
         yield Stated(names, text, piece.source, start, stop, scope, premises)
+
+
+def of_systems(
+    document: Document, understood: Sequence[Understood], verdicts: Sequence[Verdict]
+) -> tuple[Stated, ...]:
+    """Return conditions on quantities of systems: of a line for it, others within their paragraph."""
+    limits, leads = Limits(document.pieces), _leads(document.pieces)
+    numbers = [k for k, p in enumerate(document.pieces) if p.is_formula]
+    found = []
+    for k, one, verdict in zip(numbers, understood, verdicts, strict=True):
+        piece, before = one.formula.piece, scope_of(leads.get(k, "")) == PARAGRAPH
+        for claim in (j.claim for j in verdict.claims if j.verdict == ASSUMPTION):
+            if on_solutions(claim) and (claim.role or before):
+                stop = k + 1 if claim.role else limits.stop(k, PARAGRAPH)
+                start = (k, piece.span.start - 1)
+                text = letters(piece.body)
+                found.append(Stated((), text, piece.source, start, stop, PARAGRAPH, (claim,)))
+    return tuple(found)
 
 
 _STEADY = re.compile(r"\s*,?\s*(?:is|are|remains?|stays?|being|is held|is kept) constant\b")

@@ -111,6 +111,8 @@ ROLES: dict[str, str] = {
     for word in words.split()
 }
 """The first word of a text, and the role of what follows it."""
+_ALONE = {"at": "for"}
+"""The same of words that announce something only by themselves."""
 _LEADING = {"then": "implies", "so": "implies", "thus": "implies", "hence": "implies"}
 _LEADING |= {"therefore": "therefore", "implies": "implies"}
 _JOINING = frozenset({"and", "or", "also", "but", "otherwise"})
@@ -285,7 +287,7 @@ class _Splitter:
         """Take in words: they announce a condition, join, or only comment."""
         first = (node.sign or node.text.strip(" ,.;:()").split(" ")[0]).lower().strip(",.:;")
         last = node.text.strip(" ,.;:()").split(" ")[-1].lower()
-        role = ROLES.get(first) or ROLES.get(last)
+        role = ROLES.get(first) or ROLES.get(last) or _ALONE.get(node.text.strip(" ,").lower())
         if role is not None:
             self.flush()
             self.role = role
@@ -438,6 +440,9 @@ def single_statements(statement: Statement) -> Iterator[Statement]:
     """Yield a statement for each of the left sides that a comma parts, then those of braces."""
     if not statement.relational or any(isinstance(m, Words) for m in statement.members[:-1]):
         return
+    if len(statement.signs) > 1 and any(g.name == _PROPORTIONAL for g in statement.signs):
+        yield from (one for part in _segments(statement) for one in single_statements(part))
+        return
     first, last = statement.members[0], statement.members[-1]
     wordy = isinstance(last, Words) and not says_constant(last)
     if wordy or isinstance(last, Sequence):
@@ -448,6 +453,22 @@ def single_statements(statement: Statement) -> Iterator[Statement]:
     else:
         yield statement
     yield from _braces(statement)
+
+
+_PROPORTIONAL = "propto"
+
+
+def _segments(s: Statement) -> Iterator[Statement]:
+    """Yield the chains between signs of proportion, and each of these with its two sides."""
+    begin = 0
+    for k, sign in enumerate((*s.signs, None)):
+        if sign is not None and sign.name != _PROPORTIONAL:
+            continue
+        for a, b in ((begin, k), (k, k + 1)):
+            if a < b <= len(s.signs):
+                members, signs = s.members[a : b + 1], s.signs[a:b]
+                yield replace(s, members=members, signs=signs, continues=s.continues and a == 0)
+        begin = k + 1
 
 
 def _braces(statement: Statement) -> Iterator[Statement]:

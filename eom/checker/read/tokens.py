@@ -400,8 +400,25 @@ def respelt(tokens: list[Token]) -> list[Token]:
         if any((t.kind in {"command", "begin"}) and t.text in names for t in tokens):
             tokens = rule(tokens)
     if any(t.kind == "words" for t in tokens):
-        return _rewritten(bracketed_words(tokens), _unit_in_words)
+        return _rewritten(bracketed_words(tokens), _in_words)
     return tokens
+
+
+_PROPORTIONAL = re.compile(
+    r"((is|are|be) )?(directly )?proportional to|(varies|vary|goes|go)( directly)? as",
+    re.IGNORECASE,
+)
+
+
+def _in_words(tokens: list[Token], k: int, done: list[Token]) -> Replaced:
+    r"""Write what words say as a unit or a relation: ``\text{is proportional to}``."""
+    said = " ".join(tokens[k].text.split()) if tokens[k].kind == "words" else ""
+    if not _PROPORTIONAL.fullmatch(said):
+        return _unit_in_words(tokens, k, done)
+    while done and done[-1].kind == "quad":
+        done.pop()
+    end = next((n for n in range(k + 1, len(tokens)) if tokens[n].kind != "quad"), len(tokens))
+    return [replace(tokens[k], kind="command", text="propto")], end
 
 
 _UNIT = re.compile(

@@ -17,7 +17,7 @@ from eom.checker.judge.inequalities import ORDERS, difference
 from eom.checker.judge.judge import HOLDS, WRONG, judge, models_of
 from eom.checker.judge.notes import Understood, reread
 from eom.checker.judge.scalars import Scalars
-from eom.checker.mean.claims import Claim
+from eom.checker.mean.claims import PROPORTIONAL, Claim
 from eom.checker.mean.values import Value
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.paths import Path, at, find, put
@@ -238,7 +238,7 @@ def between_scalars(understood: Understood, claim: Claim) -> Explanation | None:
     if not isinstance(models, Scalars) or understood.formula.reading is None:
         return None
     statement = statement_of(understood, claim)
-    if statement is None or models.wrong is None:
+    if statement is None or models.wrong is None or PROPORTIONAL in claim.relations:
         return Explanation()
     k = models.wrong
     members = statement.members[k : k + 2]

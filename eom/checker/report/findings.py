@@ -20,7 +20,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from eom.checker.judge.judge import UNDER
+from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.read.spans import NOWHERE, Source, Span, printable
 from eom.worlds.worlds import ASSUMPTIONS
 
@@ -217,6 +217,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
     "the number of the one that is meant, from the slowest, or a word for the damping": (
         "more than one ",
     ),
+    "the same as an equation, with the factor": ("in this proportion",),
     "a line of [notation] in the lexicon that says which": (
         *("what a product of quaternions is", "no spatial vector"),
     ),
@@ -524,6 +525,8 @@ def _finding(finding: Finding) -> Iterator[Line]:
         yield _faint(f"{INDENT}{_one_line(finding.latex)}")
         if finding.verdict == UNDER and not finding.sets and finding.reason:
             yield (("", f"{INDENT}if {printable(finding.reason)}"),)
+        if finding.verdict == HOLDS and finding.reason:
+            yield (("", f"{INDENT}{printable(finding.reason)}"),)
     if finding.carried:
         yield (("", f"{INDENT}carries forward {finding.carries}"),)
     for words in dict.fromkeys(finding.read_as):
