@@ -26,7 +26,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 420,
-    "lines of code": 83_730,
+    "lines of code": 84_030,
     "modules in the fullest folder": 20,
     "folders of more than 25 modules": 0,
     "circles of files": 0,

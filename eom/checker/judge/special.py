@@ -10,8 +10,7 @@ that it writes. Parameters of a system are apart by that.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import combinations_with_replacement, islice
-from typing import Any
+from itertools import combinations_with_replacement, islice, permutations
 
 import sympy as sp
 
@@ -19,7 +18,7 @@ from eom.checker.judge.coordinates import equations, on_solutions
 from eom.checker.judge.judge import Judgement, models_of
 from eom.checker.judge.members import Members
 from eom.checker.judge.models import ENOUGH, Search, terms_of
-from eom.checker.judge.systems import Solutions
+from eom.checker.judge.systems import SPEEDS, TRIES, Solutions, unrated
 from eom.checker.judge.worlds import Worlds, filled
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.lexicon import Lexicon
@@ -32,9 +31,10 @@ from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.fields import RESIDUES, Singular
 from eom.limits import Overdue
+from eom.system import Expr, System
 from eom.terms.terms import Term, add, nodes
 from eom.typeset.markup import symbol_latex
-from eom.worlds.solutions import Restriction, without_rates
+from eom.worlds.solutions import Restriction, rate, real_point, without_rates
 from eom.worlds.worlds import ANGLES, ASSUMPTIONS, MOMENT
 
 _FRAMED = frozenset({"unit", "angular_velocity", "rotation", "eigenvectors", *ANGLES})
@@ -197,7 +197,6 @@ def _letter(what: str, lexicon: Lexicon) -> str:
 
 # -- the lowest condition ------------------------------------------------------------------------------
 
-Expr = Any
 POSITIVE = frozenset({"kg", "m", "kg m^2", "N/m", "s", "m/s^2", "N m/rad"})
 """Units of parameters that are never zero."""
 STIFF = frozenset({"inertia", "mass", "total_mass", "position", "scalar", "unit", "identity"})
@@ -304,3 +303,73 @@ def _is_multiple(wanted: Sequence[int | None], factors: Sequence[Sequence[int | 
 def _moves(term: Term) -> bool:
     """Return whether a letter stands for a motion or a load, which may vanish."""
     return any(n.head == "atom" and n.data[0] not in STIFF for n in nodes(term))
+
+
+# -- where conditions hold ------------------------------------------------------------------------------
+
+
+def at_conditions(claim: Claim, conditions: Iterable[Claim]) -> bool | None:
+    """Return whether a claim holds where quantities of its system have values; None where that is open.
+
+    It may do so for an instant, or, where a quantity keeps its value, in such motions.
+    """
+    models = Solutions(claim, claim.scalars)
+    system = models.model.system
+    if system.mass_matrix is not None:
+        return None
+    own = {q.symbol for q in (*system.states, *system.inputs, *system.parameters)}
+    values: dict[Expr, Expr] = {}
+    for left, right in (p for c in conditions for p in Solutions(c, c.scalars).said):
+        pair = (unrated(system, e).xreplace(values) for e in (left, right))
+        found = next(((a, b) for a, b in permutations(pair) if a in own and not b.has(a)), None)
+        if found is None:
+            return None
+        values = {s: e.xreplace(dict([found])) for s, e in values.items()} | dict([found])
+    apart = [unrated(system, a - b).xreplace(values) for a, b in models.said]
+    fixed = [q.symbol for q in system.states if q.symbol in values]
+    if not values or any(e.has(sp.zoo, sp.nan) for e in apart):
+        return None
+    here = _vanish(models, apart)
+    kept = None if here is not False else _kept(system, apart, values, fixed)
+    return here if kept is None else _vanish(models, kept)
+
+
+def _kept(
+    system: System, apart: Sequence[Expr], values: dict[Expr, Expr], fixed: Iterable[Expr]
+) -> list[Expr] | None:
+    """Return what is to be zero in motions in which states keep their values; None where there are none.
+
+    What keeps them is solved for a speed, which may be zero, or for any other quantity, which may not.
+    """
+    found, speeds = list(apart), {q.symbol for q in system.states if q.unit in SPEEDS}
+    for e in (e for state in fixed for e in (rate(state), rate(rate(state)))):
+        zero = sp.numer(sp.together(unrated(system, e).xreplace(values)))
+        if zero == 0:
+            continue
+        linear = (s for s in sorted(zero.free_symbols, key=str) if sp.diff(zero, s, 2) == 0)
+        symbol = next(linear, None)
+        value = None if symbol is None else sp.cancel(symbol - zero / sp.diff(zero, symbol))
+        if value is None or (value == 0 and symbol not in speeds):
+            return None
+        values = {s: v.xreplace({symbol: value}) for s, v in values.items()} | {symbol: value}
+        found = [f.xreplace({symbol: value}) for f in found]
+    return found
+
+
+def _vanish(models: Solutions, expressions: Sequence[Expr]) -> bool | None:
+    """Return whether expressions without rates are zero at real points; None where they have no value."""
+    system, found = models.model.system, list[bool]()
+    equal = {b: a for r in models.held for a, b in r.equal} | {
+        s: sp.S.Zero for r in models.held for s in r.zero
+    }
+    for seed in range(TRIES):
+        point = real_point(system, seed)
+        values = [e.xreplace(equal).xreplace(point).evalf(DIGITS) for e in expressions]
+        if all(v.is_number and v.is_real for v in values):
+            found.append(all(abs(v) < _NOTHING for v in values))
+        if len(found) == ENOUGH:
+            return all(found)
+    return None
+
+
+DIGITS, _NOTHING = 50, sp.Float(10) ** -30

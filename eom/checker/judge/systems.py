@@ -19,7 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from itertools import combinations, islice, pairwise, permutations
+from itertools import combinations, islice, pairwise
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -37,9 +37,7 @@ from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.quantities import Definition
 from eom.system import Expr, System
-from eom.terms.terms import (
-    Term,
-)
+from eom.terms.terms import Term
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
@@ -49,7 +47,6 @@ from eom.worlds.solutions import (
     inexact,
     order,
     rate,
-    real_point,
     since,
     spread,
     start,
@@ -105,11 +102,10 @@ class OnSolution(Drawn):
         return [int(f.coefficients[0]) for f in found]
 
 
-def _given_parameter(pair: Pair, parameters: set[Expr]) -> Expr | None:
+def _given_parameter(pair: Pair, own: set[Expr]) -> Expr | None:
     """Return the parameter whose power one side is, where the other has others alone; None for none."""
-    for own, other in (pair, pair[::-1]):
-        base, others = own.as_base_exp()[0], other.free_symbols
-        if base in parameters and base not in others and others <= parameters:
+    for (base, _), other in ((a.as_base_exp(), b) for a, b in (pair, pair[::-1])):
+        if base in own and other != 0 and other.free_symbols <= own - {base}:
             return base
     return None
 
@@ -314,10 +310,11 @@ class Solutions(Models):
 
     def _free_parameters(self) -> list[str]:
         """Return the parameters that all that fails gives by other parameters, as no motion does."""
-        parameters = {q.symbol for q in self.model.system.parameters}
-        failing = (p for p in self.said if next(self._failing(p), None) is not None)
-        found = {_given_parameter(pair, parameters) for pair in failing}
-        return [] if None in found else sorted(map(str, found))
+        own = {q.symbol for q in self.model.system.parameters}
+        found = {pair: _given_parameter(pair, own) for pair in self.said}
+        failing = (p for p in found if any(found.values()) and any(self._failing(p)))
+        given = {found[pair] for pair in failing}
+        return [] if None in given else sorted(map(str, given))
 
     def why(self, search: Search) -> str:
         """Say what is wrong with the first equation that fails, and what would have to rest."""
@@ -406,7 +403,7 @@ def levelled(claim: Claim) -> Model | None:
     try:
         apart = [a - b for a, b in Solutions(claim, claim.scalars).said]
         rests, ones = (
-            [_plain(_raised(model, by).system, e) for e in apart] for by in (zero, sp.S.One)
+            [unrated(_raised(model, by).system, e) for e in apart] for by in (zero, sp.S.One)
         )
     except InputError:
         return None
@@ -486,76 +483,6 @@ def _inside(expression: Expr) -> Iterator[Expr]:
     yield from (n for n in sp.preorder_traversal(expression) if not n.is_number)
 
 
-# -- where conditions hold ------------------------------------------------------------------------------
-
-
-def at_conditions(claim: Claim, conditions: Iterable[Claim]) -> bool | None:
-    """Return whether a claim holds where quantities of its system have values; None where that is open.
-
-    It may do so for an instant, or, where a quantity keeps its value, in such motions.
-    """
-    models = Solutions(claim, claim.scalars)
-    system = models.model.system
-    if system.mass_matrix is not None:
-        return None
-    own = {q.symbol for q in (*system.states, *system.inputs, *system.parameters)}
-    values: dict[Expr, Expr] = {}
-    for left, right in (p for c in conditions for p in Solutions(c, c.scalars).said):
-        pair = (_plain(system, e).xreplace(values) for e in (left, right))
-        found = next(((a, b) for a, b in permutations(pair) if a in own and not b.has(a)), None)
-        if found is None:
-            return None
-        values = {s: e.xreplace(dict([found])) for s, e in values.items()} | dict([found])
-    apart = [_plain(system, a - b).xreplace(values) for a, b in models.said]
-    fixed = [q.symbol for q in system.states if q.symbol in values]
-    if not values or any(e.has(sp.zoo, sp.nan) for e in apart):
-        return None
-    here = _vanish(models, apart)
-    kept = None if here is not False else _kept(system, apart, values, fixed)
-    return here if kept is None else _vanish(models, kept)
-
-
-def _kept(
-    system: System, apart: Sequence[Expr], values: dict[Expr, Expr], fixed: Iterable[Expr]
-) -> list[Expr] | None:
-    """Return what is to be zero in motions in which states keep their values; None where there are none.
-
-    What keeps them is solved for a speed, which may be zero, or for any other quantity, which may not.
-    """
-    found, speeds = list(apart), {q.symbol for q in system.states if q.unit in SPEEDS}
-    for e in (e for state in fixed for e in (rate(state), rate(rate(state)))):
-        zero = sp.numer(sp.together(_plain(system, e).xreplace(values)))
-        if zero == 0:
-            continue
-        linear = (s for s in sorted(zero.free_symbols, key=str) if sp.diff(zero, s, 2) == 0)
-        symbol = next(linear, None)
-        value = None if symbol is None else sp.cancel(symbol - zero / sp.diff(zero, symbol))
-        if value is None or (value == 0 and symbol not in speeds):
-            return None
-        values = {s: v.xreplace({symbol: value}) for s, v in values.items()} | {symbol: value}
-        found = [f.xreplace({symbol: value}) for f in found]
-    return found
-
-
-def _vanish(models: Solutions, expressions: Sequence[Expr]) -> bool | None:
-    """Return whether expressions without rates are zero at real points; None where they have no value."""
-    system, found = models.model.system, list[bool]()
-    equal = {b: a for r in models.held for a, b in r.equal} | {
-        s: sp.S.Zero for r in models.held for s in r.zero
-    }
-    for seed in range(TRIES):
-        point = real_point(system, seed)
-        values = [e.xreplace(equal).xreplace(point).evalf(DIGITS) for e in expressions]
-        if all(v.is_number and v.is_real for v in values):
-            found.append(all(abs(v) < _NOTHING for v in values))
-        if len(found) == ENOUGH:
-            return all(found)
-    return None
-
-
-DIGITS, _NOTHING = 50, sp.Float(10) ** -30
-
-
 # -- what is left over --------------------------------------------------------------------------------
 
 
@@ -595,7 +522,7 @@ def residual(system: System, pair: Pair, given: tuple[Restriction, ...] = ()) ->
     left, right = pair
     if max(order(left), order(right)) > MAX_WRITTEN or (left - right).has(since, start):
         return None
-    forms = [_expanded(f(system, left - right).xreplace(equal)) for f in (_named, _plain)]
+    forms = [_expanded(f(system, left - right).xreplace(equal)) for f in (_named, unrated)]
     found = min(forms, key=lambda f: len(sp.Add.make_args(f)))
     if found == 0 or len(sp.Add.make_args(found)) > MAX_TERMS:
         return None
@@ -606,7 +533,7 @@ def _size(expression: Expr) -> int:
     return int(expression.count_ops())
 
 
-def _plain(system: System, expression: Expr) -> Expr:
+def unrated(system: System, expression: Expr) -> Expr:
     """Return an expression over states, parameters and inputs."""
     found = without_rates(system, expression)
     if _size(found) > MAX_OPERATIONS:

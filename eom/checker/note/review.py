@@ -31,8 +31,8 @@ from eom.checker.judge.judge import (
 from eom.checker.judge.laws import exchanged, slipped
 from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood
-from eom.checker.judge.special import Name, excused, in_letters, named, says, zeros
-from eom.checker.judge.systems import Solutions, at_conditions
+from eom.checker.judge.special import Name, at_conditions, excused, in_letters, named, says, zeros
+from eom.checker.judge.systems import Solutions
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, meant, verdict
 from eom.checker.judge.worlds import Worlds
 from eom.checker.mean.claims import EQUALITIES, Claim
