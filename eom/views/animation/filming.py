@@ -23,7 +23,7 @@ from eom.errors import InputError
 from eom.views.animation.animation import Animation, at, level
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
-from eom.views.draw.depth import rgba
+from eom.views.draw.depth import View, rgba
 from eom.views.draw.picture import COLOURS
 
 if TYPE_CHECKING:
@@ -72,11 +72,10 @@ class Camera:
         axes = np.stack([right, np.cross(towards, right), towards])
         return cls(np.asarray(view.centre) + distance * towards, axes)
 
-    def seen(self, points: Floats) -> tuple[Floats, Floats]:
-        """Return where points (..., 3) are in the picture (half its height is 1), and how far away."""
-        local = (points - self.place) @ self.axes.T
-        depth = -local[..., 2]
-        return local[..., :2] / (depth * math.tan(FIELD / 2))[..., None], depth
+    @cached_property
+    def view(self) -> View:
+        """What is seen: half the height of the picture is 1."""
+        return View.pinhole(self.place, self.axes, FIELD)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,8 +204,8 @@ def _draw(filming: Filming, place: float, figure: Any) -> None:
     _ground(filming, axes)
     _paths(filming, place, axes)
     corners, colours = _scene(filming, place)
-    flat, depth = filming.camera.seen(corners)
-    order = np.argsort(-depth.mean(axis=1), kind="stable")
+    view = filming.camera.view
+    flat, order = view.flat(corners), np.argsort(-view.depth(corners).mean(axis=1), kind="stable")
     shaded = _lit(corners, colours, filming)[order]
     edges = shaded * np.where(shaded[:, 3:] == 1, 1.0, (1.0, 1.0, 1.0, 0.0))
     axes.add_collection(
@@ -267,8 +266,8 @@ def _ground(filming: Filming, axes: Any) -> None:
     reach = np.linspace(-1.6, 1.6, 13) * view.radius
     lines = [[foot + a * u + b * reach[0] * v, foot + a * u - b * reach[0] * v]
              for a in reach for u, v, b in ((first, second, 1), (second, first, 1))]  # fmt: skip
-    flat, depth = filming.camera.seen(np.array(lines))
-    seen = flat[np.all(depth > 0, axis=1)]
+    camera, ends = filming.camera.view, np.array(lines)
+    seen = camera.flat(ends)[np.all(camera.depth(ends) > 0, axis=1)]
     grey = "#343941" if filming.film.dark else "#d4d4ce"
     axes.add_collection(LineCollection(list(seen), colors=grey, linewidths=0.7, zorder=1))
 
@@ -277,7 +276,7 @@ def _paths(filming: Filming, place: float, axes: Any) -> None:
     many = len(filming.tips) > 1
     for k, path in enumerate(filming.tips):
         done = np.concatenate([path[: int(place) + 1], _between(path, place)[None]])
-        flat, _ = filming.camera.seen(done)
+        flat = filming.camera.view.flat(done)
         colour = COLOURS[PALETTE[k % len(PALETTE)] if many else "orange"]
         axes.plot(flat[:, 0], flat[:, 1], color=colour, linewidth=1.2, alpha=0.7, zorder=2)
 
@@ -293,7 +292,7 @@ def _links(filming: Filming, place: float, axes: Any) -> None:
                 continue
             q = interpolated(tracks[body].quaternions, place)
             ends.append(_between(tracks[body].positions, place) + turned(q[None], point[None])[0])
-        flat, _ = filming.camera.seen(np.array(ends))
+        flat = filming.camera.view.flat(np.array(ends))
         axes.plot(flat[:, 0], flat[:, 1], color=COLOURS["grey"], linewidth=2, zorder=4)
 
 
@@ -318,7 +317,7 @@ def _vectors(filming: Filming, place: float, axes: Any, back: str) -> None:
     for vector, text, colour in ends:
         if float(np.linalg.norm(vector)) < 0.02 * animation.view.radius:
             continue
-        (start, end, words), _ = filming.camera.seen(
+        start, end, words = filming.camera.view.flat(
             np.stack([origin, origin + vector, origin + 1.08 * vector])
         )
         ink = COLOURS[colour]

@@ -50,10 +50,10 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A projection without perspective, ``matrix`` (4, 4) of homogeneous coordinates of the data.
+    """A projection, ``matrix`` (4, 4) of homogeneous coordinates of the data; its third row is the depth.
 
-    ``towards``: the vector in the data, of a length that the box around ``low`` and ``high`` gives it,
-    that points to the eye and is seen as a point.
+    ``towards``: a vector in the data that points to the eye; without perspective it is seen as a point, and
+    has the length that the box around ``low`` and ``high`` gives it.
     """
 
     matrix: Floats
@@ -68,13 +68,24 @@ class View:
         way = way if matrix[2, :3] @ way < 0 else -way
         return cls(matrix, way)
 
+    @classmethod
+    def pinhole(cls, place: Floats, axes: Floats, field: float) -> View:
+        """Return the view from a place; ``axes``, by rows: right, up, to the eye; ``field``: an angle."""
+        rows = np.stack([*(axes[:2] / np.tan(field / 2)), -axes[2], -axes[2]])
+        return cls(np.column_stack([rows, -rows @ place]), axes[2])
+
     def flat(self, points: Floats) -> Floats:
-        """Return where points (N, 3) are seen, (N, 2); or one point."""
-        return np.asarray(points @ self.matrix[:2, :3].T + self.matrix[:2, 3])
+        """Return where points (..., 3) are seen, (..., 2)."""
+        x, y, _, w = np.moveaxis(points @ self.matrix[:, :3].T + self.matrix[:, 3], -1, 0)
+        return np.stack([x / w, y / w], axis=-1)
+
+    def depth(self, points: Floats) -> Floats:
+        """Return how far points (..., 3) are from the eye, but for a constant without perspective."""
+        return np.asarray(points @ self.matrix[2, :3] + self.matrix[2, 3])
 
     def sorted(self, drawn: list[Drawn]) -> list[Drawn]:
         """Return pieces from the back to the front."""
-        depth = [float(np.mean(d.points @ self.matrix[2, :3])) for d in drawn]
+        depth = [float(np.mean(self.depth(d.points))) for d in drawn]
         order = np.argsort(np.negative(depth), kind="stable")
         return [drawn[k] for k in order]
 
