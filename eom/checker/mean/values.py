@@ -139,13 +139,12 @@ def product_like(
     )
 
 
-# -- components ----------------------------------------------------------------------------------
-
-
 def components(value: Value, frame: str) -> Value:
-    """Return the components of a vector or dyadic in a frame; a column of no frame gets it."""
+    """Return the components in a frame, also of what is given by those in another; columns of none get it."""
     if value.is_zero:
         return value
+    if value.term.head == "column":
+        value = replace(value, term=value.term.args[0], shape=value.term.args[0].kind)
     if value.shape in {VECTOR, DYADIC}:
         shape = COLUMN if value.shape == VECTOR else MATRIX
         frames = (frame, frame if shape == MATRIX else "")
