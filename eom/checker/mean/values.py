@@ -140,7 +140,7 @@ def product_like(
 
 
 def components(value: Value, frame: str) -> Value:
-    """Return the components in a frame, also of what is given by those in another; columns of none get it."""
+    """Return the components in a frame, also of what another frame gives; columns of none get it."""
     if value.is_zero:
         return value
     if value.term.head == "column":
