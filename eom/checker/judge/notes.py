@@ -438,7 +438,7 @@ class _Context:
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
     ) -> tuple[Claim, ...]:
         new = claims(statement, self.lexicon, known, before)
-        if self.lexicon.system is None or all(covered(c) for c in new):
+        if self.lexicon.system is None or all(covered(c) or c.numbers for c in new):
             return new
         other = claims(statement, self.lexicon.without_system(), known, before)
         return min((other, new), key=_gaps)

@@ -29,7 +29,7 @@ from eom.quantities import Quantity
 from eom.scenes import catalogue
 from eom.system import Expr, System
 from eom.typeset.markup import symbol_latex
-from eom.worlds.solutions import Inconsistent, Motion, Restriction, rate
+from eom.worlds.solutions import Inconsistent, Motion, Restriction, rate, without_rates
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene
@@ -146,6 +146,20 @@ class Model:
         """Names of the coordinates that are not imposed, in their order, of any system."""
         given = imposed(self.system)
         return tuple(q.name for q in self.system.states if q.unit in PLACES and q.name not in given)
+
+    def constant(self, name: str, order: int = 0) -> Expr | None:
+        """Return a quantity's derivative by time where parameters alone give it; None for all else."""
+        of = self.quantities.get(name)
+        if of is None or of in self.system.parameters or self.given:
+            return None
+        term = of.symbol
+        for _ in range(order):
+            term = rate(term)
+        try:
+            found = sp.cancel(sp.together(without_rates(self.system, term)))
+        except InputError:
+            return None
+        return found if found.free_symbols <= {p.symbol for p in self.system.parameters} else None
 
     def motions(
         self, restrictions: tuple[Restriction, ...], length: int, tries: int

@@ -453,22 +453,45 @@ class _Data:
         plain = replace(look, accents=tuple(a for a in look.accents if a != "number"))
         entry = self.lexicon.find(plain) if self.depth < MAX_DEPTH else None
         if entry is None or entry.meaning.quantity != "equals":
-            return None
+            return self._by_system(look)
         self.depth += 1
         found = measured(read_formula(entry.meaning.formula).tree, self.value)
         self.depth -= 1
         return None if found is None else found.value
 
-    def off(self, node: Node) -> Expr:
-        """Return how far a formula may be off by the rounding of what it holds."""
-        centre, total = measured(node, self.value), sp.Integer(0)
-        for look in self.known if centre is not None else ():
-            if "number" in look.accents and self.known[look].term.args[1].data[0] != 0:
-                self.shifted = look
-                other = measured(node, self.value)
-                total += abs(other.value - centre.value) if other and centre else 0
-        self.shifted = None
+    def _by_system(self, look: Look) -> Expr | None:
+        """Return the number that the note's system gives a quantity by those of its parameters alone."""
+        model, name = self.lexicon.system, self._in_system(replace(look, accents=()))
+        if model is None or name is None:
+            return None
+        given = [k for k in self.known if k.accents == ("number",) and self.holds(k)]
+        named = {self._in_system(replace(k, accents=())): k for k in given}
+        found = model.constant(name, look.accents.count("dot"))
+        needed = {str(x): x for x in found.free_symbols} if found is not None else {}
+        if found is None or not needed or not needed.keys() <= named.keys():
+            return None
+        return found.subs({x: self.value(named[n]) for n, x in needed.items()})
+
+    def _in_system(self, look: Look) -> str | None:
+        entry = self.lexicon.find(look)
+        return entry.meaning.labels[0] if entry and entry.meaning.quantity == "system" else None
+
+    def off(self, *nodes: Node) -> Expr:
+        """Return how far formulas may be apart by the rounding of what both hold, each number moved at once."""
+        total = sp.Integer(0)
+        for look in (k for k in self.known if "number" in k.accents):
+            value, off = (t.data[0] for t in self.known[look].term.args)
+            if off != 0:
+                moved = [self._moved(n, look, value, value + off) for n in nodes]
+                total += abs(moved[0] - sum(moved[1:]))
         return total
+
+    def _moved(self, node: Node, look: Look, value: Expr, to: Expr) -> Expr:
+        """Return what a formula changes by where a given number does, also where it is written out."""
+        centre, self.shifted = measured(node, self.value), look
+        other = measured(transform(node, lambda n: _exchanged(n, value, to)), self.value)
+        self.shifted = None
+        return other.value - centre.value if other and centre else sp.Integer(0)
 
     def rounding(self, node: Node) -> Expr:
         """Return how far a number that is computed may be off by decimals in it that nobody has given."""
@@ -488,6 +511,14 @@ def _same_digits(a: Expr, b: Expr) -> bool:
     if not (a and b.is_Rational and b):
         return False
     return any(a * p == b or a == b * p for p in (sp.Integer(10) ** n for n in range(MAX_SHIFT)))
+
+
+def _exchanged(node: Node, value: Expr, to: Expr) -> Node:
+    """Return another number for a decimal that has the digits of a given one."""
+    if not isinstance(node, Number) or "." not in node.text:
+        return node
+    written = sp.Rational(node.text)
+    return replace(node, text=str(written * to / value)) if _same_digits(written, value) else node
 
 
 def _shifted(node: Node, decimal: Number) -> Node:
@@ -589,14 +620,14 @@ def _compared(
         own = last_digit(node) or sp.Integer(0)
         put = own + data.rounding(node)
         sides = ((own if number_only(m) else put, m, f) for m, f in (before[0], before[-1]))
-        if not any(_near(here, off, f, m, data) for off, m, f in sides):
+        if not any(_near(here, off + data.off(m, node), f, m, data) for off, m, f in sides):
             return _other(node, here, before[-1][1], data.turn), True
     return None, compared
 
 
 def _near(here: Measure, own: Expr, there: Measure, node: Node, data: _Data) -> bool:
     digits = last_digit(node) or 0
-    allowed = (own + digits + data.off(node)).subs(TURN, data.turn)
+    allowed = (own + digits).subs(TURN, data.turn)
     apart = sp.N(abs(here.value - there.value), DIGITS)
     scale = sp.N(abs(here.value), DIGITS)
     return bool(apart <= sp.N(allowed * SLACK + scale * sp.Rational(1, 10**20), DIGITS))
