@@ -1,4 +1,4 @@
-r"""``python -m benchmarks.checking FOLDER --lexica FOLDER``: the checker against judged notes.
+r"""``python -m benchmarks.checking FOLDER [--lexica FOLDER | --bare]``: the checker against judged notes.
 
 ``FOLDER`` holds notes and ``truth.json``, a list of entries, one for each formula: ``id`` (``file:E1``,
 ``file:i1``: the n-th display or inline formula of the note ``file``, without its suffix) or ``note`` and
@@ -17,6 +17,9 @@ accepts "ill_formed", ill-formed counts as wrong; an assumption as a definition.
 A wrong line is found for the right reason where a correction of the truth is among those offered, or a
 place that is blamed lies in the term that is wrong. Corrections are the same if the lines are equal in
 all worlds: their members, up to one number for all.
+
+With ``--bare`` a note is judged with nothing but itself, without the lexicon in its head: meanings are
+found from its words, letters and types. Lines that are unsure count as not decided, and as not found.
 """
 
 from __future__ import annotations
@@ -49,7 +52,14 @@ from eom.checker.note.checking import check_note
 from eom.checker.read.damage import apply
 from eom.checker.read.documents import KINDS, Piece, load
 from eom.checker.read.grammar import read_formula
-from eom.checker.report.findings import GIVEN, UNEXPLAINED, Explanation, Finding, Settings
+from eom.checker.report.findings import (
+    GIVEN,
+    UNEXPLAINED,
+    UNSURE,
+    Explanation,
+    Finding,
+    Settings,
+)
 from eom.errors import InputError
 from eom.fields import PRIME
 from eom.worlds.worlds import closure
@@ -63,7 +73,7 @@ NAMES = {NONE: NO_EQUATION, "assumption": "definition", "ill-formed": "ill_forme
 """Our verdicts in words of the truth, where it has others; blanks are underscores."""
 SILENT = ("definition", "undecided", "ambiguous")
 """What may be said of an inline formula that the truth does not list."""
-OPEN = frozenset({"undecided", "ambiguous", NONE})
+OPEN = frozenset({"undecided", "ambiguous", UNSURE, NONE})
 TRUE = ("holds", "holds_under", "definition")
 SHOWN = 3
 """Corrections among which the right one should be."""
@@ -223,6 +233,20 @@ def of_note(
     said = [e for e in truth.values() if e.name.startswith(f"{name}:C")]
     words = [f for f in found if f.kind == PROSE]
     yield from (_of_claim(entry, words, accepted) for entry in said)
+
+
+def without_lexicon(folder: Path, name: str) -> Iterator[Result]:
+    """Yield the results of one note with nothing but itself. Raises `InputError`."""
+    with tempfile.TemporaryDirectory() as place:
+        path = note(folder, name)
+        text = path.read_text(encoding="utf-8")
+        (Path(place) / path.name).write_text(_HEAD.sub("", text), encoding="utf-8")
+        shutil.copy(folder / "truth.json", place)
+        yield from of_note(Path(place), name)
+
+
+_HEAD = re.compile(r"\A\+\+\+\n.*?^\+\+\+\n", re.DOTALL | re.MULTILINE)
+"""What stands in the head of a note for the checker."""
 
 
 def _named(name: str, pieces: Iterable[Piece]) -> Iterator[tuple[str, Piece]]:
@@ -404,19 +428,23 @@ def report(rows: Sequence[Result]) -> Iterator[str]:
         yield from (f"  {line}" for r in chosen for line in _missed(r))
 
 
-def summary(rows: Sequence[Result]) -> Iterator[str]:
-    """Yield the lines of the figures of all displays."""
+def summary(rows: Sequence[Result], *, repairs: bool = True) -> Iterator[str]:
+    """Yield the lines of the figures of all displays; without ``repairs`` no reasons nor corrections."""
     displays = [r for r in rows if r.kind == "display"]
     wrong, caught = [r for r in displays if r.wrong], [r for r in displays if r.caught]
     passed = sum(r.counted in TRUE and not r.right for r in wrong)
     ranks = [r.rank for r in caught]
     reason = sum(bool(r.rank or r.blamed) for r in caught)
     yield f"decided: {sum(r.ours not in OPEN for r in displays)} of {len(displays)}"
-    yield f"wrong ones found: {len(caught)} of {len(wrong)}; for the right reason: {reason}"
+    why = f"; for the right reason: {reason}" if repairs else ""
+    yield f"wrong ones found: {len(caught)} of {len(wrong)}{why}"
     yield f"wrong ones passed: {passed}"
-    for n in (1, SHOWN):
+    unsure = [r for r in displays if r.ours == UNSURE]
+    if unsure:
+        yield f"unsure: {len(unsure)}, of which {sum(r.wrong for r in unsure)} are wrong"
+    for n in (1, SHOWN) if repairs else ():
         yield f"the correction among the first {n}: {sum(0 < r <= n for r in ranks)} of {len(caught)}"
-    for r in caught:
+    for r in caught if repairs else ():
         if not 0 < r.rank <= SHOWN:
             yield f"  {r.entry.name}: rank {r.rank or 'none'}{', rightly blamed' * r.blamed}"
             yield from (f"    offered: {c.latex[:150]}" for c in r.found.corrections[:SHOWN])
@@ -432,11 +460,17 @@ def _missed(r: Result) -> list[str]:
 @click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
 @click.option("--lexica", type=click.Path(path_type=Path, exists=True), help="Folder of lexica.")
 @click.option("--only", default="", help="One note of the folder.")
-def main(folder: Path, lexica: Path | None, only: str) -> None:
+@click.option("--bare", is_flag=True, help="Judge notes with nothing but themselves.")
+def main(folder: Path, lexica: Path | None, only: str, bare: bool) -> None:
     """Judge all notes of a folder; exit with 1 where a true equation is called wrong."""
     truth = read_truth(folder / "truth.json")
     names = [only] if only else sorted({e.split(":")[0] for e in truth})
     start = process_time()
+    if bare:
+        rows = [r for name in names for r in without_lexicon(folder, name)]
+        click.echo("\n".join([*report(rows), *summary(rows, repairs=False)]))
+        click.echo(f"processor time of {len(names)} notes: {time_text(process_time() - start)}")
+        sys.exit(any(r.false_alarm for r in rows))
     rows = [r for name in names for r in of_note(folder, name, lexica, corrections=True)]
     spent = process_time() - start
     click.echo("\n".join([*report(rows), *summary(rows)]))

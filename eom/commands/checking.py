@@ -73,6 +73,9 @@ def _assumptions() -> Rows:
     metavar="VERDICT",
     help="Print these alone: wrong, ill-formed, undecided, ...; repeatable.",
 )
+@click.option(
+    "--strict", is_flag=True, help="Count as wrong what is so by a meaning that is only a guess."
+)
 @click.option("-q", "--quiet", is_flag=True, help="Print what is wrong or ill-formed alone.")
 @click.option("--json", "as_json", is_flag=True, help="Print all reports as JSON.")
 @click.option(
@@ -125,6 +128,9 @@ def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> N
     void f(double t, const double *y, const double *p, double *dy) in C; what is wrong is named by its
     terms.
 
+    A line is unsure, and not wrong, that is wrong by a meaning of the draft which
+    neither words nor another line make sure; --strict counts it as wrong.
+
     Exit status: 0 nothing wrong, 1 a line is wrong or ill-formed, 2 unusable input.
     """
     if bool(notes) == bool(code):
@@ -169,6 +175,7 @@ def _settings(
     system: str | None,
     seconds: float,
     note_seconds: float,
+    strict: bool,
     **_: Any,
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
@@ -184,7 +191,7 @@ def _settings(
     from eom.checker.report.findings import GIVEN, Settings  # heavy: after what is refused
 
     return Settings(
-        notation, lexicon, named if given else GIVEN, kind, system, seconds, note_seconds
+        notation, lexicon, named if given else GIVEN, kind, system, seconds, note_seconds, strict
     )
 
 
@@ -236,7 +243,7 @@ def _checked(
 
 def _propose(words: Sequence[str], kind: str) -> None:
     """Print the draft of a lexicon. Raises `InputError` for more than one note."""
-    from eom.checker.mean.propose import proposed
+    from eom.checker.infer.draft import proposed
     from eom.checker.read.documents import document_of, notes_of
 
     notes = notes_of([_note(word) for word in words])

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eom import limits
-from eom.checker.mean import instants, numbers
+from eom.checker.mean import examples, instants, numbers
 from eom.checker.mean.calculus import leaves_sign, lone_logarithm
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator, in_brackets
@@ -115,7 +115,7 @@ class Claim:
     and ``previous`` is the last one of that. ``findings``: why members are missing, or the claim is
     ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
     ``model``: the system that scalar lines of the note are about. ``parameters``: of a chain of free
-    scalars, see `eom.checker.mean.parameters`; ``numbers``: that it gives, see `eom.checker.mean.numbers`;
+    scalars, see `eom.checker.mean.parameters`; ``numbers``: that it gives, see `eom.checker.mean.examples`;
     ``order``: of what is said to be left out, and in what; ``indices``: what free ones stand for in it.
     ``otherwise``: the same with Poisson brackets of the other sign, where nothing says which they have.
     """
@@ -195,12 +195,12 @@ def _found(
 
 def _claimed(one: Statement, e: Elaborator, before: Sequenced[Claim]) -> Iterator[Claim]:
     """Yield what a single statement claims: by its symbols, and by the numbers in a worked example."""
-    example = numbers.worked(one, e)
+    example = examples.worked(one, e)
     rest = one if example is None else example.rest
     for apart in _apart(rest, e) if rest is not None else ():
         yield from _chain(apart, e, before)
     if example is not None:
-        agreed = (numbers.agreed(),) * 2 if example.finding is None else ()
+        agreed = (examples.agreed(),) * 2 if example.finding is None else ()
         findings = (example.finding,) if example.finding is not None else ()
         relations = ("=",) if agreed else ()
         yield Claim(agreed, relations, findings=findings, numbers=example.numbers, span=one.span)
@@ -503,8 +503,8 @@ def _datum(s: Statement, e: Elaborator) -> Claim | None:
     """Return that a number is given, which nothing else gives."""
     if not given_number(s, e) and not _starts(s, e):
         return None
-    finding = Finding(UNDECIDED, numbers.GIVEN_NUMBER, s.span)
-    return Claim((), findings=(finding,), numbers=numbers.given(s, e), span=s.span)
+    finding = Finding(UNDECIDED, examples.GIVEN_NUMBER, s.span)
+    return Claim((), findings=(finding,), numbers=examples.given(s, e), span=s.span)
 
 
 def _starts(s: Statement, e: Elaborator) -> bool:

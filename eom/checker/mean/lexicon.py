@@ -155,6 +155,16 @@ class Meaning:
         )
 
     @property
+    def words(self) -> str:
+        """The meaning as a lexicon spells it."""
+        if self.quantity == "equals":
+            return f"= {self.formula}"
+        parts = [self.quantity, *self.labels]
+        for word, of in (("in", (self.frame,)), ("component", self.component)):
+            parts += [word, *of] if any(of) else []
+        return " ".join([*parts, *(["per", "volume"] if self.density else [])])
+
+    @property
     def kind(self) -> str:
         """What the quantity is, before components are taken; a scalar where that is not known."""
         known = QUANTITIES.get(self.quantity)

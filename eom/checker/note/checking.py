@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from eom.checker.infer.draft import Meanings, Proposal, meanings
+from eom.checker.infer.evidence import doubts, readings
 from eom.checker.judge.coordinates import covered
-from eom.checker.judge.judge import UNDECIDED, UNDER, WRONG
-from eom.checker.judge.notes import Understood, understand
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
+from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
+from eom.checker.mean.claims import STATEMENT, Claim
+from eom.checker.mean.examples import ANOTHER
 from eom.checker.mean.lexicon_files import about
-from eom.checker.mean.propose import Meanings, meanings
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
@@ -24,6 +28,7 @@ from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import (
     FORMULA_SECONDS,
     GIVEN,
+    UNSURE,
     Finding,
     Graded,
     Remark,
@@ -39,6 +44,12 @@ if TYPE_CHECKING:
     from eom.opening import AnyScene
     from eom.system import System
 
+_PLACED = re.compile("centre of mass|origin|^[A-Z] = [A-Z]$")
+"""A special case that makes points coincide, which a draft may have taken for each other."""
+MAX_READINGS = 12
+"""Other meanings under which a wrong line of a draft is judged again."""
+SHOWN = 3
+"""Meanings that a verdict rests on and that are told."""
 MAX_SETS = 24
 """Sets of assumptions that are listed at most of one formula."""
 
@@ -63,6 +74,7 @@ def check(
     kind: str = "",
     system: str | System | AnyScene | None = None,
     seconds: float = FORMULA_SECONDS,
+    strict: bool = False,
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.
 
@@ -79,7 +91,7 @@ def check(
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
     'holds under'
     """
-    settings = Settings(notation, str(lexicon), tuple(given), kind, system, seconds)
+    settings = Settings(notation, str(lexicon), tuple(given), kind, system, seconds, strict=strict)
     return check_note(note_of(note), settings)
 
 
@@ -95,6 +107,7 @@ def check_note(note: Note, settings: Settings) -> Report:
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
         found = tuple(_explained(f, settings) for f in _found(reviewed, known))
+        found = found if settings.strict else tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
     return _report(document, known, settings, [*(f.finding for f in found), *words])
@@ -179,6 +192,57 @@ def _reviewed(
         return review(document, understood, settings.given, verdicts)
     except (Overdue, RecursionError):
         return [Reviewed(u, v) for u, v in zip(understood, verdicts, strict=True)]
+
+
+def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Iterator[Found]:
+    """Yield the formulas; a wrong one is unsure where a meaning is a guess, or another one saves it."""
+    if known.draft is None:
+        yield from found
+        return
+    formulas = [f.understood.formula for f in found]
+    hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
+    for one, doubted in zip(found, doubts(formulas, hold, known.lexicon, known.draft), strict=True):
+        if one.finding.verdict != WRONG or all(map(_apart, one.verdict.claims)):
+            yield one
+            continue
+        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in doubted[:SHOWN]]
+        if _PLACED.search(one.finding.special):
+            taken += ["points and frames are as drafted"]
+        why = ", ".join(taken) or _excused(one, known.draft, settings)
+        reason = f"if {why}, then: {one.finding.reason}"
+        unsure = replace(one.finding, verdict=UNSURE, reason=reason)
+        yield replace(one, finding=unsure) if why else one
+
+
+def _apart(judged: Judged) -> bool:
+    """Return whether a verdict rests on no draft: on a system that is named, or on numbers alone."""
+    return covered(judged.claim) or any(f.what == ANOTHER for f in judged.claim.findings)
+
+
+def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
+    """Return which meaning a symbol must not have for a line to be wrong; "" where none saves it."""
+    reading = one.understood.formula.reading
+    if reading is None:
+        return ""
+    given = (*settings.given, *one.understood.lexicon.assume)
+    try:
+        with deadline(settings.seconds, "other meanings of this formula"):
+            others = readings(one.understood.formula, one.understood.lexicon, draft)
+            for doubt, lexicon in islice(others, MAX_READINGS):
+                claims = reread(replace(one.understood, lexicon=lexicon), reading.tree)
+                if claims and all(_holds(c, given) for c in claims):
+                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+    except (Overdue, RecursionError, InputError):
+        return ""
+    return ""
+
+
+def _holds(claim: Claim, given: tuple[str, ...]) -> bool:
+    """Return whether a claim holds that says something."""
+    if claim.verdict or claim.kind != STATEMENT:
+        return False
+    found = judge(claim, given)
+    return found.verdict in {HOLDS, UNDER} and not found.special
 
 
 def _unconfirmed(found: Finding) -> Finding:

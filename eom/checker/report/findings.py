@@ -42,7 +42,8 @@ class Settings:
     being said; ``kind``: of texts that are no files, see `read_document`, "" for what they look like;
     ``system``: what scalar lines are about, a name, a scene file or an object, None for what the note says;
     ``seconds`` of processor time: for the meaning of a formula, and again for its judgement;
-    ``note_seconds``: for a note.
+    ``note_seconds``: for a note; ``strict``: whether a line counts as wrong, and not as unsure, that is so
+    by a meaning which neither words nor another line make sure.
     """
 
     notation: str = ""
@@ -52,6 +53,7 @@ class Settings:
     system: str | System | AnyScene | None = None
     seconds: float = FORMULA_SECONDS
     note_seconds: float = NOTE_SECONDS
+    strict: bool = False
 
 
 @dataclass(frozen=True)
@@ -107,12 +109,15 @@ UNEXPLAINED = Explanation()
 """Nothing is said."""
 
 
+UNSURE = "unsure"
+"""The verdict on a line that is wrong if a meaning is right which only letters and custom suggest."""
 FAULTS = frozenset({"wrong", "ill-formed"})
 """Verdicts that say that something is wrong."""
 
 VERDICTS: dict[str, tuple[str, str]] = {
     "wrong": ("bad", "wrong"),
     "ill-formed": ("bad", "ill-formed"),
+    "unsure": ("unsure", "wrong if the draft is right"),
     "ambiguous": ("unsure", "ambiguous"),
     "undecided": ("unsure", "undecided"),
     "holds under": ("good", "hold under assumptions"),
@@ -391,7 +396,7 @@ Part = tuple[str, str]
 """Style ("title", "good", "bad", "unsure", "faint", "") and text."""
 Line = tuple[Part, ...]
 
-DETAILED = FAULTS | {"undecided", "ambiguous"}
+DETAILED = FAULTS | {UNSURE, "undecided", "ambiguous"}
 """Verdicts that are printed with the equation and the place."""
 
 MAX_LINES = 24

@@ -5,10 +5,10 @@ import itertools
 import pytest
 import sympy as sp
 
+from eom.checker.infer.draft import propose
 from eom.checker.judge.notes import understand
 from eom.checker.judge.verdicts import verdict
 from eom.checker.mean.lexicon_files import PRESETS, parse_lexicon
-from eom.checker.mean.propose import propose
 from eom.checker.read.documents import read_document
 from tests.eom.checker.attitudes import ANGLES, SCHAUB, STILL_TRUE, TRUE, mutants
 from tests.eom.rows import every, only

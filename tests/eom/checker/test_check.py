@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import eom
-from eom.checker.mean.propose import meanings, propose
+from eom.checker.infer.draft import meanings, propose
 from eom.checker.mean.roles import roles
 from eom.checker.note import checking
 from eom.checker.note.checking import check_note
 from eom.checker.read.documents import Text, is_file, looks_like, note_of, notes_of, read_document
 from eom.checker.read.spans import NOWHERE
-from eom.checker.report.findings import FAULTS, ORDER, UNEXPLAINED, Explanation, Settings
+from eom.checker.report.findings import FAULTS, ORDER, UNEXPLAINED, UNSURE, Explanation, Settings
 from eom.errors import InputError
 from eom.limits import Overdue, check, deadline
 from tests.clock import growth_in_calls
@@ -323,7 +323,7 @@ def test_explanations_add_to_findings_and_leave_them_where_they_take_too_long(mo
 def test_every_verdict_is_in_the_order():
     from eom.checker.judge import verdicts
 
-    assert set(ORDER) == {*verdicts.ORDER, verdicts.NONE}
+    assert set(ORDER) == {*verdicts.ORDER, verdicts.NONE, UNSURE}
     assert FAULTS == verdicts.GRAVE
 
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from eom.checker.infer.draft import propose
 from eom.checker.judge.notes import understand
 from eom.checker.mean.lexicon_files import PRESETS, lexicon_for, parse_lexicon, preset
-from eom.checker.mean.propose import propose
 from eom.checker.read.documents import read_document
 
 LEXICA = Path(__file__).parent / "lexica"

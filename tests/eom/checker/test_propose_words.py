@@ -1,7 +1,7 @@
 """Drafts of lexica: what a note says of its symbols goes before what a preset says of them."""
 
 import eom
-from eom.checker.mean.propose import propose
+from eom.checker.infer.draft import propose
 from eom.checker.read.documents import read_document
 
 NOTE = r"""

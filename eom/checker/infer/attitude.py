@@ -1,0 +1,105 @@
+r"""What words say of attitude coordinates: sequences of angles, and components of quaternions.
+
+"the 3-2-1 angles $\psi$, $\theta$, $\phi$", "yaw $\psi$, pitch $\theta$ and roll $\phi$",
+"the 3-1-3 sequence: $\phi$ about z, $\theta$ about the line of nodes, $\psi$ about z'": angles belong to
+a sequence only where words name it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from eom.checker.infer.sayings import LIST, MARK, Mention, Prose
+from eom.checker.read.symbol_shape import Look
+
+COLUMNS = frozenset(
+    "quaternion quaternion_last euler_vector rodrigues modified_rodrigues shadow_rodrigues "
+    "principal_axis".split()
+)
+"""Quantities that are written as plain letters by some, as marked ones by others."""
+
+_NUMBERS = re.compile(r"\b([123])\s?[-–—]\s?([123])\s?[-–—]\s?([123])\b|\b([123])([123])([123])\b")
+_LETTERS = re.compile(r"\b([xyzXYZ])\s?[-–—]?\s?([xyzXYZ])\s?[-–—]?\s?([xyzXYZ])\b")
+_YAW = (
+    (
+        re.compile(
+            r"yaw\W+(?:⟦\d+⟧\W+)?(?:and )?pitch\W+(?:⟦\d+⟧\W+)?(?:and )?roll", re.IGNORECASE
+        ),
+        "321",
+    ),
+    (re.compile(r"roll\W+(?:and )?pitch\W+(?:and )?yaw", re.IGNORECASE), "space123"),
+)
+_FIXED = re.compile(
+    r"space[- ](?:fixed|three|two|axes|order)|fixed axes|extrinsic|\bspace\b", re.IGNORECASE
+)
+_ANGLES = re.compile(r"angle|rotation|sequence|turn", re.IGNORECASE)
+_NAMED = re.compile(rf"\b(yaw|heading|pitch|roll|bank)(?: angle)?\s+({MARK})", re.IGNORECASE)
+_TURNS = {"yaw": 1, "heading": 1, "pitch": 2, "roll": 3, "bank": 3}
+_LISTS = re.compile(LIST)
+_ABOUT = re.compile(rf"({MARK})\s+(?:\([^)]*\)\s+)?(?:about|around)\b")
+
+
+def angles(text: Prose) -> Iterator[tuple[Look, str, str, int]]:
+    """Yield the angles of sequences that words name, with what they mean, the words and their line."""
+    for k, sentence in enumerate(text.sentences):
+        window = " ".join(text.sentences[k : k + 2])
+        for part in (*re.split(r"[;,] (?=the \d-)", sentence), window):
+            axes = _sequence(part)
+            of = _of(text, part) if axes else ()
+            if of:
+                for number, mention in enumerate(of, 1):
+                    words = text.shown(sentence)[-70:]
+                    yield mention.look, f"turn_angle {number} {axes} B I", words, mention.line
+
+
+def _of(text: Prose, words: str) -> tuple[Mention, ...]:
+    """Return the three angles that words list: by their names, in order, or each with its axis."""
+    named = {_TURNS[m[1].lower()]: text.marked(m[2])[0] for m in _NAMED.finditer(words)}
+    if set(named) == {1, 2, 3}:
+        return tuple(named[k] for k in (1, 2, 3))
+    lists = [text.marked(m[0]) for m in _LISTS.finditer(words)]
+    about = tuple(text.marked(m[1])[0] for m in _ABOUT.finditer(words))
+    for of in (*lists, about):
+        if len({m.look for m in of}) == len(of) == 3 and all(_is_angle(m.look) for m in of):
+            return of
+    return ()
+
+
+_LETTERS_OF_ANGLES = frozenset(
+    "alpha beta gamma delta phi varphi theta vartheta psi chi eta xi mu nu kappa lambda sigma".split()
+)
+
+
+def _is_angle(look: Look) -> bool:
+    """Return whether a symbol looks like an angle: a plain small Greek letter that is usual for one."""
+    return not look.accents and not look.style and look.name in _LETTERS_OF_ANGLES
+
+
+def components(look: Look, meaning: str) -> Iterator[tuple[Look, str]]:
+    """Yield the components that go with a letter: of a quaternion, of Rodrigues parameters."""
+    quantity, *labels = meaning.split()
+    if look.sub or look.sup:
+        return
+    bare = replace(look, accents=(), style="")
+    if quantity in {"quaternion", "quaternion_last"}:
+        last = quantity == "quaternion_last"
+        yield replace(bare, sub=("4" if last else "0",)), f"euler_parameter 0 {' '.join(labels)}"
+        yield replace(bare, sub=("<k>",)), f"euler_parameter <k> {' '.join(labels)}"
+    elif quantity in COLUMNS:
+        yield replace(bare, sub=("<k>",)), f"{meaning} component <k>"
+
+
+def _sequence(words: str) -> str:
+    """Return the sequence that words name, or nothing."""
+    if not _ANGLES.search(words) and not any(p.search(words) for p, _ in _YAW):
+        return ""
+    digits = _NUMBERS.search(words)
+    axes = "".join(d for d in digits.groups() if d) if digits else ""
+    letters = _LETTERS.search(words)
+    if not axes and letters:
+        axes = "".join(str("xyz".index(c.lower()) + 1) for c in letters.groups())
+    if axes and axes[0] != axes[1] != axes[2]:
+        return f"space{axes}" if _FIXED.search(words) else axes
+    return next((axes for pattern, axes in _YAW if pattern.search(words)), "")

@@ -1,0 +1,156 @@
+r"""What letters stand for in the usual books, where neither words nor the preset say.
+
+A meaning of a book is taken only if more lines of the note can be read with it and none is ill-formed that
+was not before: of several the one that leaves least, in the order of custom.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib.resources import files
+
+from eom.checker.infer.house import Tables, drafted, fit
+from eom.checker.infer.sayings import look_of
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon_files import lexicon_of
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.statements import Formula
+from eom.checker.read.symbol_shape import Look
+from eom.checker.read.syntax import Node, children
+from eom.checker.read.writing import latex_of
+
+
+@dataclass(frozen=True)
+class Row:
+    """Letters with a mark and labels, and what they stand for in order of custom."""
+
+    letters: frozenset[str]
+    mark: str
+    labels: str
+    means: tuple[str, ...]
+
+
+@cache
+def rows() -> tuple[Row, ...]:
+    """Return the table."""
+    data = tomllib.loads((files(__package__) / "books.toml").read_text(encoding="utf-8"))["rows"]
+    return tuple(
+        Row(frozenset(w.lstrip("\\") for w in r[0].split()), r[1], r[2], tuple(r[3:])) for r in data
+    )
+
+
+def candidates(look: Look, body: str, lexicon: Lexicon) -> Iterator[tuple[str, str]]:
+    """Yield patterns with meanings that books give a symbol."""
+    marked = bool(look.accents or look.style)
+    for row in rows():
+        fits = row.mark == "table" or (row.mark == "vector") == marked
+        if look.name not in row.letters or not fits:
+            continue
+        pattern = latex_of(Look(look.name, look.style, look.accents)) + row.labels
+        for means in row.means:
+            words = means.replace("{body}", body)
+            one, _ = lexicon_of({"symbols": {pattern: words}}, "book")
+            whole = replace(lexicon, layers=one.layers)
+            if whole.find(look) is not None:
+                yield pattern, words
+
+
+SWEEPS = 2
+MAX_DEPTH = 6
+
+
+def resolved(means: str, lexicon: Lexicon, of: Look, depth: int = MAX_DEPTH) -> bool:
+    """Return whether all symbols of a formula have a meaning that does not rest on one of them."""
+    tree = read_formula(means.removeprefix("=").strip()).tree
+    for look in looks_in(tree):
+        found = lexicon.find(look)
+        if look == of or found is None or depth == 0:
+            return False
+        formula = found.meaning.formula
+        if formula and not resolved(formula, lexicon, of, depth - 1):
+            return False
+    return True
+
+
+def looks_in(node: Node) -> Iterator[Look]:
+    """Yield what the symbols of a formula look like."""
+    look = look_of(node)
+    if look is not None:
+        if look.name not in {"d", "t"}:
+            yield look
+        return
+    for child in children(node):
+        yield from looks_in(child)
+
+
+@dataclass
+class _Search:
+    """The symbols that are looked for, what each has so far, and what may be said of it."""
+
+    formulas: tuple[Formula, ...]
+    preset: str
+    tables: Tables
+    body: str
+    own: Mapping[Look, tuple[str, str]]
+    chosen: dict[Look, tuple[str, str]] = field(default_factory=dict)
+
+    @property
+    def given(self) -> Mapping[str, str]:
+        """What words say of symbols."""
+        return self.tables.get("symbols", {})
+
+    def lexicon(self, more: Mapping[str, str]) -> Lexicon:
+        """Return the lexicon of preset, words and more entries."""
+        return drafted(self.preset, {**self.tables, "symbols": {**self.given, **more}})
+
+    def decide(self, look: Look) -> None:
+        """Choose the meaning of a symbol that leaves least with those that the others have."""
+        others = {p: m for k, (p, m) in self.chosen.items() if k != look}
+        self.chosen.pop(look, None)
+        lexicon = self.lexicon(others)
+        known = lexicon.find(look) is not None
+        if known and look not in self.own:
+            return
+        here = fit(self.formulas, lexicon)
+        tried = [(here.ill, here.left, -1, "", "")] if known else []
+        for number, (pattern, means) in enumerate(self._candidates(look, lexicon, known)):
+            new = fit(self.formulas, self.lexicon({**others, pattern: means}))
+            if new.ill <= here.ill:
+                tried.append((new.ill, new.left, 2 * number, pattern, means))
+        if tried and min(tried)[3]:
+            self.chosen[look] = min(tried)[3:]
+
+    def _candidates(self, look: Look, lexicon: Lexicon, known: bool) -> Iterator[tuple[str, str]]:
+        """Yield what the text defines a symbol by, then what books say of its letter.
+
+        Books say nothing of a letter that words name, whatever its labels.
+        """
+        if look in self.own and resolved(self.own[look][1], lexicon, look):
+            yield self.own[look]
+        bare = lexicon.find(replace(look, sub=(), sup=(), presub=(), presup=()))
+        if not known and (bare is None or bare.entry.latex not in self.given):
+            yield from dict.fromkeys(candidates(look, self.body, lexicon))
+
+
+def taken(
+    formulas: tuple[Formula, ...],
+    preset: str,
+    tables: Tables,
+    unknown: Iterable[Look],
+    body: str,
+    own: Mapping[Look, tuple[str, str]],
+) -> Mapping[str, tuple[str, Look]]:
+    """Return meanings by their patterns, each with the symbol that it was taken for.
+
+    ``unknown``: symbols, those first that stand in most places; ``own``: what formulas of the text say.
+    In a second sweep each is decided again, with all others known.
+    """
+    search = _Search(formulas, preset, tables, body, own)
+    unknown = tuple(unknown)
+    for _ in range(SWEEPS):
+        for look in unknown:
+            search.decide(look)
+    return {pattern: (means, look) for look, (pattern, means) in search.chosen.items()}

@@ -1,0 +1,643 @@
+r"""A draft of a lexicon from a note's own words: what its symbols are said to be, and what is left.
+
+The preset that knows most symbols is taken; symbols that it does not know are looked for in the text
+beside them ("r points from the centre of mass to ...", "the angular velocity, w, of B"). The writer
+confirms: nothing of this is used without being asked for.
+
+What the words of a note say of its attitude coordinates: sequences of angles, quaternions, axes.
+
+"the 3-2-1 Euler angles $\psi$, $\theta$, $\phi$", "$(\phi, \theta, \psi)$ are roll, pitch and yaw": three
+angles belong to a sequence only where the words beside them name it.
+
+Where the meanings of a note's symbols come from: a preset, a file, the note itself, or a draft.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+from eom.checker.infer.attitude import angles, components
+from eom.checker.infer.books import taken
+from eom.checker.infer.house import house
+from eom.checker.infer.phrases import Phrases, slotted, spelt
+from eom.checker.infer.places import as_label, marks, places
+from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
+from eom.checker.mean.claims import claims
+from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborator import FUNCTIONS
+from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
+from eom.checker.mean.lexicon_files import (
+    PRESETS,
+    in_yaml,
+    lexicon_found,
+    lexicon_of,
+    lexicon_text,
+    parse_lexicon,
+    preset,
+)
+from eom.checker.mean.values import Refusal
+from eom.checker.read.documents import Document
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.spans import printable
+from eom.checker.read.statements import Formula, Statement, read
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import (
+    Addition,
+    Derivative,
+    Differential,
+    Integral,
+    Node,
+    Number,
+    Sequence,
+    Symbol,
+    children,
+)
+from eom.checker.read.writing import latex, latex_of
+from eom.errors import InputError
+from eom.limits import Overdue
+from eom.terms.terms import INDICES, VECTOR
+
+CUSTOMARY = "by custom"
+LETTER = "by its letter"
+FORMULA = "by its formula in the text"
+BOOKS = "as in the usual books"
+GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS})
+"""What stands in the place of words where they say nothing."""
+MAX_UNKNOWN = 40
+"""Symbols that are looked for in books, those that stand in most places first."""
+WINDOW = 90
+"""Characters of prose on either side of a symbol that may say what it is."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A proposed entry: table, pattern, meaning, the words that say so, and their line."""
+
+    table: str
+    latex: str
+    meaning: str
+    words: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A preset, drafts of entries, symbols that the note defines, and those without a place.
+
+    ``others``: other meanings that words of the note give the same symbols elsewhere; ``body``: whose
+    mechanics it is about; ``confirmed``: patterns of the preset of which words say the same.
+    """
+
+    preset: str
+    drafts: tuple[Draft, ...]
+    defined: tuple[tuple[str, int], ...]
+    unplaced: tuple[tuple[str, int], ...]
+    others: tuple[Draft, ...] = ()
+    body: str = "body"
+    confirmed: frozenset[str] = frozenset()
+
+    @property
+    def toml(self) -> str:
+        """The draft as a lexicon, with its sources as comments."""
+        lines = [f'preset = "{self.preset}"']
+        for table in ("frames", "points", "marks", "symbols"):
+            rows = [d for d in self.drafts if d.table == table]
+            lines += ["", f"[{table}]"] if rows else []
+            lines += [_row(d) for d in rows]
+        if self.defined:
+            lines += ["", "# defined by the note itself:"]
+            lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.defined]
+        if self.unplaced:
+            lines += ["", "# without a meaning so far:"]
+            lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.unplaced]
+        return "\n".join(lines) + "\n"
+
+
+def _row(draft: Draft) -> str:
+    """Return an entry as a line of TOML; patterns stand in simple quotes where they can."""
+    words, meaning = printable(draft.words), json.dumps(draft.meaning)
+    plain = draft.latex.isprintable() and "'" not in draft.latex
+    pattern = f"'{draft.latex}'" if plain else json.dumps(draft.latex)
+    return f"{pattern} = {meaning}  # line {draft.line}: {words}"
+
+
+def propose(document: Document) -> Proposal:
+    """Return a draft of the lexicon of a document.
+
+    First what words say, on the preset that fits them best; then what letters and labels stand for that go
+    with those; then formulas of the text and the usual books, for what is left.
+    """
+    formulas, text = read(document), prose(document)
+    note = _Drafted(formulas, text, tuple(_symbols(formulas)))
+    note.by_words()
+    for draft in derived(note.lexicon, (n for n, _ in note.symbols), text):
+        note.add(draft)
+    note.settle()
+    for draft in _by_custom(note.lexicon, note.looks, note.drafts):
+        note.drafts[draft.table, draft.latex] = draft
+    note.settle()
+    new = _defined(formulas, note.lexicon)
+    note.by_books(new)
+    unknown = {note.lexicon.notation.plain(k): n for k, n in note.unknown().items()}
+    return Proposal(
+        note.preset,
+        tuple(note.drafts.values()),
+        tuple((latex_of(k), n) for k, n in new.items()),
+        tuple((latex_of(k), n) for k, n in unknown.items() if k not in new),
+        tuple(note.others),
+        _body(text),
+        frozenset(note.confirmed),
+    )
+
+
+@dataclass
+class _Drafted:
+    """A draft while it is made: its entries, the preset that goes with them, the lexicon of both."""
+
+    formulas: tuple[Formula, ...]
+    text: Prose
+    symbols: tuple[tuple[Node, int], ...]
+    drafts: dict[tuple[str, str], Draft] = field(default_factory=dict)
+    others: list[Draft] = field(default_factory=list)
+    confirmed: set[str] = field(default_factory=set)
+    preset: str = ""
+    lexicon: Lexicon = field(default_factory=Lexicon)
+
+    @cached_property
+    def looks(self) -> Mapping[Look, int]:
+        """What symbols look like, with the first line of each."""
+        found: dict[Look, int] = {}
+        for node, line in self.symbols:
+            look = _bare(node)
+            if look is not None:
+                found.setdefault(look, line)
+        return found
+
+    def unknown(self) -> dict[Look, int]:
+        """Return the symbols that nothing gives a meaning so far, with the first line of each."""
+        found: dict[Look, int] = {}
+        for node, line in self.symbols:
+            look = _bare(node)
+            if look is not None and not _known(self.lexicon, node):
+                found.setdefault(look, line)
+        return found
+
+    def add(self, draft: Draft) -> None:
+        """Add an entry that a lexicon takes; what is said first stays, the rest is kept beside it."""
+        if _reads(draft):
+            first = self.drafts.setdefault((draft.table, draft.latex), draft)
+            self.others += [draft] if first.meaning != draft.meaning else []
+
+    def settle(self) -> None:
+        """Choose the preset that goes with the entries."""
+        every = dict.fromkeys((*self.looks, *(m.look for m in self.text.mentions)))
+        self.preset, self.lexicon = house(self.formulas, _tables(self.drafts.values()), every)
+
+    def by_words(self) -> None:
+        """Take what words say, but for what the preset says as well, or more closely."""
+        for draft in _by_words(self.text, tuple(said(self.text))):
+            self.add(draft)
+        self.settle()
+        own = preset(self.preset)
+        known = {k: _names(own, d) for k, d in self.drafts.items()}
+        self.confirmed = {p for p in known.values() if p}
+        self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
+        self.settle()
+
+    def by_books(self, defined: Container[Look]) -> None:
+        """Take formulas of the text and the usual books for symbols without a meaning."""
+        plain = lexicon_of(_tables(self.drafts.values()), DRAFT)[0]
+        own = {
+            k: (d.latex, d.meaning)
+            for k, d in _by_formulas(self.text).items()
+            if plain.find(k) is None and _reads(d)
+        }
+        count = Counter(k for n, _ in self.symbols if (k := _bare(n)) is not None)
+        left = sorted((k for k in self.unknown() if k not in own), key=lambda k: -count[k])
+        order = [*(k for k in self.looks if k in own), *left[:MAX_UNKNOWN]]
+        order = [k for k in order if self.lexicon.notation.plain(k) not in defined]
+        tables = _tables(self.drafts.values())
+        books = taken(self.formulas, self.preset, tables, order, _body(self.text), own)
+        for pattern, (means, look) in books.items():
+            words = FORMULA if own.get(look) == (pattern, means) else BOOKS
+            line = self.looks.get(look, 0)
+            self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, line)
+        self.settle()
+
+
+CUSTOM = {
+    "frames": {"b": "B", "B": "B", "body": "B", "i": "I", "I": "I", "N": "I", "n": "I", "0": "I"},
+    "points": {"C": "C", "G": "C", "S": "C", "O": "O"},
+}
+"""What labels name by custom, where neither words nor the preset say, and nothing else is called so."""
+
+
+def _by_custom(
+    lexicon: Lexicon, looks: Iterable[Look], drafts: Mapping[tuple[str, str], Draft]
+) -> Iterator[Draft]:
+    """Yield frames and points that labels of the note name by custom."""
+    labels = dict.fromkeys((w,) for look in looks for c in look.corners for w in c if w != "d")
+    pairs = any(c[i : i + 2] == ("d", "m") for k in looks for c in k.corners for i in range(len(c)))
+    if pairs and ("d", "m") not in lexicon.points:
+        yield Draft("points", "dm", "dm", CUSTOMARY, 0)
+    for table, names in CUSTOM.items():
+        said = {d.meaning for d in drafts.values() if d.table == table}
+        for label in labels:
+            name = names.get("".join(label))
+            known = label in lexicon.frames or label in lexicon.points
+            known = known or (label[0] in INDICES and ("b",) not in labels)
+            if name and not known and (table == "frames" or name not in said):
+                yield Draft(table, "".join(label), name, CUSTOMARY, 0)
+
+
+def _tables(drafts: Iterable[Draft]) -> dict[str, dict[str, str]]:
+    """Return entries as tables of a lexicon."""
+    found: dict[str, dict[str, str]] = {}
+    for draft in drafts:
+        found.setdefault(draft.table, {})[draft.latex] = draft.meaning
+    return found
+
+
+def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[Draft]:
+    r"""Yield entries for symbols without a meaning that others of the same letter give.
+
+    ``v_C`` the norm of the vector ``\vec v_C``, ``\hat r`` the direction of ``\vec r``, ``\omega_2`` a
+    component, ``\mathbf u`` the column of ``\vec u``; ``s_\theta`` the sine of an angle where words say so.
+    """
+    short = any("sine" in s and "cosine" in s for s in text.sentences)
+    done: set[Look] = set()
+    for node in symbols:
+        found = _bare(node)
+        if found is None or found in done or _known(lexicon, node):
+            continue
+        done.add(found)
+        means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
+        if means:
+            yield Draft("symbols", latex_of(found), means, LETTER, 0)
+
+
+_FUNCTIONS = {"s": "sin", "c": "cos"}
+
+
+def _short(lexicon: Lexicon, look: Look) -> str:
+    """Return the sine or cosine that a letter with an angle below it stands for."""
+    angle = Look(look.sub[0]) if len(look.sub) == 1 and not look.accents else None
+    known = angle is not None and lexicon.find(angle) is not None and look.name in _FUNCTIONS
+    return rf"= \{_FUNCTIONS[look.name]} {latex_of(angle)}" if known and angle is not None else ""
+
+
+def _of_letter(lexicon: Lexicon, look: Look) -> str:
+    """Return what a letter stands for that a vector has, too: its norm, direction, component, column."""
+    axis = AXES.get(look.sub[-1]) if look.sub else None
+    plain = not look.accents and not look.style
+    unit = "hat" in look.accents
+    for entry in (e for layer in lexicon.layers for e in layer):
+        e = entry.look
+        vector = (e.accents or e.style) and entry.meaning.kind == VECTOR and e.name == look.name
+        if not vector or (e.accents, e.style) == (look.accents, look.style):
+            continue
+        whole = latex_of(replace(e, sub=look.sub, sup=look.sup))
+        if plain and lexicon.find(replace(e, sub=look.sub, sup=look.sup)) is not None:
+            return rf"= \left|{whole}\right|"
+        if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
+            return rf"= {whole} / \left|{whole}\right|"
+        if plain and axis and not entry.meaning.component and len(look.sub) == 1 and not e.sub:
+            return f"{_worded(entry.meaning)} in B component {axis}"
+        if (
+            look.style == "bold"
+            and not look.accents
+            and not entry.meaning.frame
+            and "vec" not in e.style
+        ):
+            return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
+    return ""
+
+
+def _worded(meaning: Meaning) -> str:
+    """Return a meaning without frame and components in words of a lexicon."""
+    return " ".join((meaning.quantity, *meaning.labels))
+
+
+def _reads(draft: Draft) -> bool:
+    """Return whether a lexicon takes an entry."""
+    try:
+        lexicon_of({"preset": PRESETS[0], draft.table: {draft.latex: draft.meaning}}, DRAFT)
+    except InputError:
+        return False
+    return True
+
+
+def _by_words(text: Prose, sayings: tuple[Said, ...]) -> Iterator[Draft]:
+    """Yield entries that the words of a note give, the plainest first."""
+    found = places(text, sayings)
+    for table in ("frames", "points"):
+        for label, name in getattr(found, table).items():
+            words, line = found.words[table, label]
+            yield Draft(table, spelt(label), name, words, line)
+    yield from _attitude(text)
+    for mark, name, words, line in marks(text, found):
+        yield Draft("marks", mark, name, words, line)
+    phrases = Phrases(text, found, _body(text))
+    for one in sayings:
+        for meant in phrases.meant(one):
+            vectors = meant.mark == "vector" and meant.look.sub[-1:] not in {("1",), ("2",), ("3",)}
+            if not vectors and not _fits(meant.look, meant.mark):
+                continue
+            for pattern, means in slotted(meant, found):
+                yield Draft("symbols", pattern, means, meant.words, meant.line)
+            for part, more in components(meant.look, meant.means):
+                yield Draft("symbols", latex_of(part), more, meant.words, meant.line)
+
+
+def _by_formulas(text: Prose) -> dict[Look, Draft]:
+    """Return what formulas in the text say of symbols that stand alone on their left."""
+    found: dict[Look, Draft] = {}
+    for statement, line in zip(text.formulas, text.lines, strict=True):
+        left, right = statement.members[:2]
+        look = look_of(left)
+        usual = {g.name for g in statement.signs[:1]} <= {"=", "triangleq", ":=", "equiv"}
+        if (
+            look is None
+            or not usual
+            or look.name in INDICES
+            or isinstance(right, Number | Sequence)
+        ):
+            continue
+        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line))
+        for term, rest in _solved(left, right):
+            other = look_of(term)
+            if other is not None:
+                found.setdefault(other, _indexed(other, _written(term, other), rest, line))
+    return found
+
+
+def _written(node: Node, look: Look) -> str:
+    """Return the LaTeX of a symbol that reads as it looks."""
+    powers = seen(node)
+    own = latex_of(look)
+    plain = powers is None or not powers.raised
+    return own if plain and look_of(read_formula(own).tree) == look else latex(node)
+
+
+def _solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
+    """Yield each term of a sum of symbols with what the others make of it."""
+    terms = right.terms if isinstance(right, Addition) and set(right.signs) <= {"", "+"} else ()
+    for k, term in enumerate(terms if all(look_of(t) for t in terms) else ()):
+        others = " - ".join(latex(t) for j, t in enumerate(terms) if j != k)
+        yield term, f"{latex(left)} - {others}"
+
+
+def _indexed(look: Look, left: str, right: str, line: int) -> Draft:
+    """Return the entry by a formula, for any particle where the symbol carries an index."""
+    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in INDICES else ""
+    if index:
+        left, right = (
+            re.sub(rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])", "_{<i>}", t) for t in (left, right)
+        )
+    return Draft("symbols", left, f"= {right}", FORMULA, line)
+
+
+def _body(text: Prose) -> str:
+    """Return whose mechanics a note is about: particles' or a body's."""
+    count = {w: sum(w in s for s in text.sentences) for w in ("particle", "body")}
+    return "system" if count["particle"] > count["body"] else "body"
+
+
+def statement_line(text: Prose, statement: Statement) -> int:
+    """Return the line of a formula of the text."""
+    return text.lines[text.formulas.index(statement)]
+
+
+def _attitude(text: Prose) -> Iterator[Draft]:
+    """Yield the angles of sequences that the note names."""
+    for look, means, words, line in angles(text):
+        yield Draft("symbols", latex_of(look), means, words, line)
+
+
+# -- symbols -------------------------------------------------------------------------------------
+
+
+def _symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
+    """Yield every symbol with its line, whole ones only."""
+    for formula in formulas:
+        stack = [m for s in formula.statements for m in _members(s)]
+        while stack:
+            node = stack.pop()
+            if seen(node) is not None:
+                yield node, formula.piece.source.line_column(node.span.start)[0]
+            elif not isinstance(node, Number):
+                stack += reversed(_operands(node))
+
+
+def symbols_in(formula: Formula) -> Iterator[Node]:
+    """Yield the symbols of a formula, whole ones."""
+    return (n for n, _ in _symbols((formula,)))
+
+
+def operands_of(formula: Formula) -> Iterator[Look]:
+    """Yield what the symbols of a formula look like, each as often as it stands."""
+    return (k for n in symbols_in(formula) if (k := _bare(n)) is not None)
+
+
+def _members(statement: Statement) -> list[Node]:
+    """Return the members of a statement and of its conditions; a lone symbol of the text is none."""
+    own = list(statement.members) if statement.relational else []
+    return own + [m for _, c in statement.conditions for m in _members(c)]
+
+
+def _covered(look: Look, drafts: Iterable[Draft]) -> bool:
+    """Return whether a draft with slots names this."""
+    indexed = len(look.sub) in {1, 2} and set(look.sub) <= INDICES
+    letters = {d.latex.partition("_")[0] for d in drafts if "_{<" in d.latex}
+    return indexed and latex_of(replace(look, sub=())) in letters
+
+
+def _operands(node: Node) -> tuple[Node, ...]:
+    """Return what of a node has a value: no variables and bounds of integrals, no labels."""
+    if isinstance(node, Integral):
+        return (node.integrand,) if node.integrand is not None else ()
+    if isinstance(node, Derivative):
+        return (node.operand,) if node.operand is not None else ()
+    if isinstance(node, Differential):
+        return ()
+    lower = getattr(node, "lower", None)
+    upper, sub = getattr(node, "upper", None), getattr(node, "sub", None)
+    return tuple(c for c in children(node) if c not in (lower, upper, sub))
+
+
+def _bare(node: Node) -> Look | None:
+    """Return the look without dots and with a raised label only if it is one letter."""
+    found = seen(node)
+    if found is None:
+        return None
+    raised = found.raised[0] if found.raised else None
+    labelled = isinstance(raised, Symbol) and raised.name not in {"T", "top", "t", "intercal"}
+    return found.with_label() if labelled else found.look
+
+
+def _known(lexicon: Lexicon, node: Node) -> bool:
+    look = _bare(node)
+    names = {**lexicon.frames, **lexicon.points}
+    if look is not None and (as_label(look) in names or look.name in {"infty", "bullet"}):
+        return True
+    found = None if look is None else lexicon.find(look)
+    if found is not None and found.meaning.quantity in FUNCTIONS:
+        return True
+    try:
+        elaborator(lexicon).value(node)
+    except Refusal:
+        return False
+    return True
+
+
+def _score(lexicon: Lexicon, symbols: list[tuple[Node, int]]) -> int:
+    looks = {_bare(node): node for node, _ in symbols}
+    return sum(_known(lexicon, node) for node in looks.values())
+
+
+_ALIKE: tuple[frozenset[str], ...] = (
+    frozenset({"angular_momentum", "absolute_angular_momentum"}),
+    frozenset({"kinetic_energy", "rotational_energy"}),
+    frozenset({"mass", "total_mass"}),
+    frozenset({"force", "external_force", "internal_force"}),
+    frozenset({"angle", "turn_angle", "free_angle", "principal_angle"}),
+    frozenset({"torque", "gravity_torque"}),
+    frozenset({"euler_parameter", "euler_vector", "quaternion", "quaternion_last"}),
+)
+"""Quantities that words separate worse than a preset does."""
+
+
+_CLOSELY = re.compile(r"\b(?:about|relative|respect|from|built|particles?)\b")
+"""Words by which a note says more of a quantity than its name."""
+
+
+def _names(own: Lexicon, draft: Draft) -> str:
+    """Return the pattern by which a preset says what words say, or says it by a formula; "" for none."""
+    if draft.table != "symbols" or "<" in draft.latex or draft.meaning.startswith("turn_angle"):
+        return ""
+    look = look_of(read_formula(draft.latex).tree)
+    found = own.find(look) if look is not None else None
+    if found is None:
+        return ""
+    both = {found.meaning.quantity, draft.meaning.split(maxsplit=1)[0]}
+    alike = len(both) == 1 or any(both <= a for a in _ALIKE)
+    same = found.meaning.words == draft.meaning or found.meaning.quantity == "equals"
+    return found.entry.latex if same or (alike and not _CLOSELY.search(draft.words)) else ""
+
+
+def _defined(formulas: tuple[Formula, ...], base: Lexicon) -> dict[Look, int]:
+    """Return what signs of definition say is new, with lines."""
+    found: dict[Look, int] = {}
+    for formula in formulas:
+        line = formula.piece.line
+        for statement in formula.statements:
+            if any(s.name == ":=" for s in statement.signs):
+                look = _bare(statement.members[0])
+                if look is not None and claims(statement, base):
+                    found.setdefault(base.notation.plain(look), line)
+    return {k: n for k, n in found.items() if base.find(k) is None}
+
+
+# -- LaTeX ---------------------------------------------------------------------------------------
+
+
+DRAFT = "draft"
+
+
+@dataclass(frozen=True)
+class Meanings:
+    """A lexicon, where it comes from in words, and the draft if it is one."""
+
+    lexicon: Lexicon
+    origin: str
+    draft: Proposal | None = None
+
+
+def meanings(
+    document: Document, path: Path | None = None, notation: str = "", lexicon: str = ""
+) -> Meanings:
+    """Return the meanings of a note's symbols: what is asked for, else what the note says, else a draft.
+
+    ``path``: where the note stands; ``notation``: a preset; ``lexicon``: a TOML file. Raises `InputError`
+    for those that cannot be used.
+    """
+    if notation and lexicon:
+        raise InputError(
+            "a notation and a lexicon exclude each other", hint="a lexicon may name its preset"
+        )
+    if notation:
+        return Meanings(preset(notation), f"preset {notation}")
+    if lexicon:
+        parsed = parse_lexicon(lexicon_text(Path(lexicon)), lexicon, Path(lexicon).parent)
+        return _added(document, parsed, lexicon)
+    found = lexicon_found(_front(document), path)
+    return _drafted(document) if found is None else _added(document, found[1], found[0])
+
+
+LOADS = frozenset({"rotor_torque", "gravity", "weight"})
+"""What words say so plainly that it adds to any lexicon."""
+
+
+def _added(document: Document, lexicon: Lexicon, origin: str) -> Meanings:
+    """Return the meanings of a lexicon with loads that only the note's words explain, as it says."""
+    drafts: dict[Look, Draft] = {}
+    scoped = [e.look for s in lexicon.scopes for e in s.entries]
+    text = prose(document)
+    sayings = tuple(said(text))
+    phrases = Phrases(text, places(text, sayings))
+    for one in sayings:
+        for meant in phrases.meant(one):
+            look = lexicon.notation.plain(meant.look)
+            known = lexicon.find(look) is not None or look in scoped
+            if meant.means.split()[0] in LOADS and _fits(look, meant.mark) and not known:
+                drafts.setdefault(
+                    look, Draft("symbols", latex_of(look), meant.means, meant.words, meant.line)
+                )
+    if not drafts:
+        return Meanings(lexicon, origin)
+    more, _ = lexicon_of({"symbols": {d.latex: d.meaning for d in drafts.values()}}, DRAFT)
+    words = ", ".join(f"{d.latex} is {d.meaning} (line {d.line})" for d in drafts.values())
+    whole = replace(lexicon, layers=(*lexicon.layers, *more.layers))
+    return Meanings(whole, f"{origin}, and the note's words: {words}")
+
+
+def _fits(look: Look, mark: str) -> bool:
+    """Return whether a symbol is marked as what it would stand for: vectors are, scalars are not."""
+    marked = bool(look.accents) or bool(look.style)
+    return {"vector": marked, "scalar": not marked}.get(mark, True)
+
+
+def _front(document: Document) -> str:
+    """Return the front matter as the head of a note, if a table of it is meant for the checker."""
+    if in_yaml(document.front):
+        return f"---\n{document.front}\n---\n"
+    toml = any(line.strip().startswith(("[check", "check")) for line in document.front.splitlines())
+    return f"+++\n{document.front}\n+++\n" if toml else ""
+
+
+def _drafted(document: Document) -> Meanings:
+    """Return the draft of the lexicon; entries that cannot be used are left out."""
+    proposal = proposed(document)
+    data: dict[str, dict[str, str]] = {}
+    for draft in proposal.drafts:
+        data.setdefault(draft.table, {})[draft.latex] = draft.meaning
+    lexicon, _ = lexicon_of({"preset": proposal.preset, **data}, DRAFT)
+    return Meanings(lexicon, f"{DRAFT} on preset {proposal.preset}", proposal)
+
+
+def proposed(document: Document) -> Proposal:
+    """Return the draft of a lexicon. Raises `InputError` for a note that takes too long."""
+    try:
+        return propose(document)
+    except (Overdue, RecursionError):
+        raise InputError(
+            "no notation can be proposed for this note in time",
+            where=document.name,
+            hint="name one: --notation",
+        ) from None

@@ -1,0 +1,100 @@
+r"""What a verdict rests on: a meaning that words give, or one that books, letters and custom only suggest.
+
+A meaning is sure where words or a formula of the text give it, or where two other lines with it hold: most
+lines of a note are right, and a meaning that is not meant makes them fail.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from eom.checker.infer.books import candidates
+from eom.checker.infer.draft import BOOKS, GUESSED, Proposal, operands_of, symbols_in
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon_files import lexicon_of
+from eom.checker.read.statements import Formula
+from eom.checker.read.symbol_shape import Look, Seen, labels, seen
+from eom.checker.read.syntax import Marks
+from eom.checker.read.writing import latex_of
+
+MARK = "mark "
+"""How the entry of a raised mark is told from those of symbols."""
+LINES = 1
+"""Other lines that hold with a meaning, by which it is sure."""
+TRUSTED, WHOLE = 3, 0.4
+"""Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A symbol with the meaning that it was taken to have, and why that was taken."""
+
+    latex: str
+    meaning: str
+    why: str
+
+
+def doubts(
+    formulas: Sequence[Formula], hold: Sequence[bool], lexicon: Lexicon, draft: Proposal
+) -> Iterator[tuple[Doubt, ...]]:
+    """Yield for each formula the meanings in it that nothing makes sure; ``hold``: which formulas do."""
+    said = {
+        (MARK if d.table == "marks" else "") + d.latex: d
+        for d in draft.drafts
+        if d.words not in GUESSED
+    }
+    guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}
+    used = [dict(_used(f, lexicon)) for f in formulas]
+    count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
+    every = {p for u in used for p in u}
+    own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
+    firm = {
+        *said,
+        *draft.confirmed,
+        *(own if sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every) else ()),
+    }
+    for found, held in zip(used, hold, strict=True):
+        unsure = [(p, f) for p, f in found.items() if p not in firm and count[p] - held < LINES]
+        yield tuple(Doubt(*f, guessed.get(p, f"preset {draft.preset}")) for p, f in unsure)
+
+
+def readings(
+    formula: Formula, lexicon: Lexicon, draft: Proposal
+) -> Iterator[tuple[Doubt, Lexicon]]:
+    """Yield other meanings that words or books give a symbol, each with the lexicon in which it has it.
+
+    Books are asked only where it was they that gave the meaning.
+    """
+    guessed = {d.latex for d in draft.drafts if d.words == BOOKS}
+    for look in dict.fromkeys(operands_of(formula)):
+        found = lexicon.find(look)
+        if found is None:
+            continue
+        pattern = found.entry.latex
+        spelt = [(d.latex, d.meaning, d.words) for d in draft.others if d.latex == pattern]
+        books = candidates(found.look, draft.body, lexicon) if pattern in guessed else ()
+        for latex, means, why in (*spelt, *((p, m, BOOKS) for p, m in books)):
+            one, _ = lexicon_of({"symbols": {latex: means}}, "reading")
+            whole = replace(lexicon, layers=(*one.layers[:1], *lexicon.layers))
+            again = whole.find(found.look)
+            if again is not None and again.meaning != found.meaning:
+                yield Doubt(latex_of(found.look), means, why), whole
+
+
+def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Yield the entries that symbols of a formula have, by pattern: symbol and meaning; marks as well."""
+    for node in symbols_in(formula):
+        for one in (seen(node) or Seen(Look(""))).raised:
+            for name in labels(one) if isinstance(one, Marks) else ():
+                if name in lexicon.notation.marks:
+                    yield MARK + name, (name, f"derivative in {lexicon.notation.marks[name]}")
+    for look in operands_of(formula):
+        found = lexicon.find(look)
+        if found is not None and found.meaning.quantity not in {
+            "time",
+            "identity_matrix",
+            "identity",
+        }:
+            yield found.entry.latex, (latex_of(found.look), found.meaning.words)

@@ -1,0 +1,385 @@
+r"""Phrases to meanings: "the angular momentum about $O$" is ``angular_momentum body O``.
+
+The table ``phrases.toml`` has the words with places; here the places are filled from what stands behind
+prepositions: points and frames by their labels or in words, particles by their index.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cache
+
+from eom.checker.infer.places import Places, as_label, tables
+from eom.checker.infer.sayings import MARK, Mention, Prose, Said
+from eom.checker.read.symbol_shape import Labels, Look
+from eom.checker.read.writing import latex_of
+from eom.terms.terms import INDICES
+
+UNKNOWN = "?"
+"""What stands in a place that words do not fill."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the table: its words, how the symbol looks, the meaning with places."""
+
+    words: re.Pattern[str]
+    mark: str
+    means: str
+
+
+@dataclass(frozen=True)
+class Meant:
+    """A symbol with a meaning that words give it, and the words."""
+
+    look: Look
+    means: str
+    mark: str
+    words: str
+    line: int
+
+
+@cache
+def rows() -> tuple[Row, ...]:
+    """Return the rows of the table."""
+    return tuple(
+        Row(re.compile(rf"\b(?:{r['words']})", re.IGNORECASE), r["mark"], r["means"])
+        for r in tables()["phrase"]
+    )
+
+
+@dataclass
+class Phrases:
+    """What fills places: the text, its frames and points, and whose mechanics it is.
+
+    ``vectors``: the vectors that were given a meaning so far, the last one last, to which "its components"
+    and "its magnitude" refer.
+    """
+
+    text: Prose
+    places: Places
+    body: str = "body"
+    vectors: dict[Look, str] = field(default_factory=dict)
+
+    def meant(self, one: Said) -> Iterator[Meant]:
+        """Yield the meanings that words give symbols: one for all, or one for each in order."""
+        words = one.words if not one.before else self._last(one.words)
+        found = self._rows(words, one.before)
+        if not found:
+            return
+        if one.before and not _PLURAL.search(words):
+            one = replace(one, of=one.of[:1])
+        several = len(one.of) > 1 and len(found) == len(one.of)
+        for k, mention in enumerate(one.of):
+            if mention.look.name in INDICES and not mention.look.sub:
+                continue
+            row, start = found[k] if several else found[0]
+            means = self._filled(row, words if several else words[start:], one, k)
+            if means:
+                if row.mark == "vector" and (mention.look.accents or mention.look.style):
+                    self.vectors[mention.look] = means
+                yield Meant(
+                    mention.look, means, row.mark, self.text.shown(words)[:70], mention.line
+                )
+
+    def _last(self, words: str) -> str:
+        """Return the last noun with what belongs to it."""
+        return re.split(r"\b(?:with|of a|whose|has|have|and|at|by|under|let|for)\s+", words)[-1]
+
+    def _rows(self, words: str, before: bool) -> list[tuple[Row, int]]:
+        """Return the rows whose words begin a phrase, in order, none within another."""
+        found: list[tuple[Row, int]] = []
+        place, stop = 0, len(words)
+        while place < stop:
+            hits = [
+                (m.start(), -m.end(), k)
+                for k, r in enumerate(rows())
+                if (m := r.words.search(words, place))
+            ]
+            if not hits:
+                break
+            start, end, k = min(hits)
+            lead = words[place:start]
+            if not found and not before and not _LEAD.fullmatch(lead):
+                break
+            if before and not _REST.fullmatch(words[-end:]):
+                place = -end
+                continue
+            if found and not re.fullmatch(
+                r"\s*(?:,|and|, and)\s+(?:the |its )?(?:external |total )?", lead
+            ):
+                break
+            found.append((rows()[k], start))
+            place = -end
+        return found
+
+    def _filled(self, row: Row, words: str, one: Said, k: int) -> str:
+        """Return a meaning with its places filled; nothing where one is unknown."""
+        points, frames = list(self._points(words)), self._frames(words)
+        of, start = self._position(words, one.of[k])
+        several = len(one.of) > 1
+        turning = frames["of"]
+        values = {
+            "body": self.body,
+            "particle": self._particle(one.of[k]),
+            "about": points[k]
+            if several and len(points) == len(one.of)
+            else points[0]
+            if points
+            else self._centre(),
+            "of": of,
+            "from": start,
+            "frame": turning[k]
+            if several and len(turning) == len(one.of)
+            else turning[0]
+            if turning
+            else self._owner(one, words),
+            "to": (frames["into"] or turning or ["B"])[0],
+            "base": (frames["in"] or ["I"])[0],
+            "derivative": self._derivative(words, frames["in"]),
+            "component": self._component(one, words, k),
+            "magnitude": self._magnitude(words),
+            "name": one.of[k].look.name,
+        }
+        filled = re.sub(r"\{(\w+)\}", lambda m: values[m[1]] or UNKNOWN, row.means)
+        if filled.startswith("quaternion ") and re.search(r"scalar (?:part )?last", one.sentence):
+            filled = filled.replace("quaternion", "quaternion_last")
+        labels = filled.split()[1:3]
+        same = len(set(labels)) < len(labels) and filled.startswith(("position", "velocity", "acc"))
+        return "" if UNKNOWN in filled or same else filled
+
+    def _owner(self, one: Said, words: str) -> str:
+        """Return the frame that unit vectors belong to: the last one that the sentence names before."""
+        if re.search(r"\b(?:inertial|space)\b", words.split(" vectors", maxsplit=1)[0]):
+            return "I"
+        before = self.text.marked(one.sentence[: one.start + len(one.words)]) if one.before else ()
+        named = [self.places.frames.get(as_label(m.look)) for m in before]
+        return next((n for n in reversed(named) if n), "B")
+
+    def _referent(self, words: str) -> Look | None:
+        """Return the vector that words name, or the last one."""
+        named = [m.look for m in self.text.marked(words) if m.look in self.vectors]
+        return named[0] if named else next(reversed(self.vectors), None)
+
+    def _component(self, one: Said, words: str, k: int) -> str:
+        """Return a component of the vector that is meant, where three symbols are its components."""
+        look = self._referent(words)
+        if look is None or len(one.of) != 3:
+            return ""
+        frame = (
+            "I"
+            if re.search(r"\b(?:space|inertial)\b", words)
+            else (self._frames(words)["in"] or ["B"])[0]
+        )
+        means = self.vectors[look].split(" in ")[0]
+        return "" if means.startswith("=") else f"{means} in {frame} component {k + 1}"
+
+    def _magnitude(self, words: str) -> str:
+        look = self._referent(words)
+        return "" if look is None else rf"= \left|{latex_of(look)}\right|"
+
+    def _derivative(self, words: str, frames: list[str]) -> str:
+        """Return the formula of the derivative of a symbol in a frame."""
+        of = re.search(rf"\bof\s+({MARK})", words)
+        label = next((k for k, v in self.places.frames.items() if frames and v == frames[0]), None)
+        if of is None or label is None:
+            return ""
+        operand = latex_of(self.text.marked(of[1])[0].look)
+        return rf"= \left(\frac{{d}}{{dt}} {operand}\right)_{{{spelt(label)}}}"
+
+    def _centre(self) -> str:
+        """Return the point about which is meant where none is named."""
+        points = set(self.places.points.values())
+        return "O" if "O" in points and "C" not in points else "C"
+
+    def _points(self, words: str) -> list[str]:
+        """Return the points about which something is taken."""
+        found = re.search(r"\b(?:about|for|around|with respect to|at)\s+(?P<what>[^.;]*)", words)
+        if found is None:
+            return []
+        named = list(self._pointed(found["what"]))
+        unknown = re.match(rf"(?:the )?(?:point )?({MARK})", found["what"])
+        return named or (
+            ["<P>"]
+            if unknown and _NAME.fullmatch(self.text.marked(unknown[1])[0].look.name)
+            else []
+        )
+
+    def _pointed(self, words: str) -> Iterator[str]:
+        for match in re.finditer(
+            rf"{MARK}|{_WORDS}|support", re.split(r"\b(?:built|which)\b", words)[0]
+        ):
+            name = self._point(match[0])
+            if name:
+                yield name
+
+    def _point(self, words: str) -> str:
+        if words.startswith("⟦"):
+            return self.places.points.get(as_label(self.text.marked(words)[0].look), "")
+        if "mass" in words or "gravity" in words:
+            return "C"
+        values = self.places.points.values()
+        if "inertial" in words:
+            return "OI"
+        return "O" if "O" in values or "OI" not in values else "OI"
+
+    def _position(self, words: str, mention: Mention) -> tuple[str, str]:
+        """Return which point a vector leads to, and from which; by its label where words do not say."""
+        thing = rf"(?:{MARK}|particle\s+{MARK}|mass element|element|{_WORDS})"
+        led = re.search(
+            rf"from\s+(?:the |an? )*(?:\w+\s+)*?({thing})\s+to\s+(?:the |an? )*(?:\w+\s+)*?({thing})",
+            words,
+        )
+        if led is not None:
+            return self._thing(led[2]), self._thing(led[1])
+        of = re.search(rf"\bof\s+(?:the |an? |each )*(?:\w+\s+)*?({thing})", words)
+        start = re.search(
+            rf"\b(?:from|relative to|with respect to)\s+(?:the |an? )*(?:\w+\s+)*?({thing})", words
+        )
+        given = self._thing(start[1]) if start is not None else "OI"
+        return (
+            self._thing(of[1]) if of is not None else self._labelled(mention.look)
+        ), given or "OI"
+
+    def _labelled(self, look: Look) -> str:
+        """Return the point or particle that a label names."""
+        for label in (look.sub, look.sup):
+            if label in self.places.points:
+                return self.places.points[label]
+            if len(label) == 1 and label[0] in INDICES:
+                return "<i>"
+        return ""
+
+    def _thing(self, words: str) -> str:
+        marks = self.text.marked(words)
+        if words.startswith("particle") or (
+            marks and marks[0].look.name in INDICES and not words.startswith("⟦")
+        ):
+            return "<i>"
+        if "element" in words:
+            return "dm"
+        return self._point(words)
+
+    def _frames(self, words: str) -> dict[str, list[str]]:
+        """Return the frames behind prepositions, in order."""
+        named = rf"(?:the |frame |body |an? )*(?P<what>{MARK}|body(?: frame)?|inertial\b|space)"
+        return {
+            key: [
+                n for m in re.finditer(rf"{lead}\s+{named}", words) if (n := self._frame(m["what"]))
+            ]
+            for key, lead in _LEADS.items()
+        }
+
+    def _frame(self, words: str) -> str:
+        if words.startswith("⟦"):
+            return self.places.frames.get(as_label(self.text.marked(words)[0].look), "")
+        return "B" if words.startswith("body") else "I"
+
+    def _particle(self, mention: Mention) -> str:
+        labels = mention.look.sub
+        return "<i>" if len(labels) == 1 and labels[0] in INDICES else "P"
+
+
+_PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")
+_REST = re.compile(
+    r"(?:\s+(?:vectors?|matrix|column))?(?:\s+of (?:the |a |this |each )?[a-z]+)?"
+    r"(?:\s+(?:is|are|be|by|at))?\s*"
+)
+"""What may stand between a noun and the symbol behind it."""
+_NAME = re.compile(r"[A-Z]")
+_LEADS = {
+    "of": r"\b(?:of|fixed in|along)",
+    "in": r"(?:relative to|with respect to|\bin|\bfrom)",
+    "into": r"\b(?:into|to)",
+}
+
+
+def spelt(label: Labels) -> str:
+    """Return a label in LaTeX."""
+    word = label[0]
+    for shaped, command in (("cal ", "mathcal"), ("bb ", "mathbb"), ("frak ", "mathfrak")):
+        if word.startswith(shaped):
+            name, _, below = word.removeprefix(shaped).partition("_")
+            return rf"\{command}{{{name}}}" + (f"_{below}" if below else "")
+    return word
+
+
+_WORDS = (
+    r"inertial\w* (?:fixed )?origin|mass cent(?:re|er)|cent(?:re|er) of (?:mass|gravity)|origin|"
+    r"reference point|fixed point|pivot"
+)
+_LEAD = re.compile(
+    r"(?:the|an?|its|their|again|total|whole|with|column|vector|of|corresponding|inertial|external|"
+    r"right-handed|respectively|so|called|\W)*",
+    re.IGNORECASE,
+)
+
+
+def slotted(meant: Meant, places: Places) -> Iterator[tuple[str, str]]:
+    """Yield patterns with meanings: of the symbol as it stands, and with slots for what labels name."""
+    look, means = meant.look, meant.means
+    if means.startswith("total_mass") and len(look.sub) == 1 and look.sub[0] in INDICES:
+        means = "mass <i>"
+    if "<i>" in means and len(look.sub) == 1 and look.sub[0] in INDICES:
+        yield f"{latex_of(replace(look, sub=()))}_{{<i>}}", means
+        return
+    if "<k>" in means:
+        if look.sub and look.sub[-1] in {"1", "2", "3", "k"}:
+            base = latex_of(replace(look, sub=look.sub[:-1]))
+            yield f"{base}_{{<k>}}" if len(look.sub) == 1 else f"{base[:-1]}<k>}}", means
+        return
+    if means == "internal_force i j" and len(look.sub) == 2:
+        yield f"{latex_of(replace(look, sub=()))}_{{<i><j>}}", "internal_force <i> <j>"
+        return
+    if means.startswith("rotor_") and means.endswith(" k") and look.sub in {("k",), ("i",), ("j",)}:
+        yield latex_of(look), means.removesuffix("k") + look.sub[0]
+        return
+    if "<P>" in means:
+        yield from ((latex_of(g), means) for g in _open(look, places))
+        return
+    yield latex_of(look), means
+    yield from _general(look, means, places)
+
+
+def _open(look: Look, places: Places) -> Iterator[Look]:
+    """Yield the pattern in which the last label that is a capital, and no frame, is any point."""
+    for corner in ("sub", "sup"):
+        labels: Labels = getattr(look, corner)
+        if labels and _NAME.fullmatch(labels[-1]) and labels[-1:] not in places.frames:
+            new = (*labels[:-1], "<P>")
+            yield replace(look, sub=new) if corner == "sub" else replace(look, sup=new)
+            return
+
+
+def _general(look: Look, means: str, places: Places) -> Iterator[tuple[str, str]]:
+    """Yield a pattern with slots for the labels that name frames and points of the meaning."""
+    words, free = means.split(), {"F": iter("FG"), "P": iter("PQ")}
+    tables = {"F": places.frames, "P": places.points}
+
+    def slotted_label(label: str) -> str:
+        kind = next((k for k, t in tables.items() if t.get((label,)) in words[1:]), "")
+        slot = next(free[kind], "") if kind else ""
+        if slot:
+            name = tables[kind][label,]
+            words[1:] = [f"<{slot}>" if w == name else w for w in words[1:]]
+        return f"<{slot}>" if slot else label
+
+    sub, sup, presub, presup = (tuple(map(slotted_label, c)) for c in look.corners)
+    general = replace(look, sub=sub, sup=sup, presub=presub, presup=presup)
+    if general != look and not means.startswith("="):
+        yield latex_of(general), " ".join(words)
+    elif means.startswith("=") and look.presup and look.sup:
+        yield from _between(look, means, places)
+
+
+def _between(look: Look, means: str, places: Places) -> Iterator[tuple[str, str]]:
+    """Yield the pattern of a formula for any two frames, where labels on the left and above name two."""
+    frame, other = look.presup, look.sup
+    if frame in places.frames and other in places.frames:
+        formula = means.replace(f"{{}}^{{{frame[0]}}}", "{}^{<F>}").replace(
+            f"^{{{other[0]}}}", "^{<G>}"
+        )
+        formula = formula.replace(rf"\right)_{{{frame[0]}}}", r"\right)_{<F>}")
+        yield latex_of(replace(look, presup=("<F>",), sup=("<G>",))), formula

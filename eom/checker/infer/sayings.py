@@ -1,0 +1,227 @@
+r"""What the sentences of a note say of its symbols: "$H$ is the angular momentum about $O$".
+
+Formulas of the text become marks with a number, ``⟦3⟧``; a list of symbols one mark for each. A sentence is
+parted at the symbols that something is said of: ``LIST verb words``, ``LIST, the words`` behind such a
+part ("$H$ is the momentum, $T$ the energy"), ``words LIST`` ("a body of mass $m$"), ``words is called
+LIST``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from eom.checker.read.documents import Document
+from eom.checker.read.statements import Formula, Statement, read
+from eom.checker.read.symbol_shape import Look, Seen, called_symbol, seen
+from eom.checker.read.syntax import Group, Marks, Node, Product, Quotient, Scripts, Symbol, Words
+from eom.checker.read.syntax import Sequence as Items
+
+MARK = r"⟦\d+⟧"
+BREAK = "‡"
+LIST = rf"{MARK}(?:(?:\s*,\s*(?:and |or |then )?|\s+and\s+|\s+or\s+|\s*/\s*){MARK})*"
+_VERB = (
+    r"(?:is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|takes?|maps?|turns?|leads?|"
+    r"points?|carries|transforms?|runs?)"
+)
+_ADVERB = r"(?:(?:itself|here|again|now|then|both|respectively|always|shall|will|also)\s+)*"
+_HEAD = re.compile(
+    rf"(?P<of>{LIST})\s*,?\s+(?:{_ADVERB}(?P<verb>{_VERB})\b|(?P<article>the|its|their|an?|that|any)\b)"
+)
+_OBJECT = re.compile(
+    r"\b(?:(?:of|about|to|in|for|by|on|from|between|at)\s+(?:[a-z]+\s+){0,3}"
+    r"|components?|angles)\s*$"
+)
+"""Words before a list of symbols that make it the object of what is said."""
+_CALLED = re.compile(
+    rf"(?P<what>[^,;()]*?)\s+(?:(?:is|are|be)\s+(?:\w+\s+)?)?(?:called|denoted(?:\s+by)?|written(?:\s+as)?|"
+    rf"named|abbreviated(?:\s+as)?)\s+(?P<of>{LIST})"
+)
+_BEFORE = re.compile(
+    rf"(?P<what>(?:[\w’'-]+\s+){{0,8}}[\w’'-]+)(?:\s+(?P<of>{LIST})|,\s+(?P<within>{LIST})(?=\s*[,)]))"
+)
+_END = re.compile(rf"(?<=[.;:!?])\s+|{BREAK}|\n\s*\n")
+
+
+@dataclass(frozen=True)
+class Mention:
+    """A symbol in the text: its look, its formula, and the line that it stands in."""
+
+    look: Look
+    node: Node
+    line: int
+
+
+@dataclass(frozen=True)
+class Said:
+    """Symbols, what is said of them, the sentence, and whether the words stand ``before`` them.
+
+    ``behind``: the words behind symbols that follow theirs, up to the next mark of punctuation; marks in
+    words are mentions by their numbers.
+    """
+
+    of: tuple[Mention, ...]
+    words: str
+    sentence: str
+    before: bool = False
+    behind: str = ""
+    start: int = 0
+
+
+@dataclass(frozen=True)
+class Prose:
+    """The sentences of a note with marks for formulas, the mentions, and formulas that define letters."""
+
+    sentences: tuple[str, ...]
+    mentions: tuple[Mention, ...]
+    formulas: tuple[Statement, ...]
+    lines: tuple[int, ...]
+
+    def shown(self, words: str) -> str:
+        """Return words with the letters of symbols in the place of marks."""
+        shown = re.sub(r"⟦(\d+)⟧", lambda m: self.mentions[int(m[1])].look.text, words)
+        return re.sub(r"\s+", " ", shown).strip(" ,.;:()")
+
+    def marked(self, words: str) -> tuple[Mention, ...]:
+        """Return the mentions of a text."""
+        return tuple(self.mentions[int(n)] for n in re.findall(r"⟦(\d+)⟧", words))
+
+
+def prose(document: Document) -> Prose:
+    """Return the text of a document with marks for the symbols in it."""
+    inline = {id(f.piece): f for f in read(document)}
+    mentions: list[Mention] = []
+    formulas: list[tuple[Statement, int]] = []
+    text: list[str] = []
+    for piece in document.pieces:
+        if piece.kind == "prose":
+            text.append(_plain(piece.body))
+        elif piece.kind != "inline":
+            text.append(BREAK)
+        elif (formula := inline.get(id(piece))) is not None:
+            lead = _END.split("".join(text[-3:]))[-1]
+            text.append(_marks(formula, mentions, [] if CASE.search(lead) else formulas))
+    whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", "".join(text))
+    sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
+    return Prose(
+        sentences, tuple(mentions), tuple(s for s, _ in formulas), tuple(n for _, n in formulas)
+    )
+
+
+CASE = re.compile(
+    r"^(?:finally|for a|in the case)\b|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
+    re.IGNORECASE,
+)
+"""Words of a sentence that is about a special case."""
+MARKED = "any symbol with a mark"
+"""The letter of a mention that is about a mark: of a derivative, as a rule."""
+_MARK = re.compile(
+    r"(?:\\?\(\s*\\[cb]?dot\s*\\?\)|\\(?:cdot|square|bullet))\s*(?:\^\s*\{?\\?(bullet|circ|prime|star|ast)\}?|')$"
+)
+
+
+def _plain(body: str) -> str:
+    return re.sub(r"\\\w+|[*_`{}\\~#$]", " ", body)
+
+
+def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[Statement, int]]) -> str:
+    """Return what stands for a formula: marks of symbols, or a word that is none."""
+    line = formula.piece.line
+    mark = _MARK.match(formula.piece.body.strip())
+    if mark is not None and formula.reading is not None:
+        name = mark[1] or "prime"
+        mentions.append(Mention(Look(MARKED, sup=(name,)), formula.reading.tree, line))
+        return f"⟦{len(mentions) - 1}⟧"
+    nodes: list[Node] = []
+    for statement in formula.statements:
+        if statement.relational and len(statement.members) > 1:
+            formulas.append((statement, line))
+            nodes += [statement.members[0]]
+        else:
+            nodes += [i for m in statement.members for i in _items(m)]
+    marks = []
+    for node in nodes:
+        look = look_of(node)
+        if look is not None:
+            marks.append(f"⟦{len(mentions)}⟧")
+            mentions.append(Mention(look, node, line))
+    return ", ".join(marks) if marks else "…"
+
+
+def _items(node: Node) -> tuple[Node, ...]:
+    if isinstance(node, Group) and isinstance(node.body, Items):
+        return node.body.items
+    return node.items if isinstance(node, Items) else (node,)
+
+
+def look_of(node: Node) -> Look | None:
+    """Return the look of a symbol, dots left out, with a raised label where it is one."""
+    if isinstance(node, Group) and node.open == "[":
+        node = node.body
+    found = seen(called_symbol(node)) or _called(node)
+    if found is None:
+        return None
+    raised = found.raised[0] if found.raised else None
+    return found.with_label() if _is_label(raised) else found.look
+
+
+def _is_label(raised: Node | None) -> bool:
+    """Return whether what is raised is a label: no power, no transpose."""
+    if isinstance(raised, Symbol):
+        return raised.name not in {"T", "top", "t", "intercal", "n"}
+    return isinstance(raised, Marks | Quotient | Words | Scripts | Items)
+
+
+def _called(node: Node) -> Seen | None:
+    if not isinstance(node, Product) or len(node.factors) != 2:
+        return None
+    first, behind = node.factors
+    return seen(first) if isinstance(behind, Group) and behind.open == "(" else None
+
+
+def said(text: Prose) -> Iterator[Said]:
+    """Yield what is said of symbols, sentence by sentence."""
+    for sentence in text.sentences:
+        heads = _heads(sentence)
+        for k, (_, end, of, verb) in enumerate(heads):
+            stop = heads[k + 1][0] if k + 1 < len(heads) else len(sentence)
+            words = verb + _TAIL.sub("", sentence[end:stop].strip())
+            yield Said(text.marked(of), words, sentence, start=heads[k][0])
+        for match in _CALLED.finditer(sentence):
+            yield Said(text.marked(match["of"]), match["what"], sentence, before=True)
+        for match in _BEFORE.finditer(sentence):
+            behind = re.split(r"[,;.:()]", sentence[match.end() :])[0].strip()
+            named = text.marked(match["of"] or match["within"])
+            yield Said(named, match["what"].strip(), sentence, True, behind, match.start())
+
+
+_TAIL = re.compile(r"(?:[\s,]+(?:and|or|while|where|with|but))*[\s,.]*$")
+
+
+def _heads(sentence: str) -> list[tuple[int, int, str, str]]:
+    """Return where something begins to be said of symbols: start, end, their marks, what the verb says."""
+    found: list[tuple[int, int, str, str]] = []
+    for match in _HEAD.finditer(sentence):
+        start, of, article = match.start(), match["of"], match["article"] or ""
+        apposed = article in {"a", "an"} and "," in match[0][len(of) :]
+        if _OBJECT.search(sentence[:start]):
+            last = re.search(rf"{'' if apposed else '(?:,|and)'}\s*({MARK})$", of)
+            if last is None:
+                continue
+            start, of = start + last.start(1), last[1]
+        if article and not (apposed or _begins(sentence[:start], match[0], bool(found))):
+            continue
+        verb = match["verb"] or ""
+        says = "" if verb in {"is", "are", "be", "was", "were"} else f"{verb} "
+        found.append((start, match.end(), of, says if verb else f"{article} "))
+    return found
+
+
+def _begins(before: str, here: str, later: bool) -> bool:
+    """Return whether symbols with an article behind them begin something: behind a comma, or with one."""
+    before = before.rstrip()
+    opened = (
+        not before or before[-1] in ",;(" or before.endswith((" and", " where", " with", " while"))
+    )
+    return opened and (later or "," in here)
