@@ -196,7 +196,7 @@ def test_options_change_the_integration(run, tmp_path):
 
 
 def test_stop_at_a_singular_angle_is_reported_with_status_1(run, scene_file, tmp_path):
-    text = Path(catalogue.path_of("bicycle-wheel")).read_text(encoding="utf-8")
+    text = Path(catalogue.path_of("lecture-wheel")).read_text(encoding="utf-8")
     text = (
         text.replace("theta = 0.1", "theta = 1.5")
         .replace("theta_dot = 0.0", "theta_dot = 3.0")
