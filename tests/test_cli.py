@@ -212,7 +212,7 @@ def test_stop_at_a_singular_angle_is_reported_with_status_1(run, scene_file, tmp
 
 
 BAD = {
-    "no such scene": (["derive", "bycicle-wheel"], "did you mean bicycle-wheel?"),
+    "no such scene": (["derive", "bycicle-wheel"], "did you mean bicycle-wheel"),
     "no such file": (["derive", "missing.toml"], "no such scene file"),
     "no such format": (["derive", "t-handle", "--as", "html"], "unknown format 'html'"),
     "misspelt derivation": (["derive", "euler-equation"], "did you mean euler-equations?"),

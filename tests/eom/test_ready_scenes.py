@@ -86,3 +86,31 @@ def test_the_wheel_held_by_one_end_is_that_of_lagrange():
     system = scene.full_system
     assert {"E", "H_3", "h_2"} <= set(system.invariant_names)
     assert "fixed_point" in {a.name for a in system.assumptions}
+
+
+def test_the_slider_crank_is_that_of_lagrange():
+    """One coordinate, the rest put in: position of the piston and angle of the rod are functions of it."""
+    scene = eom.load_scene("slider-crank")
+    (crank,) = q = [me.dynamicsymbols("q_crank")]
+    r, l, m2, m3, J, g = sp.symbols("r l m2 m3 J g")
+    rod = -sp.asin(r * sp.sin(crank) / l)  # from the line of the piston
+    piston = r * sp.cos(crank) + l * sp.cos(rod)
+    middle = sp.Matrix([r * sp.cos(crank) + l * sp.cos(rod) / 2, r * sp.sin(crank) / 2])
+    v = moved(middle)
+    kinetic = J * crank.diff(t) ** 2 / 2 + m2 * v.dot(v) / 2
+    kinetic += m2 * l**2 * rod.diff(t) ** 2 / 24 + m3 * piston.diff(t) ** 2 / 2
+    rows = accelerations(q, kinetic, m2 * g * middle[1])
+    (a,), (da,), (dda,) = at_random(q, rows, scene.numbers, 2)
+    at = {crank.diff(t): da, crank: a, r: 0.2, l: 0.6}
+    b, x = (e.subs({crank: a, r: 0.2, l: 0.6}) for e in (rod, piston))
+    db, dx = (e.diff(t).subs(at) for e in (rod, piston))
+    here = {
+        "q_crank": a,
+        "q_pin": b - a,
+        "q_piston": x,
+        "u_crank": da,
+        "u_pin": db - da,
+        "u_piston": dx,
+    }
+    rate = rates(scene, {n: float(e) for n, e in here.items()})
+    assert rate["u_crank"] == pytest.approx(float(dda), rel=1e-12)
