@@ -37,14 +37,15 @@ def at_random(q, rows, values, seed):
 
 
 def rates(scene, states):
-    """Return the rates of a scene's whole system by name of the state, at states by name."""
+    """Return the rates of a scene's whole system by name of the state, at states by name, in 30 digits."""
     system = scene.full_system
-    numbers = {**scene.parameter_values(), **scene.numbers, **states}
-    known = {q.symbol: sp.Float(numbers[q.name], 30) for q in (*system.states, *system.parameters)}
-    return {
-        q.name: float(system.expand(r).xreplace(known).evalf(30))
-        for q, r in zip(system.states, system.rates, strict=True)
-    }
+    numbers = {**scene.numbers, **scene.parameter_values(), **states}
+    given = (*system.states, *system.parameters, *system.inputs)
+    known = {q.symbol: sp.Float(numbers[q.name], 30) for q in given}
+    for d in system.definitions:
+        known[d.symbol] = sp.sympify(d.expression).xreplace(known).evalf(30)
+    found = (sp.sympify(r).xreplace(known).evalf(30) for r in system.rates)
+    return {q.name: float(x) for q, x in zip(system.states, found, strict=True)}
 
 
 def moved(place):
@@ -114,3 +115,53 @@ def test_the_slider_crank_is_that_of_lagrange():
     }
     rate = rates(scene, {n: float(e) for n, e in here.items()})
     assert rate["u_crank"] == pytest.approx(float(dda), rel=1e-12)
+
+
+def test_the_rolling_ellipsoid_obeys_newton_and_euler():
+    """Forces at the lowest point of the ellipsoid, by its support function; all in the body's axes."""
+    scene = eom.load_scene("rolling-ellipsoid")
+    k, draw = scene.numbers, random.Random(3)
+    m, r, h, g = (sp.Float(k[n], 30) for n in ("m", "r", "h", "g"))
+    omega = sp.Matrix([sp.Float(draw.uniform(-9, 9), 30) for _ in range(3)])
+    e = sp.Matrix([sp.Float(draw.uniform(-1, 1), 30) for _ in range(4)]).normalized()
+    nu = sp.Matrix(sp.symbols("nu1:4"))  # the upward normal in the body's axes
+    support = sp.sqrt(r**2 * (nu[0] ** 2 + nu[1] ** 2) + h**2 * nu[2] ** 2)
+    arm = -sp.Matrix([support.diff(x) for x in nu])
+    up = [
+        2 * (e[1] * e[3] - e[0] * e[2]),
+        2 * (e[2] * e[3] + e[0] * e[1]),
+        1 - 2 * (e[1] ** 2 + e[2] ** 2),
+    ]
+    n = sp.Matrix(up)
+    at = dict(zip(nu, n, strict=True))
+    rho, slope = arm.subs(at), arm.jacobian(nu).subs(at)
+    inertia = sp.diag(*[m * (r**2 + h**2) / 5] * 2, 2 * m * r**2 / 5)
+    alpha, drift = sp.Matrix(sp.symbols("alpha1:4")), slope * (-omega.cross(n))
+    inertial = drift + omega.cross(rho)  # the rate of the arm as seen from the ground
+    force = m * (-alpha.cross(rho) - omega.cross(inertial) + g * n)
+    rows = inertia * alpha + omega.cross(inertia * omega) - rho.cross(force)
+    found = sp.solve(list(rows), list(alpha))
+    here = {f"w_egg_{i + 1}": omega[i] for i in range(3)} | {f"e_egg_{i}": e[i] for i in range(4)}
+    rate = rates(scene, {**here, "x_egg": 0, "y_egg": 0, "z_egg": support.subs(at)})
+    for i in range(3):
+        assert rate[f"w_egg_{i + 1}"] == pytest.approx(float(found[alpha[i]]), rel=1e-12)
+
+
+@pytest.mark.parametrize("half", ["r", 0])
+def test_an_ellipsoid_becomes_a_ball_or_a_wheel(half):
+    """With a half axis of its radius it rolls as a ball does, with none as a thin disc."""
+    data = eom.load_scene("rolling-ellipsoid").model_dump(exclude_unset=True)
+    body = {"mass": "m", "moments": ["m*r^2/4", "m*r^2/4", "m*r^2/2"]}
+    numbers = {n: v for n, v in data["parameters"].items() if n != "h"}
+    table = {"kind": "rolling", "body": "egg", "radius": "r"}
+    other = {**table, "ball": True} if half else {**table, "axis": "z"}
+    both = [
+        eom.load_scene("rolling-ellipsoid").__class__(
+            **{**data, "bodies": {"egg": body}, "parameters": numbers, "constraints": {"table": c}}
+        )
+        for c in ({**table, "axis": "z", "half_axis": half}, other)
+    ]
+    draw = random.Random(4)
+    states = {q: draw.uniform(-1, 1) for q in both[0].full_system.state_names}
+    one, two = (rates(scene, states) for scene in both)
+    assert one == pytest.approx(two, rel=1e-12)

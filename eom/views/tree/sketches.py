@@ -552,15 +552,14 @@ def _constraint(s: TreeAtStart, c: Constraint) -> Iterator[Item]:
 
 def _contact(s: TreeAtStart, c: Rolling) -> Iterator[Item]:
     """Yield the point of contact of a wheel or ball, the plane round it, and the plane's reaction."""
-    normal = numbers(c.normal, s.known)
+    normal, radius = numbers(c.normal, s.known), float(numbers(c.radius, s.known))
     towards = -normal
     if c.axis is not None:
         axis = numbers(c.axis, s.known) @ s.bodies[c.body].C
-        towards = towards - axis * (axis @ towards)
-    way = unit(towards)
-    point = s.on_body(c.body, c.centre) + float(numbers(c.radius, s.known)) * (
-        -normal if way is None else way
-    )
+        share = float(numbers(c.half_axis, s.known)) / radius
+        towards = towards - (1 - share**2) * axis * (axis @ towards)
+    size = math.sqrt(max(float(-normal @ towards), 0.0))  # of an ellipsoid, that of a ball is 1
+    point = s.on_body(c.body, c.centre) + radius * (towards / size if size > 0 else -normal)
     across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     sides = 0.7 * s.size * np.stack([across, np.cross(normal, across)]) / np.linalg.norm(across)
     corners = point + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ sides
