@@ -165,3 +165,22 @@ def test_an_ellipsoid_becomes_a_ball_or_a_wheel(half):
     states = {q: draw.uniform(-1, 1) for q in both[0].full_system.state_names}
     one, two = (rates(scene, states) for scene in both)
     assert one == pytest.approx(two, rel=1e-12)
+
+
+def test_foucaults_pendulum_is_that_of_lagrange_in_inertial_space():
+    """The place of the bob is turned with the Earth before it is differentiated."""
+    scene = eom.load_scene("foucault-pendulum")
+    a, b = q = me.dynamicsymbols("a b")
+    lat, n, l, m, g = sp.symbols("lat n l m g")
+    local = sp.Matrix([-l * sp.sin(a) * sp.cos(b), l * sp.sin(b), -l * sp.cos(a) * sp.cos(b)])
+    turn = sp.Matrix([0, n * sp.cos(lat), n * sp.sin(lat)])
+    v = moved(local) + turn.cross(local)
+    found = at_random(q, accelerations(q, m * v.dot(v) / 2, m * g * local[2]), scene.numbers, 5)
+    names = [f"q_wire_{k}" for k in (1, 2)], [f"u_wire_{k}" for k in (1, 2)]
+    here = {
+        x: y
+        for group, values in zip(names, found, strict=False)
+        for x, y in zip(group, values, strict=True)
+    }
+    rate = rates(scene, here)
+    assert [rate[u] for u in names[1]] == pytest.approx([float(x) for x in found[2]], rel=1e-12)

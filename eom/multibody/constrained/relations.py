@@ -386,7 +386,8 @@ class Contact:
 
     An ellipsoid with axis a on a plane of normal n: the arm is -radius e with e = (n - w m a) / s,
     m = n . a, s^2 = 1 - w m^2, the gradient of its height over the plane. ``oblate``:
-    w = 1 - (half axis / radius)^2, 1 for a wheel. ``inverse``: 1 / s; None for a ball, whose arm is -radius n.
+    w = 1 - (half axis / radius)^2, 1 for a wheel. ``inverse``: 1 / s; None for a ball, whose arm is
+    -radius n.
     """
 
     centre: PointKinematics
