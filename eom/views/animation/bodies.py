@@ -404,12 +404,16 @@ class Drawing:
         """Return a body with its bones and its joint."""
         shapes, words = self.own(body)
         if not shapes and float(self.array(body.mass)) > 0:
-            a = POINT * self.reach
+            a = POINT * self.reach / (2 if np.any(self.array(body.centre)) else 1)
             box = of_solid("box", {"a": 2 * a, "b": a, "c": a})
             shapes, words = (Shape(box.moved(self.array(body.centre))),), "point mass, as a box"
         joint = self.scene.tree.joint_of[body.name]
         start = self.array(joint.on_child.position)
-        bones = [s for end in self.places[body.name]
+        ends = [
+            *self.places[body.name],
+            *([self.array(body.centre)] if words.startswith("point") else []),
+        ]
+        bones = [s for end in ends
                  for s in rod(start, end, BONE * self.reach)]  # fmt: skip
         figure = Figure(body.name, (*shapes, *bones, *self.pin(joint)), words)
         return replace(figure, tip=self._tip(body))
