@@ -53,7 +53,7 @@ def choosing(name: str) -> None:
 
 def quadrature(target: str, method: str, rtol: float) -> None:
     """Two cyclic angles of the bicycle wheel: integrated, left out, left out and found afterwards."""
-    scene = eom.Scene.ready("bicycle-wheel")
+    scene = eom.Scene.ready("lecture-wheel")
     data = scene.model_dump(exclude_unset=True)
     data |= {"outputs": ("theta", "psi", "phi"), "initial": {**scene.initial, "phi": 0.0}}
     scene = eom.Scene(**data)
@@ -91,7 +91,7 @@ def quadrature(target: str, method: str, rtol: float) -> None:
 def main() -> None:
     """Print both."""
     print(f"stiff from {stiffness.WORTH} explicit steps on (generated C, Python)")
-    for name in ("heavy-top", "bicycle-wheel", "gravity-gradient-satellite", "t-handle"):
+    for name in ("heavy-top", "lecture-wheel", "gravity-gradient-satellite", "t-handle"):
         choosing(name)
     for target in RUNS:
         for method in ("DOP853", "scipy:LSODA", *(["taylor"] if target == "c" else [])):

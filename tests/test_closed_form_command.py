@@ -24,7 +24,7 @@ def columns(file):
 
 
 BAD = {
-    "none is known": (["bicycle-wheel", "--closed-form", "--out", "x"], "no closed form"),
+    "none is known": (["lecture-wheel", "--closed-form", "--out", "x"], "no closed form"),
     "fixed": (["t-handle", "--closed-form", "--fixed", "--out", "x"], "--fixed"),
     "nowhere": (["t-handle", "--closed-form"], "--out FOLDER"),
 }

@@ -55,7 +55,7 @@ def test_each_integrator_is_written_and_no_other(run, tmp_path, name):
 @needs_make
 @pytest.mark.parametrize("name", [row.name for row in written.ROWS])
 def test_each_integrator_builds_with_strict_options(run, tmp_path, name):
-    run("generate", "bicycle-wheel", "--integrator", name, "--out", tmp_path)
+    run("generate", "lecture-wheel", "--integrator", name, "--out", tmp_path)
     done = subprocess.run(
         ["make", "CFLAGS=-O1", "check"], cwd=tmp_path, capture_output=True, text=True, check=False
     )
@@ -112,7 +112,7 @@ def rows_of(done):
 
 def test_the_closing_table_says_why_and_what_was_left_out(run):
     """Without angles the free body has a closed form; phi of the wheel is cyclic and not asked for."""
-    wheel, handle = rows_of(run("simulate", "bicycle-wheel")), rows_of(run("simulate", "t-handle"))
+    wheel, handle = rows_of(run("simulate", "lecture-wheel")), rows_of(run("simulate", "t-handle"))
     assert (
         handle["chosen because"]
         == "angular velocity without torque, by Jacobi's elliptic functions"

@@ -12,7 +12,7 @@ from eom.__main__ import main
 
 def test_it_writes_one_page(tmp_path):
     file = tmp_path / "pages" / "wheel.html"
-    done = CliRunner().invoke(main, ["live", "bicycle-wheel", "--out", str(file)])
+    done = CliRunner().invoke(main, ["live", "lecture-wheel", "--out", str(file)])
     assert done.exit_code == 0, done.output
     assert done.output.startswith(f"wrote {file} (")
     assert file.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")

@@ -56,11 +56,14 @@ class SpinningSymmetricBody:
 
     Frames: I inertial; A after psi about the third axis; B after theta about the first axis; the body's
     own frame turns about b2 relative to B by phi, at the rate Omega. Moments of inertia (kg m^2) about
-    the centre of mass: I2 about the axle b2, I1 across it. Angles in rad, rates in rad/s.
+    the reference point: I2 about the axle b2, I1 across it. Angles in rad, rates in rad/s.
 
-    ``torque``: components (M1, M2, M3) (N m) along b1, b2, b3 about the centre of mass, expressions of
+    ``torque``: components (M1, M2, M3) (N m) along b1, b2, b3 about the reference point, expressions of
     parameters, inputs, time and the states theta, psi, phi, theta_dot, psi_dot, C, Omega.
-    ``parameters``, ``inputs``: the quantities in it. Raises `InputError` for what is no expression.
+    ``parameters``, ``inputs``: the quantities in it. ``potential``: energy (J) whose loss is the work of
+    the torque; without one that of a constant M1 is M1 theta. ``reference_point``: what momentum and torque
+    are about, in words: the centre of mass, or a fixed point on the axle.
+    Raises `InputError` for what is no expression.
     Source: lecture 001.
 
     >>> SpinningSymmetricBody((0, 0, 0)).accelerations[1]
@@ -70,9 +73,12 @@ class SpinningSymmetricBody:
     torque: tuple[Expr, Expr, Expr]
     parameters: tuple[Quantity, ...] = ()
     inputs: tuple[Quantity, ...] = ()
+    potential: Expr = 0
+    reference_point: str = "centre of mass"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "torque", tuple(map(as_expression, self.torque)))
+        object.__setattr__(self, "potential", as_expression(self.potential))
 
     @property
     def C_AI(self) -> Rotation:
@@ -83,6 +89,11 @@ class SpinningSymmetricBody:
     def C_BA(self) -> Rotation:
         """Second turn: theta about the first axis."""
         return Rotation("B", "A", elementary(1, THETA))
+
+    @property
+    def C_BI(self) -> Rotation:
+        """Both turns, one after the other."""
+        return self.C_BA @ self.C_AI
 
     @property
     def omega_BI(self) -> Vector:
@@ -103,12 +114,12 @@ class SpinningSymmetricBody:
 
     @property
     def inertia(self) -> Expr:
-        """Inertia matrix (3 x 3, kg m^2) about the centre of mass G, in B: diag(I1, I2, I1)."""
+        """Inertia matrix (3 x 3, kg m^2) about the reference point, in B: diag(I1, I2, I1)."""
         return sp.ImmutableMatrix(sp.diag(I1, I2, I1))
 
     @property
     def h_G(self) -> Vector:
-        """Angular momentum about G (N m s), components in B."""
+        """Angular momentum about the reference point (N m s), components in B."""
         return angular_momentum(self.inertia, self.omega_CI)
 
     @cached_property
@@ -183,7 +194,7 @@ class SpinningSymmetricBody:
                 Quantity(
                     I1,
                     "kg m^2",
-                    "moment of inertia about b1 and b3, through the centre of mass",
+                    f"moment of inertia about b1 and b3, through the {self.reference_point}",
                     "I_1",
                 ),
                 Quantity(I2, "kg m^2", "moment of inertia about the axle b2", "I_2"),
@@ -219,11 +230,12 @@ class SpinningSymmetricBody:
         )
 
     def _assumptions(self) -> tuple[Assumption, ...]:
+        point = self.reference_point
+        named = f"{point} G" if point == "centre of mass" else f"{point}, which is on the axle"
+        about = f"inertia, momentum and torque are about the {named}"
         return (
             Assumption("rigid", "the distance of any two points of the body is constant"),
-            Assumption(
-                "centre_of_mass", "inertia, momentum and torque are about the centre of mass G"
-            ),
+            Assumption(point.replace(" ", "_"), about),
             Assumption(
                 "symmetric",
                 "b2 is an axis of inertial symmetry: I1 = I3",
@@ -250,10 +262,13 @@ class SpinningSymmetricBody:
             ),
             scalar("T", kinetic, "J", "kinetic energy of rotation"),
         ]
-        if m1 != 0:
+        if self.potential != 0:
+            meaning = "kinetic energy of rotation and potential energy"
+            outputs.append(scalar("E", kinetic + self.potential, "J", meaning))
+        elif m1 != 0 and THETA not in m1.free_symbols:
             meaning = "kinetic energy less the work of the torque about b1 in turning through theta"
             outputs.append(scalar("E", kinetic - m1 * THETA, "J", meaning))
-        C_BI = (self.C_BA @ self.C_AI).matrix
+        C_BI = self.C_BI.matrix
         outputs += momentum_outputs(h, C_BI)
         outputs += [
             scalar(f"torque_{k}", m, "N m", f"torque about b{k}", rf"\tau_{k}")

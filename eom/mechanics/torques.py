@@ -7,7 +7,7 @@ frame B; ``C`` takes components in the reference frame A to B.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -69,6 +69,16 @@ class Torque:
             _each(self.assumptions, other.assumptions),
             point,
             turning[1],
+        )
+
+    def inlined(self) -> Torque:
+        """Return the same torque with the components of directions put in, none of them named."""
+        over = {d.symbol: d.expression for d in self.directions}
+        return replace(
+            self,
+            components=self.components.map(lambda c: sp.sympify(c, strict=True).xreplace(over)),
+            potential=sp.sympify(self.potential, strict=True).xreplace(over),
+            directions=(),
         )
 
 

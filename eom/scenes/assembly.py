@@ -64,8 +64,11 @@ def full_system(scene: Description, *, general_torque: bool = False) -> System:
 
 
 def _spinner(scene: Description, general_torque: bool) -> System:
-    torque = _torques(scene, general_torque)[0]["components"]
-    body = SpinningSymmetricBody(torque.components.components, torque.parameters, torque.inputs)
+    whole = reduce_by(operator.add, _torques(scene, general_torque)[0].values())
+    body = SpinningSymmetricBody(
+        whole.components.components, whole.parameters, whole.inputs, whole.potential,
+        whole.reference_point or "centre of mass",
+    )  # fmt: skip
     return _through_singular(body.system(scene.name, scene.title), UNSPUN)
 
 
@@ -97,10 +100,7 @@ def torques_of(scene: Description) -> dict[str, torques.Torque]:
 def _torques(scene: Description, general_torque: bool) -> tuple[dict[str, torques.Torque], Triple]:
     """Return the torques, components always among them, and the formulas of components as read."""
     if scene.model == "spinner":
-        given = components(
-            scene, _names((*_SPINNER_STATES, I1, I2)), ("M1", "M2", "M3"), general_torque
-        )
-        return {"components": torques.applied(*given)}, given[0]
+        return _of_spinner(scene, general_torque)
     chosen, (J, moments) = _attitude(scene), _inertia(scene)
     said = {n: getattr(scene.torque, n) for n in LAWS if getattr(scene.torque, n) is not None}
     found = {n: LAWS[n](of, chosen.matrix, J) for n, of in said.items()} if chosen else {}
@@ -115,6 +115,20 @@ def _torques(scene: Description, general_torque: bool) -> tuple[dict[str, torque
     given = components(scene, names, ("tau_1", "tau_2", "tau_3"), general_torque and not found)
     found["components"] = torques.applied(_over_states(given[0], angles), *given[1:])
     return found, given[0]
+
+
+def _of_spinner(
+    scene: Description, general_torque: bool
+) -> tuple[dict[str, torques.Torque], Triple]:
+    """Return the torques on a spinner, that of its weight over psi and theta, as `_torques` does."""
+    found = {}
+    if scene.torque.weight is not None:
+        C = SpinningSymmetricBody((0, 0, 0)).C_BI.matrix
+        found["weight"] = LAWS["weight"](scene.torque.weight, C, None).inlined()
+    known = (q.symbol for torque in found.values() for q in torque.parameters)
+    names = _names((*_SPINNER_STATES, I1, I2, *known))
+    given = components(scene, names, ("M1", "M2", "M3"), general_torque and not found)
+    return {**found, "components": torques.applied(*given)}, given[0]
 
 
 def _names(symbols: Iterable[Expr]) -> dict[str, Expr]:

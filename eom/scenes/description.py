@@ -79,7 +79,8 @@ class Body(Part):
 class Weight(Part):
     """Weight about a fixed point: gravity along -a3.
 
-    ``mass`` (kg), ``gravity`` (m/s^2), ``centre_of_mass``: from the fixed point, along b1, b2, b3 (m).
+    ``mass`` (kg), ``gravity`` (m/s^2), ``centre_of_mass``: from the fixed point, along b1, b2, b3 (m); of
+    a spinner along its axle b2 alone.
     """
 
     mass: Positive
@@ -314,11 +315,12 @@ def _of_solid(scene: Description) -> Any:
     Moved to the fixed point of its weight by Huygens and Steiner's theorem: m (r.r 1 - r r^T).
     """
     body, weight = scene.body, scene.torque.weight
+    r1, r2, r3 = weight.centre_of_mass if weight else (0, 0, 0)
     numbers = {
         sp.Symbol(n, positive=True): sp.Float(v)
         for n, v in (*body.size.items(), ("mass", body.mass))
     }
-    across = tilde(weight.centre_of_mass if weight else (0, 0, 0))
+    across = tilde((r1, r3, r2) if scene.model == "spinner" else (r1, r2, r3))  # the solid's axes
     central = solids.central_inertia(str(body.solid)).xreplace(numbers)
     return central + sp.Float(body.mass) * (across.T * across)
 
@@ -439,14 +441,28 @@ def _check_torque(scene: Description) -> None:
         if getattr(torque, name) is None:
             continue
         if scene.model == "spinner":
-            raise InputError("a spinner takes torque components", where="[torque]", got=name)
-        if scene.attitude == "none":
+            _check_spinner(torque, name)
+        elif scene.attitude == "none":
             raise InputError(
                 f"torque by {name} depends on attitude",
                 where="attitude",
                 got="none",
                 hint='for example attitude = "quaternion"',
             )
+
+
+def _check_spinner(torque: Torque, name: str) -> None:
+    """Raise `InputError` for a torque of a law that turns with the spin of a spinner."""
+    if torque.weight is None:
+        raise InputError("a spinner takes torque components and weight", where="[torque]", got=name)
+    across = torque.weight.centre_of_mass[::2]
+    if any(across):
+        raise InputError(
+            "the centre of mass of a spinner is on its axle b2",
+            where="[torque] weight: centre_of_mass",
+            got=torque.weight.centre_of_mass,
+            expected="0 along b1 and b3",
+        )
 
 
 def check_initial_attitude(initial: InitialAttitude, where: str) -> None:

@@ -141,7 +141,7 @@ def test_ready_scenes_are_stable_and_never_exceed_the_bound(target, name):
 
 
 def test_tilted_wheel_is_measured_up_to_its_singular_angle():
-    scene = Scene.ready("bicycle-wheel")
+    scene = Scene.ready("lecture-wheel")
     around = {**scene.initial_values(), **scene.parameter_values()}
     compiled = compile_system(scene.derive(), "numpy")
     report = accuracy(compiled, samples=3, around=around, jacobians=["states"])
@@ -306,7 +306,7 @@ def test_default_ranges_are_what_a_user_expects():
     quaternions = np.array([p.x[2:6] for p in drawn])
     np.testing.assert_allclose(np.sum(quaternions**2, axis=0 + 1), 1.0, rtol=1e-14)
     assert all(9 <= p.p[layout_names(layout).index("g")] <= 11 for p in drawn)
-    wheel = Scene.ready("bicycle-wheel").derive()
+    wheel = Scene.ready("lecture-wheel").derive()
     angles = domain_of(lower_system(wheel), Layout.of(wheel), {}, {}).ranges()
     assert angles["theta"] == angles["psi"] == (-math.pi, math.pi)
     assert angles["C"] == (-2.0, 2.0)
@@ -346,7 +346,7 @@ def test_regions_hold_zeros_and_every_magnitude():
 
 
 def test_angles_are_not_made_huge():
-    wheel = Scene.ready("bicycle-wheel").derive()
+    wheel = Scene.ready("lecture-wheel").derive()
     program, layout = lower_system(wheel), Layout.of(wheel)
     drawn = list(places(program, layout, domain_of(program, layout, {}, {}), 1, 0))
     extreme = [p.point.x for p in drawn if p.region == EXTREME]
@@ -375,7 +375,7 @@ def test_bad_domains_are_refused(case):
 
 
 def test_other_bad_input_is_refused():
-    wheel = compile_system(Scene.ready("bicycle-wheel").derive(), "numpy")
+    wheel = compile_system(Scene.ready("lecture-wheel").derive(), "numpy")
     with pytest.raises(InputError, match="I1 is not positive"):
         accuracy(wheel, {"I1": (0, 1)}, 3)
     for samples in (0, -1, True):

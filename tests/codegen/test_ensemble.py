@@ -63,7 +63,7 @@ def column(values, j):
 
 @pytest.mark.sparse(2)
 @needs_compiler
-@pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel"])
+@pytest.mark.parametrize("name", ["heavy-top", "lecture-wheel"])
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_every_trajectory_is_that_of_simulate(name, method):
     scene = eom.load_scene(name)
@@ -166,7 +166,7 @@ def test_no_bit_depends_on_the_width_of_vectors(system):
 
 @needs_compiler
 @pytest.mark.parametrize("compiler", [n for n in ("gcc", "clang") if shutil.which(n)])
-@pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel"])
+@pytest.mark.parametrize("name", ["heavy-top", "lecture-wheel"])
 def test_generated_text_has_no_warnings(compiler, name, tmp_path):
     compiled = scene_once(name)
     file = tmp_path / "lanes.c"
@@ -321,8 +321,8 @@ def test_progress_ends_at_one_and_memory_may_be_left_out():
 
 @needs_compiler
 def test_statistics_are_those_of_the_trajectories():
-    scene = eom.Scene.ready("bicycle-wheel")
-    compiled = scene_once("bicycle-wheel")
+    scene = eom.Scene.ready("lecture-wheel")
+    compiled = scene_once("lecture-wheel")
     start = scattered(scene, 600, 0.5)
     output = compiled.layout.results["outputs"][0]
     edges = np.linspace(-1, 1, 5)

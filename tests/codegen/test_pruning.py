@@ -15,7 +15,7 @@ from eom.errors import InputError
 from eom.quantities import Singularity
 from eom.system import System
 
-WHEEL = eom.Scene.ready("bicycle-wheel").full_system
+WHEEL = eom.Scene.ready("lecture-wheel").full_system
 START = {"theta": 0.3, "psi": 1.0, "phi": -2.0, "theta_dot": 0.1, "psi_dot": 0.2, "C": 30.0}
 
 
@@ -28,7 +28,7 @@ def wheel(request):
 
 @pytest.fixture(scope="module")
 def values(wheel):
-    known = eom.Scene.ready("bicycle-wheel").parameter_values()
+    known = eom.Scene.ready("lecture-wheel").parameter_values()
     return {q.name: known[q.name] for q in wheel.layout.parameters}
 
 

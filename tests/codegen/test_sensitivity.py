@@ -93,7 +93,7 @@ def runge_kutta(program, states, parameters, steps=2, h=0.125):
     return x
 
 
-@pytest.mark.sparse(only=("bicycle-wheel", "t-handle"))
+@pytest.mark.sparse(only=("lecture-wheel", "t-handle"))
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_against_differences_of_their_motions_at_high_precision(name):
     """Differences of width 1e-25 in 60 digits, of the very steps that carry the sensitivities."""

@@ -167,7 +167,7 @@ def test_the_order_follows_from_the_tolerance():
     ]  # fmt: skip
 
 
-@pytest.mark.sparse(only=("bicycle-wheel", "t-handle"))
+@pytest.mark.sparse(only=("lecture-wheel", "t-handle"))
 @needs_compiler
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_agree_with_dop853(name):

@@ -115,7 +115,7 @@ def test_every_book_states_every_scene_with_an_attitude(name):
 
 
 def test_spinner_in_angles_and_products_of_a_solid():
-    assert np.allclose(of_scene(Scene.ready("bicycle-wheel"), Convention(sequence="3-1-2")).angles,
+    assert np.allclose(of_scene(Scene.ready("lecture-wheel"), Convention(sequence="3-1-2")).angles,
                        (0.0, 0.1, 0.0))  # fmt: skip
     solid = Scene(
         name="plate", body={"matrix": [[2, -0.5, 0], [-0.5, 3, 0], [0, 0, 4]]}, attitude="3-1-3",

@@ -13,7 +13,7 @@ from eom.system import System
 from eom.typeset.printing import FORMATS, show
 from tests.eom.rows import only
 
-SHORT = (("heavy-top", "text"), ("double-pendulum", "latex"), ("bicycle-wheel", "markdown"))
+SHORT = (("heavy-top", "text"), ("double-pendulum", "latex"), ("lecture-wheel", "markdown"))
 """Each format once, and each kind of scene."""
 
 

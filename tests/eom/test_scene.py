@@ -578,7 +578,13 @@ BAD = {
     ),
     "weight of a spinner": (
         {"model": "spinner", "body": WHEEL, "torque": {"weight": TOP}},
-        "torque components",
+        "on its axle b2",
+        "[torque] weight: centre_of_mass",
+        "",
+    ),
+    "orbit of a spinner": (
+        {"model": "spinner", "body": WHEEL, "torque": {"gravity_gradient": {"orbital_rate": 1}}},
+        "torque components and weight",
         "[torque]",
         "",
     ),

@@ -283,6 +283,7 @@ LETTERS: dict[str, Row] = {
     "spot_a": Row("a_g", "m/s^2", "acceleration of a point of {} by velocities alone"),
     "direction": Row("e", "1", "direction of the constraint {}, in the axes of the ground"),
     "lean": Row("lean", "1", "cosine between axis and normal of {}"),
+    "oblateness": Row("w", "1", "one less the square of half axis by radius of {}"),
     "lean_inverse": Row("lean_inv", "1", "reciprocal of the sine between axis and normal of {}"),
     "inverse_length": Row("length_inv", "1/m", "reciprocal of the length of {}"),
     "contact": Row("arm", "m", "arm from the centre to the point of contact of {}"),

@@ -198,7 +198,7 @@ class Binding:
         ]
         view = self.scene(None)
         for c in self.tree.constraints:
-            if isinstance(c, Rolling) and c.axis is not None:
+            if isinstance(c, Rolling) and c.axis is not None and not _thick(c):
                 flat = plain(sine_square(c, view))
                 symbol = sp.Symbol(f"constraint_{c.name}", real=True)
                 found.append(Singularity(flat, symbol, f"the wheel of {c.name} lies flat"))
@@ -274,6 +274,12 @@ def inner(tree: Tree) -> bool:
     """Return whether the constraints hold bodies to each other alone, not to the ground."""
     return all(c.bodies and GROUND not in c.bodies and not isinstance(c, OF_SPEEDS)
                for c in tree.constraints)  # fmt: skip
+
+
+def _thick(wheel: Rolling) -> bool:
+    """Return whether a wheel is known to reach along its axis, so that it never lies flat."""
+    half = wheel.half_axis
+    return half > 0 if is_number(half) else bool(half.is_positive)
 
 
 BETWEEN_POINTS = (Loop, Distance, Rolling, KnifeEdge)

@@ -244,15 +244,25 @@ def _contact(wheel: Rolling, scene: Scene) -> Contact:
     a = centre.direction(scene.vector(wheel.axis))
     a = keep_vector(work, "direction", wheel.name, a)
     inverse = reciprocal(scene.arithmetic.sqrt(sine_square(wheel, scene)))
-    return Contact(centre, radius, n, a, work.keep("lean_inverse", wheel.name, "", inverse))
+    inverse = work.keep("lean_inverse", wheel.name, "", inverse)
+    return Contact(centre, radius, n, a, inverse, oblateness(wheel, scene))
+
+
+def oblateness(wheel: Rolling, scene: Scene) -> Scalar:
+    """Return 1 - (half axis / radius)^2: 1 of a wheel, below zero where the body is longer than thick."""
+    if is_zero(wheel.half_axis):
+        return 1
+    lift = scene.arithmetic.lift
+    share = mul(lift(wheel.half_axis), reciprocal(lift(wheel.radius)))
+    return scene.work.keep("oblateness", wheel.name, "", sub(1, mul(share, share)))
 
 
 def sine_square(wheel: Rolling, scene: Scene) -> Scalar:
-    """Return 1 - (n . a)^2, which is zero where the wheel lies flat."""
+    """Return 1 - w (n . a)^2 (`Contact`), which is zero where a wheel lies flat."""
     centre = scene.spot(wheel.body, wheel.centre)
     a = centre.direction(scene.vector(wheel.axis))
     m = scene.work.keep("lean", wheel.name, "", dot(scene.vector(wheel.normal), a))
-    return sub(1, mul(m, m))
+    return sub(1, mul(oblateness(wheel, scene), mul(m, m)))
 
 
 def plane_directions(normal: Any) -> tuple[Any, Any]:

@@ -382,10 +382,12 @@ class Edge(Relation):
 
 @dataclass(frozen=True)
 class Contact:
-    """Where a wheel or ball touches a plane: the arm to that point from its centre.
+    """Where a wheel, ellipsoid of revolution or ball touches a plane: the arm to there from its centre.
 
-    A wheel with axis a on a plane of normal n: the arm is -radius e with e = (n - (n . a) a) / s,
-    s = |n x a|. ``inverse``: 1 / s; None for a ball, whose arm is -radius n.
+    An ellipsoid with axis a on a plane of normal n: the arm is -radius e with e = (n - w m a) / s,
+    m = n . a, s^2 = 1 - w m^2, the gradient of its height over the plane. ``oblate``:
+    w = 1 - (half axis / radius)^2, 1 for a wheel. ``inverse``: 1 / s; None for a ball, whose arm is
+    -radius n.
     """
 
     centre: PointKinematics
@@ -393,13 +395,15 @@ class Contact:
     normal: Vector
     axis: Vector
     inverse: Scalar | None
+    oblate: Scalar = 1
 
     @property
     def up(self) -> Vector:
         """The direction from the point of contact to the centre."""
         if self.inverse is None:
             return self.normal
-        level = minus(self.normal, scaled(dot(self.normal, self.axis), self.axis))
+        along = mul(self.oblate, dot(self.normal, self.axis))
+        level = minus(self.normal, scaled(along, self.axis))
         return scaled(self.inverse, level)
 
     @property
@@ -408,13 +412,13 @@ class Contact:
         return scaled(negative(self.radius), self.up)
 
     def arm_rate(self) -> Vector:
-        """Return -radius e', e' = -(m' a + m a') / s + e m m' / s^2 with m = n . a."""
+        """Return -radius e', e' = -w (m' a + m a') / s + w e m m' / s^2."""
         if self.inverse is None:
             return [0, 0, 0]
         turned = cross(self.centre.moving.omega, self.axis)
-        m, rate = dot(self.normal, self.axis), dot(self.normal, turned)
+        m, rate = (mul(self.oblate, dot(self.normal, x)) for x in (self.axis, turned))
         sideways = plus(scaled(rate, self.axis), scaled(m, turned))
-        along = mul(mul(self.inverse, self.inverse), mul(m, rate))
+        along = mul(mul(self.inverse, self.inverse), mul(dot(self.normal, self.axis), rate))
         found = minus(scaled(along, self.up), scaled(self.inverse, sideways))
         return scaled(negative(self.radius), found)
 

@@ -195,16 +195,17 @@ class Coupling(Constraint):
 @typed_fields
 @dataclass(frozen=True)
 class Rolling(Constraint):
-    """A wheel or ball rolls on a plane of the ground without slip.
+    """A wheel, ball or ellipsoid of revolution rolls on a plane of the ground without slip.
 
     ``axis``: of a wheel with a thin edge, in the axes of the ``body``; None for a ball. ``centre``: of
-    the circle or ball, from the body's origin, in its axes (m). ``radius`` (m). ``normal``: of the
+    the circle or ball, from the body's origin, in its axes (m). ``radius`` (m), of an ellipsoid that of its
+    equator; ``half_axis``: how far it reaches along its axis (m), 0 for a thin edge. ``normal``: of the
     plane, towards the wheel; ``origin``: a point of the plane (m), both in the ground's axes. The point
     of contact wanders over the body. Multipliers: force (N) of the plane on the body at that point, along
     two directions of the plane, which are x and y where the normal is z, and along the normal.
 
-    Raises `InputError` for a radius that is not positive, a zero axis or normal, and a symbolic normal
-    that is in no plane of two of the ground's axes.
+    Raises `InputError` for a radius that is not positive, a half axis below zero or of a ball, a zero axis
+    or normal, and a symbolic normal that is in no plane of two of the ground's axes.
     """
 
     name: str
@@ -214,11 +215,19 @@ class Rolling(Constraint):
     centre: Triple = ZERO
     normal: Axis = "z"
     origin: Triple = ZERO
+    half_axis: Number = 0
 
     def complete(self) -> None:
         """Raise `InputError` for a radius that is not positive, and a normal in no plane of two axes."""
         if is_number(self.radius) and self.radius <= 0:
             raise InputError("the radius is not positive", where=self.where, got=self.radius)
+        if is_number(self.half_axis) and self.half_axis < 0:
+            raise InputError("the half axis is below zero", where=self.where, got=self.half_axis)
+        if self.axis is None and not is_zero(self.half_axis):
+            raise InputError(
+                "a ball has no half axis", where=self.where, got=self.half_axis,
+                hint="give the axis of the ellipsoid, or leave half_axis out",
+            )  # fmt: skip
         if not any(map(is_zero, self.normal)) and not all(map(is_number, self.normal)):
             raise InputError(
                 "a symbolic normal must be in a plane of two of the ground's axes",

@@ -187,9 +187,17 @@ class OneBody:
             return whole, whole
         return whole, _quaternions(stated.kind, [*names[:-1], None], motion)
 
+    @property
+    def centre(self) -> Floats:
+        """Where the centre of mass is (m), from the fixed point of a weight, in the body's axes."""
+        weight = self.scene.torque.weight
+        return np.zeros(3) if weight is None else np.array(weight.centre_of_mass)
+
     def figures(self, robot: Robot) -> Figures:  # noqa: ARG002
-        """Return what the body looks like."""
-        return Figures((_one(self),))
+        """Return what the body looks like, and what holds the fixed point of its weight."""
+        figure = _one(self)
+        away = figure.shapes[0].mesh.vertices @ self.centre
+        return Figures((figure,), _support(figure.extent) if np.all(away > 0) else ())
 
 
 def _quaternions(kind: str, names: Sequence[str | None], motion: Motion) -> Floats:
@@ -212,11 +220,9 @@ def _one(body: OneBody) -> Figure:
     axes = SPUN_AXES if spinner else BODY_AXES
     if scene.body.solid is not None:
         solid, sizes = scene.body.solid, scene.body.size
-        mesh = of_solid(solid, sizes).moved((0, 0, 0), np.roll(np.eye(3), axis - 2, axis=0))
         dimensions = ", ".join(f"{n} {v:g} m" for n, v in sizes.items())
-        return _tipped(
-            Figure(name, (Shape(mesh),), f"{solid} of the scene ({dimensions})", axes), axis
-        )
+        words = f"{solid} of the scene ({dimensions})"
+        return _tipped(Figure(name, tuple(_solid(body, axis)), words, axes), axis)
     if scene.torque.weight is not None:
         return _tipped(_held(name, inertia, scene), axis)
     found = equivalent(inertia)
@@ -237,8 +243,37 @@ def _held(name: str, inertia: Floats, scene: Scene) -> Figure:
         body = equivalent(inertia, weight.mass)
         return Figure(name, (Shape(body.mesh),), f"about the fixed point: {body.words}")
     body = equivalent(found, weight.mass)
-    stalk = rod((0, 0, 0), r, 0.02 * body.mesh.extent)
-    return Figure(name, (Shape(body.mesh.moved(r)), *stalk), body.words)
+    return Figure(name, (Shape(body.mesh.moved(r)), *_stalk(r, body.mesh)), body.words)
+
+
+def _stalk(centre: Floats, mesh: Mesh) -> tuple[Shape, ...]:
+    """Return a rod from the fixed point to the centre of mass, none where they coincide."""
+    return rod((0, 0, 0), centre, 0.02 * mesh.extent)
+
+
+def _solid(body: OneBody, axis: int) -> Iterator[Shape]:
+    """Yield the solid of a scene about its centre of mass; of a spinner a torus has spokes."""
+    solid, sizes = str(body.scene.body.solid), body.scene.body.size
+    mesh = of_solid(solid, sizes).moved((0, 0, 0), np.roll(np.eye(3), axis - 2, axis=0))
+    shapes: tuple[Shape, ...] = (Shape(mesh),)
+    if solid == "torus" and body.scene.model == "spinner":
+        shapes = wheel(sizes["ring_radius"], axis, sizes["tube_radius"])
+    for shape in shapes:
+        yield replace(shape, mesh=shape.mesh.moved(body.centre))
+    yield from _stalk(body.centre, mesh)
+
+
+STAND = 0.7
+"""Height of a stand, as a share of the size of the body on it."""
+
+
+def _support(size: float) -> tuple[Shape, ...]:
+    """Return a stand whose top is the fixed point, beside the body: a post with a foot and a ball."""
+    foot = np.array([0.0, 0.0, -STAND * size])
+    plate = of_solid("cylinder", {"radius": 0.2 * size, "length": 0.03 * size}).moved(foot)
+    ball = of_solid("sphere", {"radius": 0.035 * size})
+    parts = (Shape(replace(m, round=False), "grey") for m in (plate, ball))
+    return (*rod((0, 0, 0), foot, 0.018 * size), *parts)
 
 
 def _tipped(figure: Figure, axis: int) -> Figure:
@@ -369,12 +404,16 @@ class Drawing:
         """Return a body with its bones and its joint."""
         shapes, words = self.own(body)
         if not shapes and float(self.array(body.mass)) > 0:
-            a = POINT * self.reach
+            a = POINT * self.reach / (2 if np.any(self.array(body.centre)) else 1)
             box = of_solid("box", {"a": 2 * a, "b": a, "c": a})
             shapes, words = (Shape(box.moved(self.array(body.centre))),), "point mass, as a box"
         joint = self.scene.tree.joint_of[body.name]
         start = self.array(joint.on_child.position)
-        bones = [s for end in self.places[body.name]
+        ends = [
+            *self.places[body.name],
+            *([self.array(body.centre)] if words.startswith("point") else []),
+        ]
+        bones = [s for end in ends
                  for s in rod(start, end, BONE * self.reach)]  # fmt: skip
         figure = Figure(body.name, (*shapes, *bones, *self.pin(joint)), words)
         return replace(figure, tip=self._tip(body))

@@ -163,9 +163,12 @@ def central(inertia: ArrayLike, mass: float, centre: ArrayLike) -> Floats | None
     return J if moments[0] > 0 and moments[0] + moments[1] >= moments[2] * (1 - EQUAL) else None
 
 
-def wheel(radius: float, axis: int = 2) -> tuple[Shape, ...]:
-    """Return rim, spokes, one in another colour, hub and axle; ``axis``: 0, 1 or 2, the axle's."""
-    rim = of_solid("torus", {"ring_radius": radius, "tube_radius": 0.055 * radius})
+def wheel(radius: float, axis: int = 2, tube: float | None = None) -> tuple[Shape, ...]:
+    """Return rim, spokes, one in another colour, hub and axle.
+
+    ``axis``: 0, 1 or 2, the axle's; ``tube``: radius of the rim's cross-section (m), else a share of it.
+    """
+    rim = of_solid("torus", {"ring_radius": radius, "tube_radius": tube or 0.055 * radius})
     hub = of_solid("cylinder", {"radius": 0.07 * radius, "length": 0.22 * radius})
     axle = of_solid("cylinder", {"radius": 0.025 * radius, "length": 1.1 * radius})
     spoke = of_solid("cylinder", {"radius": 0.012 * radius, "length": radius})

@@ -37,6 +37,7 @@ from eom.views.time.histories import run
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene
+    from eom.scenes.scene import Scene
 
 STEP = math.radians(3)
 """Angle between the points of an arc, at most."""
@@ -255,13 +256,16 @@ WHEEL_ANGLES = tuple(math.radians(x) for x in (40.0, 25.0, 50.0))
 RIM, SPOKES = 1.0, 8
 
 
-def wheel(angles: Sequence[float] = WHEEL_ANGLES, title: str = "") -> Picture:
+def wheel(
+    angles: Sequence[float] = WHEEL_ANGLES, title: str = "", *, held: float | None = None
+) -> Picture:
     r"""Return the wheel at the ``angles`` psi, theta, phi (rad): turns about axes 3, 1 and 2.
 
     The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about
     the vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the
-    axle. Lengths are without a unit; the body is that of lecture 001. Raises `InputError` for angles that
-    are no numbers.
+    axle. Lengths are in radii of the rim; the body is that of lecture 001. ``held``: how far from the
+    middle of the wheel, along -b2, the fixed point O of the axle is, on its stand; None for none. Raises
+    `InputError` for angles that are no numbers.
 
     >>> wheel((0.0, 0.0, 0.0)).caption.split(",")[0]
     'A wheel after turns of psi = 0 degrees about the vertical'
@@ -270,6 +274,7 @@ def wheel(angles: Sequence[float] = WHEEL_ANGLES, title: str = "") -> Picture:
     i, a, b, c = (Frame(letter, C, colour, size) for (letter, colour, size), C in rows)
     items: list[Item] = [
         *_body(c),
+        *(() if held is None else _stand(-held * c.axis(2))),
         *arc(i.axis(3), 1.3 * i.axis(1), angles[0], r"$\psi$", "blue"),
         *arc(a.axis(1), 1.3 * a.axis(2), angles[1], r"$\theta$", "green"),
         *arc(b.axis(2), 0.75 * b.axis(1), angles[2], r"$\phi$", "red"),
@@ -282,6 +287,7 @@ def wheel(angles: Sequence[float] = WHEEL_ANGLES, title: str = "") -> Picture:
         f"A wheel after turns of psi = {psi} degrees about the vertical, theta = {theta} degrees about the "
         f"node line and phi = {phi} degrees about its axle."
     )
+    caption += "" if held is None else " The point O of the axle is fixed."
     words = title or "The 3-1-2 spinning symmetric body"
     return check(Picture(((panel,),), words, caption))
 
@@ -297,15 +303,37 @@ def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:
     >>> wheel_of(eom.load_scene("bicycle-wheel")).title
     'Bicycle wheel spinning on its axle, held by one end'
     """
-    if scene.model != "spinner":
+    one = single(scene)
+    if one is None or one.model != "spinner":
         raise InputError("not the scene of a spinner", where=scene.title or scene.name)
     title = short(scene.title or scene.name)
+    held = _held(one)
     if seconds is None:
-        return wheel(title=title)
+        return wheel(title=title, held=held)
     result, _ = run(with_attitude(scene, 2, seconds))
     if not result.t_stop == seconds:
         raise InputError("the run stopped before", where=title, got=result.message)
-    return wheel([float(result[n][-1]) for n in ("psi", "theta", "phi")], title)
+    return wheel([float(result[n][-1]) for n in ("psi", "theta", "phi")], title, held=held)
+
+
+def _held(scene: Scene) -> float | None:
+    """Return where the fixed point is, from the wheel's middle along -b2, in radii of the rim."""
+    weight, size = scene.torque.weight, scene.body.size
+    if weight is None:
+        return None
+    arm = float(weight.centre_of_mass[1])
+    return arm / size["ring_radius"] if "ring_radius" in size else math.copysign(RIM, arm)
+
+
+def _stand(point: Floats) -> Iterator[Item]:
+    """Yield the end of the axle as a point, its name, and a post below it."""
+    foot = np.array([0.0, 0.0, -1.1 * RIM])
+    yield Curve(np.stack([0 * point, point]), "grey", 3.0)
+    yield Curve(np.stack([point, point + foot]), "black", 2.2)
+    ring = arc_points(np.eye(3)[2], 0.28 * np.eye(3)[0], 2 * math.pi)
+    yield Curve(point + foot + ring, "black", 1.6)
+    yield Marks(point[None], size=6.0)
+    yield Words(point + np.array([0.0, 0.0, 0.16]), "$O$")
 
 
 def _body(frame: Frame) -> Iterator[Item]:

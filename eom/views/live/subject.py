@@ -364,7 +364,8 @@ def _caption(scene: Scene) -> str:
     if scene.torque.weight is not None:
         shape = "A picture of a top, its point fixed."
     if scene.model == "spinner":
-        shape, axis = "A wheel about b2; its proportions are those of a picture.", 2
+        held = ", held by the end of its axle" if scene.torque.weight is not None else ""
+        shape, axis = f"A wheel about b2{held}; its proportions are those of a picture.", 2
     return (
         f"{shape} Arrows: ω, H and the torque τ, each against its largest value so far; the line is the "
         f"path of b{axis}."

@@ -133,6 +133,8 @@ def _of(bodies: Bodies) -> Sketch:
 
 REACH = 1.0
 """Where one body ends in its sketch; other lengths are in proportion."""
+LARGEST = 1.7
+"""Size of a body that its fixed point is far away from the surface of."""
 GRADIENT = "gravity_gradient"
 
 
@@ -144,6 +146,7 @@ def _of_one(bodies: OneBody) -> Sketch:
         frames.insert(0, Frame("a", np.eye(3), "black", 1.9))
     items = [
         *solid(s.mesh.moved(s.centre), s.C, np.zeros(3)),
+        *s.stalk,
         *triads(frames),
         *_points(s),
         *_acting(s),
@@ -187,7 +190,10 @@ class BodyAtStart:
 
     @cached_property
     def mesh(self) -> Mesh:
-        """The body about its centre of mass, its surface through the fixed point if there is one."""
+        """The body about its centre of mass, its surface through the fixed point if there is one.
+
+        A flat body, which would be too large then, is on a stalk.
+        """
         J, mass = self.bodies.inertia, self.bodies.scene.body.mass
         if self.weight is not None:
             mass = self.weight.mass
@@ -196,7 +202,13 @@ class BodyAtStart:
         mesh = equivalent(J, mass).mesh
         way = -self.centre
         reach = float(np.max(mesh.vertices @ way)) / REACH if np.any(way) else mesh.extent
-        return Mesh(REACH * mesh.vertices / reach, mesh.faces)
+        return Mesh(REACH * mesh.vertices / max(reach, mesh.extent / LARGEST), mesh.faces)
+
+    @property
+    def stalk(self) -> list[Item]:
+        """A line from the fixed point of a weight to the centre of mass."""
+        ends = np.stack([np.zeros(3), self.centre @ self.C])
+        return [Curve(ends, "grey", 3.0)] if np.any(self.centre) else []
 
     @property
     def axles(self) -> list[Floats]:
@@ -540,15 +552,14 @@ def _constraint(s: TreeAtStart, c: Constraint) -> Iterator[Item]:
 
 def _contact(s: TreeAtStart, c: Rolling) -> Iterator[Item]:
     """Yield the point of contact of a wheel or ball, the plane round it, and the plane's reaction."""
-    normal = numbers(c.normal, s.known)
+    normal, radius = numbers(c.normal, s.known), float(numbers(c.radius, s.known))
     towards = -normal
     if c.axis is not None:
         axis = numbers(c.axis, s.known) @ s.bodies[c.body].C
-        towards = towards - axis * (axis @ towards)
-    way = unit(towards)
-    point = s.on_body(c.body, c.centre) + float(numbers(c.radius, s.known)) * (
-        -normal if way is None else way
-    )
+        share = float(numbers(c.half_axis, s.known)) / radius
+        towards = towards - (1 - share**2) * axis * (axis @ towards)
+    size = math.sqrt(max(float(-normal @ towards), 0.0))  # of an ellipsoid, that of a ball is 1
+    point = s.on_body(c.body, c.centre) + radius * (towards / size if size > 0 else -normal)
     across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     sides = 0.7 * s.size * np.stack([across, np.cross(normal, across)]) / np.linalg.norm(across)
     corners = point + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ sides

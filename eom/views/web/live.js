@@ -68,15 +68,26 @@
 
   function singleShapes() {
     const J = motion.inertia();
-    if (data.kind === "spinner")
-      return [{kind: "wheel", radius: 0.75, axle: 0.95, quaternion: [Math.SQRT1_2, -Math.SQRT1_2, 0, 0]}];
+    const r = data.centre.map((name) => (name ? motion.value(name) : 0));
+    if (data.kind === "spinner") {
+      const along = [Math.SQRT1_2, -Math.SQRT1_2, 0, 0], away = Math.sign(r[1] || 0);
+      if (!away) return [{kind: "wheel", radius: 0.75, axle: 0.95, quaternion: along}];
+      return [{kind: "wheel", radius: 0.62, axle: 0.4, quaternion: along, position: [0, 0.4 * away, 0]}];
+    }
     if (data.centre.length) {
-      const r = data.centre.map((name) => (name ? motion.value(name) : 0));
       return [{kind: "cone", radius: 0.3, height: 0.62, quaternion: towards(r), marked: true},
               {kind: "sphere", radius: 0.035, plain: true, colour: "grey"}];
     }
     const {moments, axes} = EOM_ROTATIONS.principal(J);
     return [turned(scaled(solid(moments), 0.72), axes)];
+  }
+
+  /* What holds the end of the axle of a wheel. */
+  function stand() {
+    if (data.kind !== "spinner" || !data.centre.length) return [];
+    return [{kind: "rod", length: 0.75, radius: 0.018, position: [0, 0, -0.375]},
+            {kind: "cylinder", radius: 0.2, length: 0.03, position: [0, 0, -0.75]},
+            {kind: "sphere", radius: 0.035}].map((s) => Object.assign(s, {colour: "grey", plain: true}));
   }
 
   /* Of a tree: what is drawn of body k is at 12 k; masses and the rest follow in order. */
@@ -147,6 +158,7 @@
       radius: single ? 1.05 : radius, up: data.up, view: single ? [35, 18] : [-62, 16], ground: null, theme: theme(),
       names: {space: data.kind === "spinner" ? ["i\u2081", "i\u2082", "i\u2083"] : ["a\u2081", "a\u2082", "a\u2083"]},
       bodies: data.bodies.map((name, k) => ({name, colour: COLOURS[k % COLOURS.length], frame: single ? 0.98 : 0.16 * radius, shapes: []})),
+      stand: stand(),
     });
     if (!single) viewer.show("body frames", false);
     dress();

@@ -336,10 +336,10 @@ def test_the_roles_of_many_formulas_in_one_paragraph_take_time_in_proportion(cou
 def test_the_letters_of_a_system_that_was_named_need_no_confirmation():
     """Only where every symbol is the system's; another one is guessed, and the report says so."""
     line = r"I_1\ddot\theta + I_1\dot\psi^2\sin\theta\cos\theta - C I_2 \dot\psi\cos\theta = -M_1"
-    own = eom.check(line, system="bicycle-wheel")
-    assert own.lexicon == "letters of bicycle-wheel"
+    own = eom.check(line, system="lecture-wheel")
+    assert own.lexicon == "letters of lecture-wheel"
     assert not own.unplaced
     assert eom.check(line).lexicon.startswith("draft")
-    more = eom.check(f"$${line}$$ $$\\vec H_C = \\vec z$$", system="bicycle-wheel")
+    more = eom.check(f"$${line}$$ $$\\vec H_C = \\vec z$$", system="lecture-wheel")
     assert more.lexicon.startswith("draft")
     assert more.unplaced

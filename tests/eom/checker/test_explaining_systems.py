@@ -49,7 +49,7 @@ def slipped(name, count):
                 yield q, r, f"{left_side(q, names)} = {latex(changed, names)}"
 
 
-NAMES = ("t-handle", "bicycle-wheel", "gravity-gradient-body", "viscous-slug", "gyrostat")
+NAMES = ("t-handle", "lecture-wheel", "gravity-gradient-body", "viscous-slug", "gyrostat")
 
 
 @pytest.mark.sparse(only=("one",), slow=("some",))

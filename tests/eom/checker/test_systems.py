@@ -22,7 +22,7 @@ NAMED = {
     "dropped": "missing on the right side",
 }
 SYSTEMS = [*catalogue.single(), *BUILTIN]
-SHORT = ("t-handle", "bicycle-wheel", "spinner", "gyrostat")
+SHORT = ("t-handle", "lecture-wheel", "spinner", "gyrostat")
 """Quaternions, angles, a forced and a coupled body."""
 
 
@@ -142,7 +142,7 @@ def test_terms_are_named_in_the_writers_letters():
 
 
 def test_special_motions_and_bodies_are_assumptions():
-    wheel = 'system = "bicycle-wheel"'
+    wheel = 'system = "lecture-wheel"'
     steady = r"I_2 C\dot\psi - I_1\dot\psi^2\sin\theta = \frac{M_1}{\cos\theta}"
     (found,) = judged(parse_lexicon(wheel), steady)
     assert found.claims[0].judgement.sets == (("theta constant",),)
@@ -161,7 +161,7 @@ def test_a_set_that_empties_the_line_is_no_licence():
     free = 'system = "free-rigid-body"'
     assert verdicts(free, r"I_3\dot\omega_3 = 2(I_1 - I_2)\omega_1\omega_2") == ["wrong"]
     line = r"\frac{d}{dt}(I_1\dot\psi\cos^2\theta - I_2 C\sin\theta) = 0"
-    assert verdicts('system = "bicycle-wheel"', line) == ["wrong"]
+    assert verdicts('system = "lecture-wheel"', line) == ["wrong"]
 
 
 @pytest.mark.parametrize("sequence", only(["3-1-3", "3-2-1", "1-2-3"], "3-1-3"))
@@ -230,7 +230,7 @@ def test_a_scene_file_beside_the_note(tmp_path):
     assert lexicon.system.name == "own"
 
 
-@pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel", "viscous-slug"])
+@pytest.mark.parametrize("name", ["heavy-top", "lecture-wheel", "viscous-slug"])
 def test_rearranged_equations_hold(name):
     """Terms on other sides, all multiplied by something, definitions written out."""
     model = load_model(name)

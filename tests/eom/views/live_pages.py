@@ -15,8 +15,9 @@ from eom.views.live.subject import subject_of
 from tests import node
 
 SUPPORTED = (
-    "bicycle-wheel", "gravity-gradient-satellite", "heavy-top", "t-handle", "t-handle-in-angles",
+    "lecture-wheel", "gravity-gradient-satellite", "heavy-top", "t-handle", "t-handle-in-angles",
     "double-pendulum", "floating-tree", "pendulum-on-cart", "satellite-with-panels", "seven-joint-arm",
+    "bicycle-wheel",
 )  # fmt: skip
 SINGLE = SUPPORTED[:5]
 WHOLE = (*SINGLE, "double-pendulum", "satellite-with-panels")

@@ -111,7 +111,7 @@ def test_a_body_without_attitude_gets_it_integrated_along():
 
 
 def test_a_spinner_turns_by_its_spin_too():
-    _, result, tracks = simulated("bicycle-wheel", 2001)
+    _, result, tracks = simulated("lecture-wheel", 2001)
     track = tracks.bodies[0]
     turns = [(3, "psi"), (1, "theta"), (2, "phi")]
     C = sp.eye(3)

@@ -133,7 +133,7 @@ def test_the_wheels_arcs_join_i_to_a_to_b_to_c(chosen):
 
 
 def test_the_wheel_of_a_scene_is_that_of_its_run():
-    scene = Scene.ready("bicycle-wheel")
+    scene = Scene.ready("lecture-wheel")
     start = wheel_of(scene, 1e-6)
     assert "theta = 5.73 degrees" in start.caption
     assert wheel_of(scene).caption == wheel().caption
@@ -142,7 +142,7 @@ def test_the_wheel_of_a_scene_is_that_of_its_run():
 
 
 def test_sequences_of_scenes():
-    names = ("bicycle-wheel", "t-handle-in-angles", "heavy-top")
+    names = ("lecture-wheel", "t-handle-in-angles", "heavy-top")
     assert [sequence_of(Scene.ready(n)) for n in names] == ["3-1-2", "3-2-1", ""]
 
 

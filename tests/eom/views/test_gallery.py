@@ -16,11 +16,11 @@ from tests.eom.rows import every
 pytest.importorskip("matplotlib")
 
 SCENES = dict.fromkeys(PICTURES, "t-handle") | {
-    "sphere": "bicycle-wheel",
+    "sphere": "lecture-wheel",
     "sketch": "double-pendulum",
     "joints": "four-bar-linkage",
     "frames": "t-handle-in-angles",
-    "wheel": "bicycle-wheel",
+    "wheel": "lecture-wheel",
 }
 
 
@@ -49,7 +49,7 @@ def test_every_picture_is_drawn_by_both_renderers(name):
     assert all(panel["items"] for panel in drawn)
 
 
-@pytest.mark.parametrize("name", ["t-handle", "heavy-top", "bicycle-wheel", "double-pendulum"])
+@pytest.mark.parametrize("name", ["t-handle", "heavy-top", "lecture-wheel", "double-pendulum"])
 def test_the_default_is_among_those_that_a_scene_can_have(name):
     scene = load_scene(name)
     assert gallery.default(scene) in gallery.available(scene)

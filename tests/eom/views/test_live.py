@@ -197,7 +197,7 @@ def test_too_few_steps_are_reported_and_a_run_may_go_on():
 @needs_node
 def test_a_singular_attitude_ends_the_run_with_its_meaning():
     got = run(
-        text_of("bicycle-wheel"),
+        text_of("lecture-wheel"),
         "motion.set('theta', Math.PI / 2); motion.advance(1); give([motion.time, motion.stopped]);",
     )
     assert got[0] == 0

@@ -171,7 +171,7 @@ def test_the_picture_is_turned_by_keys(handle):
 
 @pytest.mark.parametrize(
     ("name", "scheme", "width"),
-    [("bicycle-wheel", "light", 1300), ("double-pendulum", "dark", 380)],
+    [("lecture-wheel", "light", 1300), ("double-pendulum", "dark", 380)],
 )
 def test_other_pages_fit_the_screen_and_the_accessibility_checker_finds_nothing(
     browser, folder, name, scheme, width

@@ -200,7 +200,7 @@ def test_bodies_that_have_no_polhode():
     [
         ("heavy-top", "weight"),
         ("gravity-gradient-satellite", "gravity"),
-        ("bicycle-wheel", "a torque acts"),
+        ("lecture-wheel", "a torque acts"),
         ("double-pendulum", "a tree"),
     ],
 )

@@ -180,7 +180,7 @@ def test_a_top_turns_as_integrated(top):
 
 
 def test_a_spinner_turns_as_integrated():
-    scene = load_scene("bicycle-wheel")
+    scene = load_scene("lecture-wheel")
     motion = turning(scene, 1.0, 40)
 
     def torque(t, w, C):  # -M1 b1 of the frame that does not spin: b1 is level, across the axle
@@ -194,7 +194,7 @@ def test_a_spinner_turns_as_integrated():
 
 
 def test_a_spinner_without_torque_is_free():
-    data = load_scene("bicycle-wheel").model_dump(exclude_unset=True)
+    data = load_scene("lecture-wheel").model_dump(exclude_unset=True)
     data |= {"torque": {}, "parameters": {}, "initial": {**data["initial"], "theta_dot": 0.4}}
     data["initial"]["phi"] = 0.3
     scene = Scene(**data)
