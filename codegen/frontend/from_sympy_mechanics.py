@@ -25,8 +25,8 @@ _TIME = "t"
 """The name of time in SymPy's mechanics."""
 
 ACCEPTED = (
-    "an eom.System, SymPy's KanesMethod, LagrangesMethod or mechanics System, (states, rates), or "
-    "(states, mass matrix, forces)"
+    "an eom.System, SymPy's KanesMethod, LagrangesMethod, JointsMethod or mechanics System, "
+    "(states, rates), or (states, mass matrix, forces)"
 )
 
 
@@ -114,7 +114,19 @@ def _mechanics_system(system: Any) -> Parts:
     return _METHODS[type(system.eom_method).__name__](system.eom_method)
 
 
-_METHODS = {"KanesMethod": _kane, "LagrangesMethod": _lagrange, "System": _mechanics_system}
+def _joints(joints: Any) -> Parts:
+    """The method that has formed the equations of SymPy's (deprecated) JointsMethod."""
+    if joints.method is None:
+        raise InputError("JointsMethod has no equations yet", hint="call form_eoms() first")
+    return _METHODS[type(joints.method).__name__](joints.method)
+
+
+_METHODS = {
+    "KanesMethod": _kane,
+    "LagrangesMethod": _lagrange,
+    "System": _mechanics_system,
+    "JointsMethod": _joints,
+}
 
 
 def _plain(

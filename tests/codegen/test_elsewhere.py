@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import sympy as sp
+from sympy.physics import mechanics as me
 from sympy.physics.mechanics import (
     KanesMethod,
     LagrangesMethod,
@@ -11,6 +12,7 @@ from sympy.physics.mechanics import (
     dynamicsymbols,
 )
 from sympy.physics.mechanics.models import multi_mass_spring_damper, n_link_pendulum_on_cart
+from sympy.utilities.exceptions import ignore_warnings
 
 import codegen
 import eom
@@ -175,3 +177,19 @@ def test_false_attitudes_are_refused():
     given, stated = quaternion_kane(slip=1)
     with pytest.raises(InputError, match="component 1"):
         codegen.compile(given, "numpy", attitudes=[stated])
+
+
+def test_joints_method_is_its_method():
+    with ignore_warnings(DeprecationWarning):
+        wall, cart = me.Body("wall"), me.Body("cart", mass=m)
+        joints = me.JointsMethod(wall, me.PrismaticJoint("rail", wall, cart, q, u))
+    cart.apply_force(-g * q * wall.x)
+    with pytest.raises(InputError, match="form_eoms"):
+        as_system(joints)
+    with ignore_warnings(DeprecationWarning):
+        joints = me.JointsMethod(wall, me.PrismaticJoint("track", wall, cart, q, u))
+    joints.form_eoms()
+    system = as_system(joints)
+    values = {"g": 3.0, "m": 4.0}
+    p = [values[n] for n in system.parameter_names]
+    assert codegen.compile(system, "numpy").rhs(0.0, [2.0, 0.5], p).tolist() == [0.5, -1.5]
