@@ -88,7 +88,7 @@ HOSTILE = (
 MADE = {
     "codegen": "Accuracy AccuracyReport Compiled CompilerError Drift Ensemble Equilibrium FreeMotion "
     "Linear LinearMotion Result Sensitivities SparseJacobian Stop Summary",
-    "eom": "Derivation AssumptionError InputError",
+    "eom": "Derivation Derived AssumptionError InputError",
     "eom.multibody": "Assembly BaseParameters ClosedForm Comparison Constraint Examination Regressor "
     "TreeFunction",
 }
