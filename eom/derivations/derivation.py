@@ -8,15 +8,21 @@ nothing can decide, raises `DerivationError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 from eom.derivations.derived import Derived, Step
 from eom.derivations.verification import DerivationError, verify
+from eom.errors import InputError
+from eom.fields import Singular
 from eom.terms import rules
+from eom.terms.own import Law, Own, OwnFrame
 from eom.terms.rules import Rule
+from eom.terms.rules.slopes import slopes
 from eom.terms.terms import (
+    INDICES,
     Equation,
     Term,
     column,
@@ -24,7 +30,9 @@ from eom.terms.terms import (
     nodes,
 )
 from eom.terms.vocabulary import definition
-from eom.worlds.worlds import closure
+from eom.worlds.generators import worlds
+from eom.worlds.own import furnished
+from eom.worlds.worlds import World, closure
 
 
 @dataclass(frozen=True)
@@ -88,6 +96,51 @@ class Derivation:
     scalars: dict[Any, Term] = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
     steps: list[Step] = field(default_factory=list)
+    own: Own = field(default_factory=Own)
+
+    def frame(self, name: str, angle: Any, axis: int = 3, base: str = "I") -> None:
+        """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad)."""
+        self._new(name, self.own.frames)
+        self.own.frames[name] = OwnFrame(base, axis, angle)
+
+    def point(self, name: str, place: Term) -> None:
+        """Let a new point have the position ``place`` from the inertial origin."""
+        self._new(name, self.own.points)
+        self.own.points[name] = place
+
+    def _new(self, name: str, known: Mapping[str, Any]) -> None:
+        if (
+            name in {*known, *"IABCOPS", "OI", "OA", "OB", "open", *INDICES}
+            or not name.isidentifier()
+        ):
+            raise DerivationError("this name is taken, or is none", where=self.name, got=name)
+
+    def determine(self, equation: Equation, *unknowns: Any) -> None:
+        """From here on, motions keep a law, by coordinates (symbols) that stand linearly in it."""
+        carry = slopes(self.scalars, self.own)
+        kept = Equation(carry(equation.left), carry(equation.right))
+        self.own.laws.append(Law(kept, unknowns))
+        try:
+            self.check(equation, "a law")
+        except InputError:
+            self.own.laws.pop()
+            raise
+
+    def _verified(self, equation: Equation, reason: str) -> str:
+        carry = slopes(self.scalars, self.own)
+        scalars = {s: carry(t) for s, t in self.scalars.items()}
+        plainly = Equation(carry(equation.left), carry(equation.right), equation.relation)
+        shown = equation if equation.relation == ":=" else plainly
+
+        def drawn(*args: Any, **options: Any) -> Iterator[World]:
+            for world in worlds(*args, **options):
+                with suppress(Singular):
+                    yield furnished(world, self.own, scalars)
+
+        with_own = drawn if self.own.frames or self.own.points or self.own.laws else worlds
+        where = f"{self.name}: {reason}"
+        known = self.scalars if equation.relation == ":=" else scalars
+        return verify(shown, self.assumed, known, where=where, drawn=with_own)
 
     def assume(self, *names: str) -> None:
         """From here on, take ``names`` for granted. Raises `InputError` for conflicts."""
@@ -135,7 +188,7 @@ class Derivation:
         states: Iterable[str] = (),
     ) -> Chain:
         """Verify a statement and add it."""
-        evidence = verify(equation, self.assumed, self.scalars, where=f"{self.name}: {reason}")
+        evidence = self._verified(equation, reason)
         step = Step(
             label or f"s{len(self.steps) + 1}",
             equation,
@@ -170,7 +223,7 @@ class Derivation:
 
     def check(self, equation: Equation, reason: str) -> None:
         """Verify a statement without adding it: that a result is what the steps lead to."""
-        verify(equation, self.assumed, self.scalars, where=f"{self.name}: {reason}")
+        self._verified(equation, reason)
 
     def finish(self, **result: Any) -> Derived:
         """Return the derivation."""
