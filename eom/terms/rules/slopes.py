@@ -16,14 +16,12 @@ from eom.terms.own import Own
 from eom.terms.rules.basic import Rule, everywhere
 from eom.terms.terms import (
     INERTIAL,
-    SCALAR,
     Term,
     add,
     cross,
     der,
     expr,
     mul,
-    nodes,
     number,
     rebuild,
     zero,
@@ -65,7 +63,8 @@ class Slopes:
                 got=term.head,
                 hint="state it by coordinates and rates first",
             )
-        return row(term, by)
+        found: Term = row(term, by)
+        return found
 
     def _turning_column(self, term: Term) -> bool:
         return term.head == "column" and term.data[0] in self.own.frames
@@ -138,10 +137,3 @@ def slopes(scalars: Mapping[Any, Term], own: Own | None = None) -> Rule:
         return kit.of(node.args[0], by)
 
     return everywhere(rule)
-
-
-def has_slopes(term: Term) -> bool:
-    """Return whether a partial derivative stands in a term."""
-    return (term.kind == SCALAR and term.head == "partial") or any(
-        n.head == "partial" for n in nodes(term)
-    )
