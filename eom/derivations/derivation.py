@@ -20,7 +20,6 @@ from eom.fields import Singular
 from eom.terms import rules
 from eom.terms.own import Law, Own, OwnFrame
 from eom.terms.rules import Rule
-from eom.terms.rules.slopes import slopes
 from eom.terms.terms import (
     INDICES,
     Equation,
@@ -117,7 +116,7 @@ class Derivation:
 
     def determine(self, equation: Equation, *unknowns: Any) -> None:
         """From here on, motions keep a law, by coordinates (symbols) that stand linearly in it."""
-        carry = slopes(self.scalars, self.own)
+        carry = rules.slopes(self.scalars, self.own)
         kept = Equation(carry(equation.left), carry(equation.right))
         self.own.laws.append(Law(kept, unknowns))
         try:
@@ -127,7 +126,7 @@ class Derivation:
             raise
 
     def _verified(self, equation: Equation, reason: str) -> str:
-        carry = slopes(self.scalars, self.own)
+        carry = rules.slopes(self.scalars, self.own)
         scalars = {s: carry(t) for s, t in self.scalars.items()}
         plainly = Equation(carry(equation.left), carry(equation.right), equation.relation)
         shown = equation if equation.relation == ":=" else plainly
