@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from eom.checker.note.grading import check_files as check_files
     from eom.derivations import derive as derive
     from eom.derivations.derivation import Derivation as Derivation
+    from eom.derivations.derived import Derived as Derived
     from eom.errors import AssumptionError as AssumptionError
     from eom.errors import InputError as InputError
     from eom.expressions import saturate as saturate
@@ -43,6 +44,7 @@ _HOME = {
     "check": "checker.note.checking",
     "check_files": "checker.note.grading",
     "Derivation": "derivations.derivation",
+    "Derived": "derivations.derived",
     "derive": "derivations",
     "AssumptionError": "errors",
     "InputError": "errors",

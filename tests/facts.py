@@ -69,6 +69,7 @@ FACTS = {
     "eom.__version__": (NONE, NONE, NONE, NONE),
     "eom.check": (NONE, "compared in SI", "frames and signs are those that the lexicon", "1980"),
     "eom.check_files": (NONE, NONE, NONE, NONE),
+    "eom.Derived": (NONE, "in SI units", NONE, NONE),
     "eom.Derivation": (NONE, "in SI units", NONE, NONE),
     "eom.derive": (NONE, "Frames, units and sources", "Frames, units and sources", NONE),
     "eom.AssumptionError": (NONE, NONE, NONE, NONE),

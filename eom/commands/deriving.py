@@ -139,7 +139,7 @@ def _refuse(name: str, kind: str, options: Mapping[str, object]) -> None:
 def _print_derivation(name: str, style: str, notation: str, steps: bool, lexicon: bool) -> None:
     from eom.checker.note.derived import front_matter
     from eom.derivations import derive
-    from eom.derivations.derivation import check_choices, show_derivation
+    from eom.derivations.derived import check_choices, show_derivation
 
     check_choices(style, notation)
     with waiting_for("deriving"):

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from eom.errors import typed, unknown_name
 
 if TYPE_CHECKING:
-    from eom.derivations.derivation import Derivation
+    from eom.derivations.derived import Derived
 
 _MAKERS = {
     "point-mass": ("pointmass", "point_mass", "Particles", "Dynamics of a point mass"),
@@ -117,7 +117,7 @@ def names() -> list[str]:
 
 
 @typed
-def derive(name: str) -> Derivation:
+def derive(name: str) -> Derived:
     """Return a derivation by its ``name``, every step verified when it is made.
 
     The names are those that ``eom list`` prints: of the lectures, and ``inertia-of-`` a solid. The same
@@ -131,15 +131,15 @@ def derive(name: str) -> Derivation:
 
 
 @lru_cache(maxsize=64)
-def _derived(name: str) -> Derivation:
+def _derived(name: str) -> Derived:
     solids = _solid_names()
     if name in solids:
         module = importlib.import_module("eom.derivations.solids")
-        made: Derivation = module.solid_inertia(solids[name])
+        made: Derived = module.solid_inertia(solids[name])
         return made
     if name not in _MAKERS:
         raise unknown_name("derivation", name, names())
     module_name, function, _, _ = _MAKERS[name]
     module = importlib.import_module(f"eom.derivations.{module_name}")
-    result: Derivation = getattr(module, function)()
+    result: Derived = getattr(module, function)()
     return result

@@ -6,7 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics import dissipation as model
 from eom.mechanics import steady
@@ -34,9 +35,9 @@ J_BODY = add(J, -mul(J_S, quantity("identity")))
 T_ROT = quantity("rotational_energy", "body", "C")
 
 
-def energy_dissipation() -> Derivation:
+def energy_dissipation() -> Derived:
     """Derive that H stays while T falls in a body with a viscous slug, and the major-axis rule."""
-    d = Maker(
+    d = Derivation(
         "energy-dissipation", "Energy dissipation and the major-axis rule", "Torque-free motion"
     )
     _balance(d)
@@ -49,7 +50,7 @@ def energy_dissipation() -> Derivation:
     return d.finish(equations=system, excess_energy=rule, nutation_rate=model.nutation_rate())
 
 
-def _check_equations(d: Maker, system: System) -> None:
+def _check_equations(d: Derivation, system: System) -> None:
     """The equations in principal axes obey the laws of the steps: momentum, slug, energy."""
     rates = dict(zip((q.symbol for q in system.states), system.rates, strict=True))
     slug = model.slug_momentum()
@@ -63,7 +64,7 @@ def _check_equations(d: Maker, system: System) -> None:
     d.check(Equation(expr(model.energy_rate()), expr(power)), "its rate of energy")
 
 
-def _balance(d: Maker) -> None:
+def _balance(d: Derivation) -> None:
     d.only("viscous_slug")
     d.law(Equation(der(H_C), zero("vector")), "no torque from outside", label="H-constant")
     d.law(Equation(der(H_SLUG), -(DAMPING * SIGMA)), "the viscous torque on the slug", label="slug")
@@ -91,7 +92,7 @@ def _balance(d: Maker) -> None:
     )
 
 
-def _energy(d: Maker) -> None:
+def _energy(d: Derivation) -> None:
     energy = d.state(
         Equation(
             T_ROT,
@@ -129,7 +130,7 @@ def _energy(d: Maker) -> None:
     )
 
 
-def _major_axis(d: Maker) -> tuple[tuple[Expr, Expr], ...]:
+def _major_axis(d: Derivation) -> tuple[tuple[Expr, Expr], ...]:
     h = angular_momentum(sp.diag(*MOMENTS), OMEGA) + model.slug_momentum()
     energy = model.slug_energy()
     squares = model.excess_energy(3)
@@ -146,7 +147,7 @@ def _major_axis(d: Maker) -> tuple[tuple[Expr, Expr], ...]:
     return squares
 
 
-def _stability(d: Maker) -> None:
+def _stability(d: Derivation) -> None:
     for axis in (1, 2, 3):
         spin = model.damped_spin(axis)
         n = len(spin.coefficients) - 1
@@ -159,7 +160,7 @@ def _stability(d: Maker) -> None:
         )
 
 
-def _energy_sink(d: Maker) -> None:
+def _energy_sink(d: Derivation) -> None:
     energy = model.energy_at_nutation()
     d.state(
         Equation(expr(energy.diff(model.NUTATION) * model.nutation_rate()), expr(-model.POWER)),

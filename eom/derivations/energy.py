@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.derivations.rigid import BODY_MASS, FORCE, RHO, R, W
 from eom.terms.rules import (
     bac_cab,
@@ -37,9 +38,9 @@ H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
 J, PIVOT_J = quantity("inertia", "C"), quantity("inertia", "O")
 
 
-def kinetic_energy() -> Derivation:
+def kinetic_energy() -> Derived:
     """Derive T = M v_C.v_C / 2 + omega.I.omega / 2, its rate, and its form about a pivot."""
-    d = Maker("kinetic-energy", "Kinetic energy of a rigid body", "Rigid body")
+    d = Derivation("kinetic-energy", "Kinetic energy of a rigid body", "Rigid body")
     _koenig(d)
     _rotation(d)
     _rate(d)
@@ -47,7 +48,7 @@ def kinetic_energy() -> Derivation:
     return d.finish()
 
 
-def _koenig(d: Maker) -> None:
+def _koenig(d: Derivation) -> None:
     """Part the energy; the body need not be rigid."""
     d.only("constant_mass")
     energy = d.define(T, "kinetic energy", label="T", states=["000:E26"]).then(
@@ -89,7 +90,7 @@ def _koenig(d: Maker) -> None:
     )
 
 
-def _rotation(d: Maker) -> None:
+def _rotation(d: Derivation) -> None:
     d.only("body_frame")
     seen = d.start(der(R)).then(
         "the transport theorem", transport("B"), label="r-rate-terms", states=["000:E29"]
@@ -127,7 +128,7 @@ def _only_omega(term: Term) -> Term:
     return scalars_in("B")(term) if term.args[0] == W else term
 
 
-def _rate(d: Maker) -> None:
+def _rate(d: Derivation) -> None:
     d.only("body_frame", "newton_2", "third_law_strong")
     motion = Equation(mul(BODY_MASS, der(velocity("C"))), FORCE)
     d.law(motion, "motion of the centre of mass", label="motion")
@@ -152,7 +153,7 @@ def _rate(d: Maker) -> None:
     )
 
 
-def _rate_of_rotation(d: Maker) -> None:
+def _rate_of_rotation(d: Derivation) -> None:
     local = d.start(der(mul(number(1, 2), dot(W, dot(J, W))))).then(
         "product rule in B, where J is constant; J is symmetric",
         differentiate_in("B"),
@@ -174,7 +175,7 @@ def _rate_of_rotation(d: Maker) -> None:
     )
 
 
-def _pivot(d: Maker) -> None:
+def _pivot(d: Derivation) -> None:
     d.only("body_frame", "O_fixed_in_body", "O_fixed_in_space")
     turned = d.law(
         Equation(velocity("dm"), cross(W, RHO)),

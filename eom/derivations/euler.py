@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.derivations.rotation import explicit
 from eom.exact.algebra import gather
 from eom.kinematics.coordinates import attitude
@@ -47,9 +48,9 @@ TAU = sp.symbols("tau_1:4", real=True)
 OMEGA_DOT = sp.symbols("omega_1_dot omega_2_dot omega_3_dot", real=True)
 
 
-def euler_equations() -> Derivation:
+def euler_equations() -> Derived:
     """Derive Euler's equations about the centre of mass, and in principal axes."""
-    d = Maker("euler-equations", "Euler's equations of a rigid body", "Rigid body")
+    d = Derivation("euler-equations", "Euler's equations of a rigid body", "Rigid body")
     _dyadic(d)
     _matrix(d)
     _principal(d)
@@ -71,7 +72,7 @@ def principal_system() -> System:
     )
 
 
-def _dyadic(d: Maker) -> None:
+def _dyadic(d: Derivation) -> None:
     d.only(*FREE)
     law = d.law(
         Equation(der(H), TORQUE),
@@ -112,7 +113,7 @@ def _dyadic(d: Maker) -> None:
     )
 
 
-def _matrix(d: Maker) -> None:
+def _matrix(d: Derivation) -> None:
     euler = d.recall("euler-dyadic")
     d.in_components(
         euler,
@@ -130,7 +131,7 @@ def _matrix(d: Maker) -> None:
     )
 
 
-def _principal(d: Maker) -> None:
+def _principal(d: Derivation) -> None:
     d.only(*FREE, "principal_axes")
     matrix, moments = principal_inertia()
     for k, q in enumerate(moments, 1):
@@ -168,7 +169,7 @@ def _principal(d: Maker) -> None:
         )
 
 
-def _where_valid(d: Maker) -> None:
+def _where_valid(d: Derivation) -> None:
     """The same about a point that is fixed both in the body and in space: a pivot."""
     pivot = ("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body", "O_fixed_in_space")
     d.only(*pivot)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import OMEGA
@@ -31,9 +32,9 @@ AXIS, SPEED, INERTIA, MOMENTUM = (
 ROTORS = total(mul(INERTIA, SPEED, AXIS), "k", "rotors")
 
 
-def gyrostat_momentum() -> Derivation:
+def gyrostat_momentum() -> Derived:
     """Derive momentum and equations of motion of a body with rotors, for any number of them."""
-    d = Maker("gyrostat", "A gyrostat: a body with any number of rotors", "Spinning bodies")
+    d = Derivation("gyrostat", "A gyrostat: a body with any number of rotors", "Spinning bodies")
     _body(d)
     _rotor(d)
     system = gyrostat(2)
@@ -41,7 +42,7 @@ def gyrostat_momentum() -> Derivation:
     return d.finish(equations=system)
 
 
-def _check_equations(d: Maker, system: System) -> None:
+def _check_equations(d: Derivation, system: System) -> None:
     """Two rotors about b1 and b2, in principal axes: dh/dt = 0, and each axial momentum has its motor."""
     full = map(system.expand, system.rates)
     rates = dict(zip((q.symbol for q in system.states), full, strict=True))
@@ -56,7 +57,7 @@ def _check_equations(d: Maker, system: System) -> None:
         d.check(Equation(expr(turning), expr(motor.symbol)), "a rotor of the system")
 
 
-def _body(d: Maker) -> None:
+def _body(d: Derivation) -> None:
     d.only("rotors")
     d.law(Equation(der(AXIS, "B"), zero("vector")), "the axes are fixed in the body", label="axis")
     d.law(
@@ -97,7 +98,7 @@ def _body(d: Maker) -> None:
     )
 
 
-def _rotor(d: Maker) -> None:
+def _rotor(d: Derivation) -> None:
     d.only("rotors")
     axial = dot(AXIS, MOMENTUM)
     d.state(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.mass.inertia import principal_conditions
 from eom.terms.rules import (
     associate,
@@ -53,9 +54,9 @@ def by_tildes(about: str, frame: str) -> Equation:
     return Equation(J_frame, -integral(matmul(tilde(r), tilde(r))))
 
 
-def inertia_properties() -> Derivation:
+def inertia_properties() -> Derived:
     """Derive what holds for the inertia matrix of every body, and how it changes with axes and point."""
-    d = Maker("inertia-properties", "Properties of the inertia matrix", "Inertia")
+    d = Derivation("inertia-properties", "Properties of the inertia matrix", "Inertia")
     _sign(d)
     _triangle(d)
     _rotation(d)
@@ -64,7 +65,7 @@ def inertia_properties() -> Derivation:
     return d.finish()
 
 
-def _sign(d: Maker) -> None:
+def _sign(d: Derivation) -> None:
     d.only()
     d.law(
         Equation(transpose(J_B), J_B),
@@ -98,7 +99,7 @@ def _sign(d: Maker) -> None:
     )
 
 
-def _triangle(d: Maker) -> None:
+def _triangle(d: Derivation) -> None:
     """No moment exceeds the sum of the two others."""
     d.only()
     moments = []
@@ -117,7 +118,7 @@ def _triangle(d: Maker) -> None:
         d.state(Equation(square, number(0), ">="), "the triangle inequality")
 
 
-def _rotation(d: Maker) -> None:
+def _rotation(d: Derivation) -> None:
     d.only()
     in_A, in_B = column(RHO, "A"), column(RHO, "B")
     turn = d.law(
@@ -141,7 +142,7 @@ def _rotation(d: Maker) -> None:
     _rotations_out(d, in_A)
 
 
-def _rotations_out(d: Maker, in_A: Term) -> None:
+def _rotations_out(d: Derivation, in_A: Term) -> None:
     d.law(
         Equation(matmul(C_AB, C_BA), quantity("identity_matrix")),
         "orthonormal",
@@ -186,7 +187,7 @@ def to_the_right(term: Term) -> Term:
     return everywhere(_to_the_right)(everywhere(_to_the_right)(term))
 
 
-def _shift(d: Maker) -> None:
+def _shift(d: Derivation) -> None:
     d.only("rigid")
     a, b, step = position("dm", "OA"), position("dm", "OB"), position("OB", "OA")
     d.law(Equation(b, add(a, -step)), "the point O_B lies at r_BA from O_A", label="arm")
@@ -222,7 +223,7 @@ def _shift(d: Maker) -> None:
     )
 
 
-def _principal(d: Maker) -> None:
+def _principal(d: Derivation) -> None:
     d.only("principal_axes", "A_fixed_in_body")
     I_C = quantity("inertia", "C")
     symbols = sp.symbols("lambda_1:4", positive=True)

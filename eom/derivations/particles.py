@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from eom.derivations.derivation import Chain, Derivation, Maker
+from eom.derivations.derivation import Chain, Derivation
+from eom.derivations.derived import Derived
 from eom.derivations.pointmass import SPLIT
 from eom.terms.rules import (
     combine,
@@ -38,9 +39,9 @@ RESULTANT = add(quantity("force", "i"), total(INTERNAL, "j"))
 SPLIT_I = Equation(relabel(SPLIT.left, {"P": "i"}), relabel(SPLIT.right, {"P": "i"}))
 
 
-def particle_system() -> Derivation:
+def particle_system() -> Derived:
     """Derive the laws of momentum and angular momentum of any number of point masses."""
-    d = Maker("particle-system", "Dynamics of a system of point masses", "Particles")
+    d = Derivation("particle-system", "Dynamics of a system of point masses", "Particles")
     _newton(d)
     _centre_of_mass(d)
     _absolute_momentum(d)
@@ -49,7 +50,7 @@ def particle_system() -> Derivation:
     return d.finish()
 
 
-def _newton(d: Maker) -> None:
+def _newton(d: Derivation) -> None:
     d.only("newton_2", "constant_mass")
     one = Equation(RESULTANT, mul(mass("i"), der(velocity("i"))))
     law = d.law(one, "Newton's second law for each mass", label="newton", states=["002:E6"])
@@ -74,7 +75,7 @@ def _newton(d: Maker) -> None:
     )
 
 
-def _centre_of_mass(d: Maker) -> None:
+def _centre_of_mass(d: Derivation) -> None:
     d.only("constant_mass")
     d.define(TOTAL_MASS, "total mass", label="total-mass")
     weighted = total(mul(mass("i"), position("i")))
@@ -122,7 +123,7 @@ def differentiate_constant(term: Term) -> Term:
     return term
 
 
-def _absolute_momentum(d: Maker) -> None:
+def _absolute_momentum(d: Derivation) -> None:
     d.only()
     split = d.law(SPLIT_I, "position by way of O", label="split")
     definition = d.define(
@@ -151,7 +152,7 @@ def _absolute_momentum(d: Maker) -> None:
     named.then("no distinction about the centre of mass", vanish(FIRST), label="H-is-h")
 
 
-def _first_moment(d: Maker) -> None:
+def _first_moment(d: Derivation) -> None:
     first = d.define(
         FIRST, "first moment of mass about O", label="first-moment", states=["002:E11"]
     )
@@ -169,7 +170,7 @@ def _first_moment(d: Maker) -> None:
     )
 
 
-def _torque(d: Maker) -> None:
+def _torque(d: Derivation) -> None:
     d.only("constant_mass")
     parted = _momentum_rate(d)
     d.assume("newton_2")
@@ -207,7 +208,7 @@ def _torque(d: Maker) -> None:
     )
 
 
-def _momentum_rate(d: Maker) -> Chain:
+def _momentum_rate(d: Derivation) -> Chain:
     """Differentiate h_O, by the accelerations of the masses and of O."""
     rate = d.recall("h-definition").both(
         "differentiate each term; masses are constant",
@@ -229,7 +230,7 @@ def _momentum_rate(d: Maker) -> Chain:
     )
 
 
-def _strong_law(d: Maker) -> None:
+def _strong_law(d: Derivation) -> None:
     """Show that internal forces along the connecting lines have no torque."""
     d.assume("third_law_weak")
     halved = d.start(total(total(cross(position("i", "O"), INTERNAL), "j"))).then(
@@ -255,7 +256,7 @@ def _strong_law(d: Maker) -> None:
     )
 
 
-def _rotating_frame(d: Maker) -> None:
+def _rotating_frame(d: Derivation) -> None:
     d.only("newton_2", "third_law_weak", "constant_mass")
     law = d.state(Equation(EXTERNAL, der(MOMENTUM)), "the law of momentum", label="momentum-law")
     law.then("as seen from B", transport("B"), label="momentum-law-B", states=["002:E18"])

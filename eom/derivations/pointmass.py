@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from eom.derivations.derivation import Chain, Derivation, Maker
+from eom.derivations.derivation import Chain, Derivation
+from eom.derivations.derived import Derived
 from eom.terms.rules import (
     by_way_of,
     combine,
@@ -29,9 +30,9 @@ LOCAL = der(position("P"), "A")
 SPLIT = Equation(position("P"), add(position("O"), position("P", "O")))
 
 
-def point_mass() -> Derivation:
+def point_mass() -> Derived:
     """Derive momentum, both angular momenta about any point O, the power, and component forms."""
-    d = Maker("point-mass", "Dynamics of a point mass", "Particles")
+    d = Derivation("point-mass", "Dynamics of a point mass", "Particles")
     _momentum(d)
     _angular_momentum(d)
     _energy(d)
@@ -39,7 +40,7 @@ def point_mass() -> Derivation:
     return d.finish()
 
 
-def _momentum(d: Maker) -> None:
+def _momentum(d: Derivation) -> None:
     d.only("one_particle", "newton_2", "constant_mass")
     law = d.law(NEWTON, "Newton's second law", label="newton", states=["002:E1"])
     momentum = d.define(
@@ -56,7 +57,7 @@ def _momentum(d: Maker) -> None:
     )
 
 
-def _angular_momentum(d: Maker) -> None:
+def _angular_momentum(d: Derivation) -> None:
     d.only("one_particle")
     split = d.law(SPLIT, "position by way of O", label="split")
     absolute = d.define(
@@ -87,7 +88,7 @@ def _angular_momentum(d: Maker) -> None:
     )
 
 
-def _energy(d: Maker) -> None:
+def _energy(d: Derivation) -> None:
     d.only("one_particle", "newton_2", "constant_mass")
     energy = d.define(quantity("kinetic_energy", "P"), "kinetic energy", label="energy")
     energy.both(
@@ -105,7 +106,7 @@ def _energy(d: Maker) -> None:
     )
 
 
-def _components(d: Maker) -> None:
+def _components(d: Derivation) -> None:
     d.only("one_particle", "newton_2", "constant_mass", "O_at_origin")
 
     def state(chain: Chain, label: str) -> None:
@@ -132,7 +133,7 @@ def _components(d: Maker) -> None:
     _in_turning_frame(d)
 
 
-def _in_turning_frame(d: Maker) -> None:
+def _in_turning_frame(d: Derivation) -> None:
     d.only("one_particle", "newton_2")
     force = d.recall("newton").then(
         "the second derivative as seen from A", seen_from("A"), combine, label="force-A-terms"

@@ -6,7 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derivation import Chain, Derivation, Maker
+from eom.derivations.derivation import Chain, Derivation
+from eom.derivations.derived import Derived
 from eom.derivations.particles import differentiate_constant
 from eom.derivations.rotation import explicit
 from eom.mass.inertia import inertia_of_second_moments
@@ -49,9 +50,9 @@ BODY_MASS = quantity("total_mass", "body")
 FORCE, MOMENTUM = (quantity(n, "body") for n in ("external_force", "linear_momentum"))
 
 
-def rigid_momentum() -> Derivation:
+def rigid_momentum() -> Derived:
     """Derive linear and angular momentum of a rigid continuum, and its inertia, about any point."""
-    d = Maker("rigid-body-momentum", "Momentum and inertia of a rigid body", "Rigid body")
+    d = Derivation("rigid-body-momentum", "Momentum and inertia of a rigid body", "Rigid body")
     _linear(d)
     _about_origin(d)
     _about_centre(d)
@@ -61,7 +62,7 @@ def rigid_momentum() -> Derivation:
     return d.finish(J=J)
 
 
-def _linear(d: Maker) -> None:
+def _linear(d: Derivation) -> None:
     d.only("rigid", "newton_2", "third_law_weak")
     d.define(BODY_MASS, "mass of the body", label="mass")
     centre = d.law(
@@ -94,7 +95,7 @@ def _linear(d: Maker) -> None:
     )
 
 
-def _about_origin(d: Maker) -> None:
+def _about_origin(d: Derivation) -> None:
     """Part the angular momentum about the inertial origin; the body need not be rigid."""
     d.only("constant_mass")
     start = d.define(
@@ -123,7 +124,7 @@ def _about_origin(d: Maker) -> None:
     _two_parts(d, parted)
 
 
-def _two_parts(d: Maker, parted: Chain) -> None:
+def _two_parts(d: Derivation, parted: Chain) -> None:
     first = d.law(
         Equation(integral(R), zero("vector")),
         "r starts at the centre of mass",
@@ -152,7 +153,7 @@ def _two_parts(d: Maker, parted: Chain) -> None:
     )
 
 
-def _about_centre(d: Maker) -> None:
+def _about_centre(d: Derivation) -> None:
     d.only("body_frame")
     rigid = d.law(
         Equation(der(R, "B"), zero("vector")),
@@ -195,7 +196,7 @@ def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = 
     )
 
 
-def _by_definition(d: Maker, about: str, label: str, **options: Any) -> Chain:
+def _by_definition(d: Derivation, about: str, label: str, **options: Any) -> Chain:
     """Write the inertia matrix in B by the definition of the dyadic."""
     dyadic = quantity("inertia", about)
     meaning = d.define(dyadic, "inertia dyadic").equation.right
@@ -209,7 +210,7 @@ def _by_definition(d: Maker, about: str, label: str, **options: Any) -> Chain:
     )
 
 
-def _inertia_matrix(d: Maker) -> sp.Matrix:
+def _inertia_matrix(d: Derivation) -> sp.Matrix:
     d.only("body_frame")
     written = _by_definition(d, "C", "J-matrix")
     r = column(R, "B")
@@ -234,7 +235,7 @@ def _inertia_matrix(d: Maker) -> sp.Matrix:
     return sp.Matrix(inertia_of_second_moments(S))
 
 
-def _about_body_point(d: Maker) -> None:
+def _about_body_point(d: Derivation) -> None:
     """The same about a point O that is fixed in the body."""
     d.only("rigid")
     first = d.define(
@@ -261,7 +262,7 @@ def _about_body_point(d: Maker) -> None:
     _inertia_about_body_point(d, seen)
 
 
-def _inertia_about_body_point(d: Maker, seen: Chain) -> None:
+def _inertia_about_body_point(d: Derivation, seen: Chain) -> None:
     d.assume("body_frame", "O_fixed_in_body")
     fixed = d.law(
         Equation(der(RHO, "B"), zero("vector")),
@@ -294,7 +295,7 @@ def _inertia_about_body_point(d: Maker, seen: Chain) -> None:
     _by_definition(d, "O", "J-matrix-O", states=["002:E25"])
 
 
-def _torque(d: Maker) -> None:
+def _torque(d: Derivation) -> None:
     d.only("rigid", "newton_2", "third_law_strong")
     torque = d.define(
         quantity("torque", "body", "O"),

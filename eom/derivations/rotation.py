@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.terms.rules import (
     Rule,
     bac_cab,
@@ -52,9 +53,9 @@ C_BI = quantity("rotation", "B", "I")
 ONE = quantity("identity_matrix")
 
 
-def transport_theorem() -> Derivation:
+def transport_theorem() -> Derived:
     """Derive the first and second derivative in a turning frame from the turning of its axes."""
-    d = Maker("transport-theorem", "Derivatives as seen from a turning frame", "Rotation")
+    d = Derivation("transport-theorem", "Derivatives as seen from a turning frame", "Rotation")
     poisson = _axes(d)
     _first(d, poisson)
     _second(d)
@@ -63,7 +64,7 @@ def transport_theorem() -> Derivation:
     return d.finish()
 
 
-def _axes(d: Maker) -> list[Equation]:
+def _axes(d: Derivation) -> list[Equation]:
     """State how the axes of B turn: the meaning of the angular velocity."""
     d.law(
         Equation(matmul(C_BI, transpose(C_BI)), ONE),
@@ -83,7 +84,7 @@ def _axes(d: Maker) -> list[Equation]:
     ]
 
 
-def _first(d: Maker, poisson: list[Equation]) -> None:
+def _first(d: Derivation, poisson: list[Equation]) -> None:
     symbols = name_components(d, V, "v", "B", "component of v along b{k}")
     resolved = d.state(
         Equation(V, add(*(mul(s, b) for s, b in zip(symbols, AXES, strict=True)))),
@@ -136,7 +137,7 @@ def _fold_sum(named: Equation) -> Rule:
     return lambda term: replace(term, rule)
 
 
-def _second(d: Maker) -> None:
+def _second(d: Derivation) -> None:
     first = d.recall("transport")
     twice = first.both(
         "differentiate in I once more", der, distribute, differentiate, label="again"
@@ -161,7 +162,7 @@ def _second(d: Maker) -> None:
     ).then("the Coriolis terms together", combine, label="second", states=["002:E18"])
 
 
-def _addition(d: Maker) -> None:
+def _addition(d: Derivation) -> None:
     from_B = d.start(der(V)).then("seen from B", transport("B"), label="from-B")
     inner = d.start(der(V, "A")).then("from A to B", transport("B", "A"), label="A-to-B")
     d.start(der(V)).then("seen from A", transport("A"), label="from-A").then(
@@ -179,7 +180,7 @@ def _addition(d: Maker) -> None:
     )
 
 
-def _referential(d: Maker) -> None:
+def _referential(d: Derivation) -> None:
     first = d.recall("transport")
     d.in_components(first, "B", "components in B", label="transport-B")
     d.in_components(d.recall("second"), "B", "components in B", label="second-B")
@@ -198,9 +199,9 @@ def _referential(d: Maker) -> None:
     d.in_components(seen, "B", "components in B", label="momentum-B", states=["001:E10"])
 
 
-def tilde_identities() -> Derivation:
+def tilde_identities() -> Derived:
     """Derive the identities of the skew matrix of a cross product, from components and from vectors."""
-    d = Maker("tilde-identities", "The cross product as a matrix", "Rotation")
+    d = Derivation("tilde-identities", "The cross product as a matrix", "Rotation")
     a, b = (column(x, "B") for x in (A, B))
     known_a = explicit(d, A, "a", "B", "component of a along b{k}")
     known_b = explicit(d, B, "b", "B", "component of b along b{k}")
@@ -226,7 +227,7 @@ def tilde_identities() -> Derivation:
     )
 
 
-def _double_products(d: Maker, a: Term, b: Term) -> None:
+def _double_products(d: Derivation, a: Term, b: Term) -> None:
     double = d.start(cross(A, cross(B, C))).then("a x (b x c)", bac_cab, label="bac-cab")
     d.in_components(double, "B", "in components, for every c", label="bac-cab-B")
     d.state(
@@ -247,7 +248,7 @@ def _double_products(d: Maker, a: Term, b: Term) -> None:
     )
 
 
-def _turned(d: Maker, a: Term) -> None:
+def _turned(d: Derivation, a: Term) -> None:
     R = quantity("rotation", "B", "A")
     back = quantity("rotation", "A", "B")
     d.law(Equation(transpose(R), back), "the transpose is the reverse rotation", label="transpose")
@@ -264,7 +265,7 @@ def _turned(d: Maker, a: Term) -> None:
 
 
 def name_components(
-    d: Maker, vector: Term, letter: str, frame: str, meaning: str
+    d: Derivation, vector: Term, letter: str, frame: str, meaning: str
 ) -> tuple[Term, Term, Term]:
     """Let letter_1, letter_2, letter_3 stand for the components of a vector."""
     named = []
@@ -275,7 +276,7 @@ def name_components(
     return (named[0], named[1], named[2])
 
 
-def explicit(d: Maker, vector: Term, letter: str, frame: str, meaning: str) -> Equation:
+def explicit(d: Derivation, vector: Term, letter: str, frame: str, meaning: str) -> Equation:
     """Name the components of a vector and state its column."""
     named = name_components(d, vector, letter, frame, meaning)
     column_of = entries([[c] for c in named])

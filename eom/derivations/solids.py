@@ -6,7 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.mass.properties import MassProperties
 from eom.mass.regions import Region, X, properties
 from eom.mass.solids import CENTRE, MASS, SOLIDS, mass_properties
@@ -25,17 +26,17 @@ def names() -> dict[str, str]:
     return {PREFIX + solid.replace(" ", "-"): solid for solid in SOLIDS}
 
 
-def solid_inertia(solid: str) -> Derivation:
+def solid_inertia(solid: str) -> Derived:
     """Derive mass, centre of mass and inertia about every named point of a uniform solid."""
     name = PREFIX + solid.replace(" ", "-")
-    d = Maker(name, f"Inertia of the {solid}", "Inertia of solids")
+    d = Derivation(name, f"Inertia of the {solid}", "Inertia of solids")
     region = SOLIDS[solid].region
     _element(d, region)
     whole = _moments(d, region)
     return d.finish(**_about_points(d, solid, whole))
 
 
-def _moments(d: Maker, region: Region) -> MassProperties:
+def _moments(d: Derivation, region: Region) -> MassProperties:
     """State content, first and second moments as integrals."""
     body = properties(region)
     whole = body.of_mass(MASS)
@@ -54,14 +55,14 @@ def _moments(d: Maker, region: Region) -> MassProperties:
     return whole
 
 
-def _name(d: Maker, symbol: Expr, integral: Expr, value: Expr, words: str) -> None:
+def _name(d: Derivation, symbol: Expr, integral: Expr, value: Expr, words: str) -> None:
     """Let ``symbol`` stand for a moment, and state its value; what vanishes by form needs no words."""
     d.name_scalar(symbol, expr(integral), words, label=f"{symbol}-integral")
     if integral != value:
         d.state(Equation(expr(symbol), expr(value)), "carried out", label=str(symbol))
 
 
-def _element(d: Maker, region: Region) -> None:
+def _element(d: Derivation, region: Region) -> None:
     place = sp.Matrix(region.position)
     d.state(
         Equation(entries(sp.Matrix(X)), entries(place), ":="),
@@ -89,7 +90,7 @@ def _integral(region: Region, f: Expr) -> Expr:
     return sp.Integer(0) if integrand == 0 else sp.Integral(integrand, *region.bounds)
 
 
-def _about_points(d: Maker, solid: str, whole: MassProperties) -> dict[str, Expr]:
+def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str, Expr]:
     """State the inertia matrix about the centre of mass and each named point."""
     found: dict[str, Expr] = {}
     for point in (CENTRE, *SOLIDS[solid].points):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.mechanics import spinning
 from eom.mechanics.spinning import (
     I1,
@@ -31,9 +32,11 @@ B1, B2 = (unit("B", k) for k in (1, 2))
 A3 = unit("A", 3)
 
 
-def spinning_symmetric_body() -> Derivation:
+def spinning_symmetric_body() -> Derived:
     """Derive lecture 001: frames, momentum, its rate with the term in dOmega/dt kept, and the motion."""
-    d = Maker("spinning-symmetric-body", "The 3-1-2 spinning symmetric body", "Spinning bodies")
+    d = Derivation(
+        "spinning-symmetric-body", "The 3-1-2 spinning symmetric body", "Spinning bodies"
+    )
     body = spinning.lecture_torque()
     d.only("spin_312")
     _name_angles(d)
@@ -46,7 +49,7 @@ def spinning_symmetric_body() -> Derivation:
     )
 
 
-def _name_angles(d: Maker) -> None:
+def _name_angles(d: Derivation) -> None:
     for symbol, name in ((PSI, "psi"), (THETA, "theta"), (PHI, "phi")):
         d.name_scalar(symbol, quantity("angle", name), f"the angle {name}")
     for symbol, of, words in (
@@ -60,7 +63,7 @@ def _name_angles(d: Maker) -> None:
         d.name_scalar(symbol, der(expr(of)), words)
 
 
-def _frames(d: Maker, body: SpinningSymmetricBody) -> None:
+def _frames(d: Derivation, body: SpinningSymmetricBody) -> None:
     d.state(
         Equation(quantity("rotation", "B", "A"), entries(body.C_BA.matrix)),
         "the turn through theta about a1 = b1",
@@ -100,7 +103,7 @@ def _frames(d: Maker, body: SpinningSymmetricBody) -> None:
 
 
 def _written(
-    d: Maker,
+    d: Derivation,
     equation: Equation,
     axes: list[Equation],
     result: sp.Matrix,
@@ -121,7 +124,7 @@ def _written(
     d.check(Equation(left, entries(result)), "the equations of motion have the same")
 
 
-def _momentum(d: Maker, body: SpinningSymmetricBody) -> None:
+def _momentum(d: Derivation, body: SpinningSymmetricBody) -> None:
     for symbol, axis, words in (
         (I1, B1, "moment of inertia about b1, and about b3"),
         (I2, B2, "moment of inertia about the axle b2"),
@@ -148,7 +151,7 @@ def _momentum(d: Maker, body: SpinningSymmetricBody) -> None:
     d.check(Equation(column(H, "B"), entries(body.h_G.column)), "the equations have the same")
 
 
-def _momentum_rate(d: Maker, body: SpinningSymmetricBody) -> None:
+def _momentum_rate(d: Derivation, body: SpinningSymmetricBody) -> None:
     seen = d.start(der(H)).then("the transport theorem, with omega of B", transport("B"))
     columns = d.in_components(
         seen, "B", "components in B", label="rate-columns", states=["001:E10"]
@@ -175,7 +178,7 @@ def _momentum_rate(d: Maker, body: SpinningSymmetricBody) -> None:
     )
 
 
-def _motion(d: Maker, body: SpinningSymmetricBody) -> None:
+def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
     d.name_scalar(SPIN, expr(body.spin), "angular velocity of the body about its axle")
     M1 = body.parameters[0].symbol
     d.only("spin_312", "newton_2", "third_law_strong")

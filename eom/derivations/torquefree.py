@@ -6,7 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.derivations.rotation import explicit
 from eom.mechanics import freebody, steady
 from eom.mechanics.freebody import MOMENTS, herpolhode_rate
@@ -39,9 +40,9 @@ H_SYMBOL, T_SYMBOL = freebody.H, freebody.T
 PAIRS = tuple(zip(OMEGA.components, MOMENTS, strict=True))
 
 
-def torque_free_motion() -> Derivation:
+def torque_free_motion() -> Derived:
     """Derive the constants of torque-free motion, and what they say about it."""
-    d = Maker("torque-free-motion", "Torque-free motion of a rigid body", "Torque-free motion")
+    d = Derivation("torque-free-motion", "Torque-free motion of a rigid body", "Torque-free motion")
     _constants(d)
     _ellipsoids(d)
     _polhode(d)
@@ -59,7 +60,7 @@ def _results() -> dict[str, Expr]:
     }
 
 
-def _constants(d: Maker) -> None:
+def _constants(d: Derivation) -> None:
     d.only("torque_free")
     d.law(
         Equation(TORQUE, zero("vector")),
@@ -87,7 +88,7 @@ def _constants(d: Maker) -> None:
     )
 
 
-def _ellipsoids(d: Maker) -> None:
+def _ellipsoids(d: Derivation) -> None:
     d.only("torque_free", "principal_axes")
     for symbol, b in zip(MOMENTS, AXES, strict=True):
         d.name_scalar(symbol, dot(b, dot(J, b)), "principal moment of inertia")
@@ -124,7 +125,7 @@ def _ellipsoids(d: Maker) -> None:
     _normal_forms(d, square.equation.right.data[0], level.equation.right.data[0])
 
 
-def _normal_forms(d: Maker, square: Expr, level: Expr) -> None:
+def _normal_forms(d: Derivation, square: Expr, level: Expr) -> None:
     T_form, H_form = freebody.constants()
     d.check(Equation(ENERGY, expr(T_form)), "the library has the same T")
     d.check(Equation(dot(H, H), expr(H_form)), "the library has the same H^2")
@@ -148,7 +149,7 @@ def _normal_forms(d: Maker, square: Expr, level: Expr) -> None:
     )
 
 
-def _polhode(d: Maker) -> None:
+def _polhode(d: Derivation) -> None:
     w = OMEGA.components
     for k in (1, 2, 3):
         conic = freebody.projection(k)
@@ -164,7 +165,7 @@ def _polhode(d: Maker) -> None:
         )
 
 
-def _stability(d: Maker) -> None:
+def _stability(d: Derivation) -> None:
     for k in (1, 2, 3):
         spin = steady.steady_spin(k)
         A = steady.linearised(free_rigid_body(), k)
@@ -186,7 +187,7 @@ def _stability(d: Maker) -> None:
         )
 
 
-def _herpolhode(d: Maker) -> None:
+def _herpolhode(d: Derivation) -> None:
     d.only("torque_free")
     d.state(Equation(dot(W, H), number(2) * ENERGY), "the projection of omega on h", label="plane")
     d.state(
@@ -205,7 +206,7 @@ def _herpolhode(d: Maker) -> None:
     )
 
 
-def _precession(d: Maker) -> None:
+def _precession(d: Derivation) -> None:
     d.only("torque_free", "symmetric")
     It, Ia = sp.symbols("I_t I_a", positive=True)
     b3 = AXES[2]
@@ -235,7 +236,7 @@ def _precession(d: Maker) -> None:
     )
 
 
-def _constant_rates(d: Maker) -> None:
+def _constant_rates(d: Derivation) -> None:
     """The claim of 000 that rates are constant only without torque and about one principal axis."""
     for k, (case, motion) in enumerate(steady.constant_rate_counterexamples().items(), 1):
         rates, inertia = entries(motion.omega.column), entries(sp.Matrix(motion.inertia))

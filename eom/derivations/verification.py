@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import sympy as sp
@@ -16,6 +16,7 @@ from eom.terms.terms import MATRIX, SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import definition
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import worlds
+from eom.worlds.worlds import World
 
 RELATIONS = ("=", ":=", ">=")
 """Equal, defined as, not negative."""
@@ -28,6 +29,8 @@ SIGN_WORLDS = 30
 
 Scalars = Mapping[Any, Term]
 Names = tuple[str, ...]
+Drawn = Callable[..., Iterator[World]]
+"""What draws worlds, as `eom.worlds.generators.worlds` does."""
 
 
 class DerivationError(InputError):
@@ -44,6 +47,7 @@ def verify(
     *,
     where: str = "",
     count: int = WORLDS,
+    drawn: Drawn = worlds,
 ) -> str:
     """Return how ``equation`` was verified. Raises `DerivationError` if it fails or is undecided."""
     if equation.left.kind != equation.right.kind:
@@ -54,13 +58,15 @@ def verify(
     if equation.relation == ":=":
         return _verify_definition(equation, scalars, where)
     if equation.relation == ">=":
-        return _verify_sign(equation, scalars, tuple(assumptions), where)
+        return _verify_sign(equation, scalars, tuple(assumptions), where, drawn)
     if is_plain(equation):
         if _is_identity(equation, scalars):
             return "exact identity"
-        holds = _has_meaning(equation, scalars) and decide(equation, assumptions, scalars, count)
+        holds = _has_meaning(equation, scalars) and decide(
+            equation, assumptions, scalars, count, drawn
+        )
     else:
-        holds = decide(equation, assumptions, scalars, count)
+        holds = decide(equation, assumptions, scalars, count, drawn)
     if not holds:
         raise DerivationError(
             "the step is false",
@@ -72,11 +78,16 @@ def verify(
 
 
 def decide(
-    equation: Equation, assumptions: Iterable[str], scalars: Scalars, count: int = WORLDS
+    equation: Equation,
+    assumptions: Iterable[str],
+    scalars: Scalars,
+    count: int = WORLDS,
+    drawn: Drawn = worlds,
 ) -> bool:
     """Return whether an equation holds in ``count`` worlds; worlds where it is undefined are skipped."""
     found = 0
-    for world in worlds(assumptions, 4 * count):
+    draws = drawn(assumptions, 4 * count)
+    for world in draws:
         try:
             if not Evaluator(world, scalars).holds(equation):
                 return False
@@ -152,7 +163,9 @@ def _verify_definition(equation: Equation, scalars: Scalars, where: str) -> str:
     return "definition"
 
 
-def _verify_sign(equation: Equation, scalars: Scalars, assumptions: Names, where: str) -> str:
+def _verify_sign(
+    equation: Equation, scalars: Scalars, assumptions: Names, where: str, drawn: Drawn
+) -> str:
     """Not negative by its form, sums of products of masses and squares; or negative in a world."""
     if equation.left.kind == SCALAR and equation.right.is_zero:
         if not_negative(rules.ordered(equation.left), scalars):
@@ -161,13 +174,13 @@ def _verify_sign(equation: Equation, scalars: Scalars, assumptions: Names, where
             raise DerivationError(
                 "the sign cannot be decided", where=where, got=plain(equation.left)
             )
-        for world in worlds(assumptions, SIGN_WORLDS, field=RATIONALS):
+        for world in drawn(assumptions, SIGN_WORLDS, field=RATIONALS):
             value = Evaluator(world, scalars).lowest(equation.left)
             if value < 0:
                 raise DerivationError(
                     "the step is false", where=where, got=f"{plain(equation.left)} = {value}"
                 )
-        if decide(Equation(equation.left, equation.right), assumptions, scalars):
+        if decide(Equation(equation.left, equation.right), assumptions, scalars, drawn=drawn):
             return f"zero in {WORLDS} random worlds"
     raise DerivationError("the sign cannot be decided", where=where, got=plain(equation.left))
 

@@ -19,15 +19,7 @@ from eom.checker.mean.solid_models import COORDINATES, SPELLINGS
 from eom.checker.note.derived import front_matter
 from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
-from eom.derivations.derivation import (
-    Derivation,
-    Item,
-    Step,
-    meaning_of,
-    only_names,
-    separate,
-    symbols,
-)
+from eom.derivations.derived import Derived, Item, Step, meaning_of, only_names, separate, symbols
 from eom.errors import typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
@@ -46,16 +38,16 @@ RELATIONS = ("=", ":=")
 
 @dataclass(frozen=True)
 class Lesson:
-    """A ``topic``: its derivation, with the steps that can be lines of an exercise, and its lexicon.
+    """A ``topic``: its ``derivation``, with the steps that can be lines of an exercise, and its lexicon.
 
     ``front``: from the name of a notation to front matter that `eom check` reads; ``legend``: from lines
     and a notation to symbols with their meanings.
     """
 
     topic: str
-    derivation: Derivation
+    derivation: Derived
     front: Callable[[str], str]
-    legend: Callable[[Derivation, Notation], Iterable[Item]] = symbols
+    legend: Callable[[Derived, Notation], Iterable[Item]] = symbols
 
 
 def topics() -> dict[str, dict[str, str]]:
@@ -92,8 +84,8 @@ def _is_line(step: Step) -> bool:
     return not any(only_names(step, n) for n in NOTATIONS.values())
 
 
-def _with(made: Derivation, steps: tuple[Step, ...]) -> Derivation:
-    return Derivation(made.name, made.title, made.group, steps, made.scalars, {})
+def _with(made: Derived, steps: tuple[Step, ...]) -> Derived:
+    return Derived(made.name, made.title, made.group, steps, made.scalars, {})
 
 
 Expr = Any
@@ -109,10 +101,10 @@ def solid_of(topic: str) -> str:
     return next((s for s in SOLIDS if topic == PREFIX + s.replace(" ", "-")), "")
 
 
-def of_solid(topic: str, solid: str) -> Derivation:
+def of_solid(topic: str, solid: str) -> Derived:
     """Return the derivation of a solid's moments of inertia. Raises `InputError` for other solids."""
     title = derivations.titles()[GROUP][topic]
-    return Derivation(topic, title, GROUP, tuple(_steps(solid)), {}, {})
+    return Derived(topic, title, GROUP, tuple(_steps(solid)), {}, {})
 
 
 def front_matter_of(solid: str) -> str:
@@ -216,7 +208,7 @@ def _step(label: str, left: Expr, right: Any, reason: str) -> Step:
     return Step(label, Equation(expr(left), right), reason)
 
 
-def steps(derivation: Derivation, notation: Notation) -> tuple[Steps, ...]:
+def steps(derivation: Derived, notation: Notation) -> tuple[Steps, ...]:
     """Return the lines of a derivation as blocks, without what would show how they were verified."""
     plain = tuple(
         replace(s, states=(), evidence=s.kind if s.kind != "result" else "")
@@ -225,12 +217,12 @@ def steps(derivation: Derivation, notation: Notation) -> tuple[Steps, ...]:
     return tuple(separate(replace(derivation, steps=plain), notation))
 
 
-def lines(derivation: Derivation, notation: Notation) -> str:
+def lines(derivation: Derived, notation: Notation) -> str:
     """Return the lines of a derivation in Markdown, numbered, each a display with its reason."""
     return pages.markdown_page(steps(derivation, notation))
 
 
-def line_latex(derivation: Derivation, step: Step, notation: Notation) -> str:
+def line_latex(derivation: Derived, step: Step, notation: Notation) -> str:
     """Return one line as LaTeX."""
     (block,) = steps(replace(derivation, steps=(step,)), notation)
     return pages.display_latex((line, "") for line in block.lines[0])
@@ -260,12 +252,12 @@ class Sheet:
     """
 
     asked: Asked
-    right: Derivation
+    right: Derived
     number: int
     planted: Planted
 
     @property
-    def wrong(self) -> Derivation:
+    def wrong(self) -> Derived:
         """The lines that the student sees."""
         steps = list(self.right.steps)
         steps[self.number - 1] = replace(self.step, statement=self.planted.equation)

@@ -14,7 +14,7 @@ from itertools import islice
 
 import eom.checker.note.checking as checker
 from eom.checker.report.findings import FAULTS, Finding
-from eom.derivations.derivation import Derivation, Step
+from eom.derivations.derived import Derived, Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises import lessons, slips
@@ -141,7 +141,7 @@ def _first(rng: random.Random, k: int, count: int, lines: int) -> int:
     return rng.randint(min(least, most), most)
 
 
-def _is_false(derivation: Derivation, step: Step, planted: Planted) -> bool:
+def _is_false(derivation: Derived, step: Step, planted: Planted) -> bool:
     """Return whether an equation is not true; what cannot be decided may be false."""
     claimed = replace(planted.equation, relation="=")
     try:

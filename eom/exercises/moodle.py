@@ -19,7 +19,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.errors import typed
 from eom.exercises.lessons import (
     DISPLAY,
@@ -422,7 +422,7 @@ def as_data(made: Exercise) -> dict[str, Any]:
     }
 
 
-def _numbered(lines: Derivation, notation: str) -> list[dict[str, Any]]:
+def _numbered(lines: Derived, notation: str) -> list[dict[str, Any]]:
     chosen = notation_named(notation)
     return [
         {

@@ -4,7 +4,8 @@ import pytest
 import sympy as sp
 
 from eom.derivations import derive, titles
-from eom.derivations.derivation import Derivation, Maker, meaning_of
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived, meaning_of
 from eom.derivations.verification import DerivationError, decide, is_plain, not_negative, verify
 from eom.errors import InputError
 from eom.terms import rules
@@ -35,7 +36,7 @@ x, y = sp.symbols("x y", real=True)
 
 @pytest.fixture
 def maker():
-    return Maker("trial", "A trial", "Trials")
+    return Derivation("trial", "A trial", "Trials")
 
 
 def test_a_true_step_is_kept_with_its_evidence_and_assumptions(maker):
@@ -250,7 +251,7 @@ def test_too_many_derivatives_are_refused_in_words():
 @pytest.mark.parametrize("name", derivations())
 def test_every_derivation_is_made_of_verified_steps(name):
     d = derive(name)
-    assert isinstance(d, Derivation)
+    assert isinstance(d, Derived)
     assert d.name == name
     assert all(s.evidence and s.reason for s in d.steps)
     assert len({s.label for s in d.steps}) == len(d.steps)

@@ -9,7 +9,8 @@ import pytest
 import sympy as sp
 
 from eom import derivations
-from eom.derivations.derivation import FORMATS, Maker, chains, show_derivation
+from eom.derivations.derivation import Derivation
+from eom.derivations.derived import FORMATS, chains, show_derivation
 from eom.errors import InputError
 from eom.mechanics.rigidbody import free_rigid_body
 from eom.terms.rules import transport
@@ -27,7 +28,7 @@ M = sp.Symbol("mass_1", positive=True)
 
 def made():
     """A small derivation with all that can be shown."""
-    d = Maker("small", "A small <derivation> & more", "Tests")
+    d = Derivation("small", "A small <derivation> & more", "Tests")
     d.name_scalar(M, mass("P"), "mass of 100% steel")
     d.define(quantity("linear_momentum", "P"), "linear momentum", label="p", states=["002:E2"])
     d.start(der(V)).then("as seen from B", transport("B"), label="seen")
@@ -126,7 +127,7 @@ def test_a_chain_is_aligned():
 
 def test_a_wide_matrix_is_stated_entry_by_entry():
     wide = sp.Matrix(3, 3, [sp.Add(*sp.symbols("x1:25")), *[0] * 7, sp.Symbol("z")])
-    d = Maker("wide", "Wide", "Tests")
+    d = Derivation("wide", "Wide", "Tests")
     d.state(Equation(entries(wide), entries(wide)), "the same")
     shown = show_derivation(d.finish(J=wide), "text")
     assert "(J)₁₁ = x₁ + x₁₀" in shown

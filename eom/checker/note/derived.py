@@ -13,7 +13,7 @@ from dataclasses import replace
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.spans import ReadingError
-from eom.derivations.derivation import Derivation
+from eom.derivations.derived import Derived
 from eom.errors import InputError
 from eom.terms.terms import VECTOR, Term, nodes
 from eom.typeset.letters import Notation
@@ -34,7 +34,7 @@ _FRAMED = {"angular_velocity": 2, "rotation": 2, "unit": 1}
 _BRACKETS = re.compile(r"\\left\[ (.*) \\right\]")
 
 
-def front_matter(derivation: Derivation, notation: str = "arrow") -> str:
+def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     """Return TOML between lines of +++: preset, frames and symbols of a derivation.
 
     notation: one of `eom.typeset.notation.NOTATIONS` or its aliases. What one pattern cannot say, such as
@@ -62,7 +62,7 @@ def _table(name: str, rows: dict[str, str]) -> list[str]:
     return [f"[check.{name}]", *(f"'{k}' = '{v}'" for k, v in rows.items())] if rows else []
 
 
-def _nodes(derivation: Derivation) -> Iterator[Term]:
+def _nodes(derivation: Derived) -> Iterator[Term]:
     sides = (t for s in derivation.steps for t in (s.statement.left, s.statement.right))
     for term in (*sides, *derivation.scalars.values()):
         yield from nodes(term)
@@ -78,7 +78,7 @@ def _points(term: Term) -> tuple[str, ...]:
     return tuple(map(str, labels)) if name == "position" else ()
 
 
-def _rates(derivation: Derivation, notation: Notation) -> Iterator[tuple[str, str]]:
+def _rates(derivation: Derived, notation: Notation) -> Iterator[tuple[str, str]]:
     """Yield letters that stand for derivatives, such as those of velocities, with what they are of."""
     spelt = replace(notation, derivative=NOTATIONS["arrow"].derivative)
     for term in _nodes(derivation):
@@ -88,7 +88,7 @@ def _rates(derivation: Derivation, notation: Notation) -> Iterator[tuple[str, st
                 yield letter, f"= {plain}"
 
 
-def _columns(derivation: Derivation, notation: Notation) -> Iterator[tuple[str, str]]:
+def _columns(derivation: Derived, notation: Notation) -> Iterator[tuple[str, str]]:
     """Yield letters of their own for the components of a quantity in a frame."""
     for term in _nodes(derivation):
         if term.head == "column" and term.args[0].head == "atom":
@@ -97,9 +97,7 @@ def _columns(derivation: Derivation, notation: Notation) -> Iterator[tuple[str, 
                 yield letter, " ".join(map(str, (*term.args[0].data, "in", *term.data)))
 
 
-def _scalars(
-    derivation: Derivation, notation: Notation, known: Lexicon
-) -> Iterator[tuple[str, str]]:
+def _scalars(derivation: Derived, notation: Notation, known: Lexicon) -> Iterator[tuple[str, str]]:
     """Yield scalars of the derivation whose letters mean something else in the preset."""
     for name, meaning in derivation.scalars.items():
         letter = symbol_latex(name.name)

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derivation import FORMATS
+from eom.derivations.derived import FORMATS
 from eom.errors import typed, unknown_name
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.closed.forms import (
@@ -69,7 +69,7 @@ Names = dict[Expr, Expr]
 @shown.register(ClosedForm)
 @shown.register(Comparison)
 def show(given: ClosedForm | Comparison, style: str = "text") -> str:
-    """Return a page in a format of `eom.derivations.derivation.FORMATS`. Raises `InputError` for others."""
+    """Return a page in a format of `eom.derivations.derived.FORMATS`. Raises `InputError` for others."""
     if style == EQUATIONS and isinstance(given, ClosedForm):
         return equations_latex(given)
     if style not in FORMATS:
@@ -87,7 +87,7 @@ def tree_page(
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
-    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.derivation.FORMATS`:
+    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.derived.FORMATS`:
     text, latex, markdown or html. ``coordinates``: as of `closed_form`, as are units, frames, signs and
     sources. Raises `InputError` for unknown methods and formats, else as `compare`.
 

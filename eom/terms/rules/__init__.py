@@ -4,7 +4,7 @@ A rule is a function ``Term -> Term`` that knows one law; a derivation applies r
 reason. Rules know no physics beyond the calculus of vectors, sums and derivatives: everything else
 enters through `use` and `put`, which replace one side of an established statement by the other.
 
-Imports: `eom.kinematics`, `eom.terms`.
+Imports: `eom.errors`, `eom.kinematics`, `eom.terms`.
 """
 
 from eom.terms.rules.basic import (
@@ -37,6 +37,7 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
+from eom.terms.rules.slopes import slopes
 from eom.terms.rules.vectors import (
     associate,
     bac_cab,
@@ -95,6 +96,7 @@ __all__ = [
     "scalar_triple",
     "scalars_in",
     "seen_from",
+    "slopes",
     "swap",
     "symmetric",
     "symmetrise",

@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 from eom.derivations import derive, names, titles
-from eom.derivations.derivation import Maker
+from eom.derivations.derivation import Derivation
 from eom.derivations.verification import DerivationError, verify
 from eom.errors import InputError
 from eom.fields import RATIONALS, Singular
@@ -179,7 +179,7 @@ def test_making_is_linear_in_the_steps():
 
 
 def many_steps(count):
-    d = Maker("many", "many", "tests")
+    d = Derivation("many", "many", "tests")
     for k in range(count):
         d.start(der(quantity("vector", f"v{k}"))).then("transport", transport("B"))
     assert len(d.finish().steps) == count

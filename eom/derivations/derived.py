@@ -1,0 +1,532 @@
+"""A finished derivation: verified steps and the result, and how they are shown.
+
+Some steps of a derivation, to be shown one question at a time.
+
+A derivation as text, LaTeX, Markdown or HTML, in any notation: symbols, steps, reasons, result.
+
+Steps that transform one left side stand as one chain. Each step says why it holds, which equations
+of the lectures it states, and how it was verified; assumptions are named where they are made.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from types import EllipsisType
+from typing import Any
+
+import sympy as sp
+
+from eom.derivations.verification import Scalars
+from eom.errors import unknown_name
+from eom.system import System
+from eom.terms.terms import (
+    DYADIC,
+    SCALAR,
+    VECTOR,
+    Equation,
+    Term,
+    add,
+    entries,
+    mul,
+    nodes,
+    zero,
+)
+from eom.terms.vocabulary import QUANTITIES, words
+from eom.typeset import pages, printing
+from eom.typeset.blocks import (
+    EQUALS,
+    Block,
+    Bullets,
+    Display,
+    Heading,
+    Line,
+    Note,
+    Paragraph,
+    Steps,
+    is_wide,
+)
+from eom.typeset.boxes import (
+    GREEK,
+    Box,
+    Fence,
+    Formula,
+    Operator,
+    Row,
+    Scripts,
+    Symbol,
+    Words,
+    nucleus,
+    row,
+    symbol,
+)
+from eom.typeset.letters import Notation
+from eom.typeset.markup import render, symbol_latex, width
+from eom.typeset.notation import equation_parts, notation_named, term_box, write
+from eom.typeset.writing import expression_pieces
+from eom.worlds.worlds import ASSUMPTIONS
+
+
+@dataclass(frozen=True)
+class Step:
+    """A verified statement: its reason, where the lectures state it, and what it rests on.
+
+    ``label``: by which `Derived` finds it. ``statement``: two sides and a relation. ``reason``: in
+    words. ``kind``: definition, law or result; ``states``: the equations of the lectures that it states;
+    ``assumptions``: names of those that it needs; ``evidence``: how it was verified.
+    """
+
+    label: str
+    statement: Equation
+    reason: str
+    kind: str = "result"
+    states: tuple[str, ...] = ()
+    assumptions: tuple[str, ...] = ()
+    evidence: str = ""
+
+
+@dataclass(frozen=True)
+class Derived:
+    """A derivation with its verified steps and its result as SymPy objects by name.
+
+    ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
+    mechanics. ``result``: expressions, matrices and systems by name, in SI units. In a notebook it shows
+    itself as a page.
+    """
+
+    name: str
+    title: str
+    group: str
+    steps: tuple[Step, ...]
+    scalars: Scalars
+    result: Mapping[str, Any]
+
+    def __getitem__(self, label: str) -> Step:
+        """Return the step with a ``label``. Raises `KeyError`."""
+        for step in self.steps:
+            if step.label == label:
+                return step
+        raise KeyError(label)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Every assumption that some step makes, in the order of their first use."""
+        return tuple(dict.fromkeys(a for s in self.steps for a in s.assumptions))
+
+    @property
+    def system(self) -> System | None:
+        """The equations of motion among the results, if there are any."""
+        return next((r for r in self.result.values() if isinstance(r, System)), None)
+
+    def part(self, *labels: str | EllipsisType, notation: str = "arrow") -> Excerpt:
+        """Return some steps, which show themselves in a notebook: ``part("law", ..., "momentum")``.
+
+        ``labels``: of steps; `...` between two labels is all that stands between them. ``notation``: one of
+        `eom.typeset.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
+        """
+        return Excerpt(self, chosen(self, labels), notation)
+
+    def _repr_markdown_(self) -> str:
+
+        return show_derivation(self, "markdown")
+
+
+def meaning_of(assumption: str) -> str:
+    """Return an assumption in words."""
+    return ASSUMPTIONS[assumption].meaning
+
+
+Chosen = str | EllipsisType
+"""A label of a step, or `...` for all steps between its neighbours."""
+
+
+@dataclass(frozen=True)
+class Excerpt:
+    """Steps of a derivation, in its order, numbered as in the whole; it shows itself in notebooks.
+    ``derivation``: the whole; ``steps``: those that are shown; ``notation``: one of
+    `eom.typeset.notation.NOTATIONS` or its aliases.
+    """
+
+    derivation: Derived
+    steps: tuple[Step, ...]
+    notation: str = "arrow"
+
+    def __str__(self) -> str:
+        """Return the steps as text."""
+        return self._shown("text")
+
+    def _repr_markdown_(self) -> str:
+        return self._shown("markdown")
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        del cycle
+        printer.text(str(self))
+
+    def _shown(self, style: str) -> str:
+
+        labels = [step.label for step in self.steps]
+        return show_steps(self.derivation, labels, style, self.notation)
+
+
+def chosen(derivation: Derived, items: Sequence[Chosen]) -> tuple[Step, ...]:
+    """Return the steps that labels and ranges name, each once, in the order of the derivation.
+
+    ``"law", ..., "euler-matrix"`` is the range from one label to the other, both included; `...` at the
+    beginning or the end runs from the first or to the last step. Raises `InputError` for labels that
+    the derivation does not have.
+    """
+    labels = [step.label for step in derivation.steps]
+    for item in items:
+        if isinstance(item, str) and item not in labels:
+            raise unknown_name("step", item, labels)
+    places = set(_places(labels, items))
+    return tuple(step for k, step in enumerate(derivation.steps) if k in places)
+
+
+def _places(labels: list[str], items: Sequence[Chosen]) -> Iterator[int]:
+    for k, item in enumerate(items):
+        if isinstance(item, str):
+            yield labels.index(item)
+            continue
+        before, after = items[:k][-1:], items[k + 1 :][:1]
+        start = labels.index(before[0]) if before and isinstance(before[0], str) else 0
+        stop = labels.index(after[0]) if after and isinstance(after[0], str) else len(labels)
+        yield from range(start, stop)
+
+
+Item = tuple[Box | str | None, str]
+
+
+def show_derivation(
+    derivation: Derived, style: str = "text", notation: str = "arrow", steps: bool = True
+) -> str:
+    """Return a derivation as one document; ``steps=False``: the last statement of each chain alone.
+
+    style: a row of `FORMATS`; notation: one of `eom.typeset.notation.NOTATIONS` or its aliases. Raises
+    `InputError` for others.
+    """
+    check_choices(style, notation)
+    return FORMATS[style](list(blocks(derivation, notation_named(notation), steps)))
+
+
+def show_steps(
+    derivation: Derived, labels: Collection[str], style: str = "text", notation: str = "arrow"
+) -> str:
+    """Return some steps of a derivation, numbered as in the whole; all else as `show_derivation`."""
+    check_choices(style, notation)
+    return FORMATS[style](list(_derived(derivation, notation_named(notation), labels)))
+
+
+def check_choices(style: str, notation: str) -> None:
+    """Raise `InputError` for unknown formats and notations."""
+    if style not in FORMATS:
+        raise unknown_name("format", style, FORMATS)
+    notation_named(notation)
+
+
+def blocks(derivation: Derived, notation: Notation, steps: bool = True) -> Iterator[Block]:
+    """Yield what there is to show, in reading order."""
+    yield Heading(derivation.title, 1)
+    yield Paragraph(_summary(derivation, notation))
+    assumptions = tuple((None, meaning_of(a)) for a in derivation.assumptions)
+    yield from _listed("Assumptions", assumptions)
+    yield from _listed("Symbols", tuple(symbols(derivation, notation)))
+    yield Heading("Derivation" if steps else "Statements")
+    yield from _derived(derivation, notation) if steps else [_statements(derivation, notation)]
+    yield from _results(derivation, notation)
+
+
+def _summary(derivation: Derived, notation: Notation) -> str:
+    count = len(derivation.steps)
+    return (
+        f"{derivation.group}; {count} step{'s' * (count != 1)}, each verified when it was made. "
+        f"Notation: {notation.title}."
+    )
+
+
+def _listed(heading: str, items: tuple[Item, ...]) -> list[Block]:
+    return [Heading(heading), Bullets(items)] if items else []
+
+
+# -- symbols ---------------------------------------------------------------------------------
+
+
+def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
+    """Yield symbols with their meanings: quantities, SymPy symbols, then signs of operations."""
+    sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
+    found = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
+    seen: set[tuple[str, str]] = set()
+    items = [_quantity(n, notation) for n in found if n.head == "atom"]
+    items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
+    items += list(_operations(found, notation))
+    for box, meaning in items:
+        key = (render(box, "text"), meaning)
+        if key not in seen:
+            seen.add(key)
+            yield box, meaning
+
+
+def _quantity(term: Term, notation: Notation) -> tuple[Box, str]:
+    name, *labels = term.data
+    if name in _OF_FRAMES:  # a frame may be called C like the centre of mass
+        return term_box(term, notation), QUANTITIES[name].words.format(*labels)
+    return term_box(term, notation), words(term)
+
+
+_OF_FRAMES = frozenset({"angular_velocity", "rotation", "unit"})
+
+
+def _scalar(name: Any, meaning: Term, derivation: Derived, notation: Notation) -> tuple[Box, str]:
+    """Return a SymPy symbol, what it stands for, and the reason of the step that names it."""
+    reasons = [
+        s.reason
+        for s in derivation.steps
+        if s.kind == "definition" and s.statement.left == Term("expr", (), (name,))
+    ]
+    box = term_box(meaning, notation)
+    same = render(box, "latex") == symbol_latex(name.name)
+    shown = symbol(name.name) if same or is_wide(box) else Row((Formula(name), Operator(":="), box))
+    return shown, reasons[0] if reasons else ""
+
+
+_OPERATIONS: dict[str, Callable[[str, str], str]] = {
+    "der": lambda frame, of: f"rate of change of the {of} as seen from frame {frame}",
+    "column": lambda frame, of: f"components of the {of} in frame {frame}",
+    "tilde": lambda *_: "skew matrix of a column: that of the cross product with it",
+}
+
+
+def _operations(found: Iterable[Term], notation: Notation) -> Iterator[tuple[Box, str]]:
+    """Yield one example of each kind of derivative, column and tilde that occurs."""
+    seen = set()
+    for node in found:
+        key = (node.head, node.data, node.kind)
+        if node.head not in _OPERATIONS or key in seen or not _is_example(node):
+            continue
+        seen.add(key)
+        kind = node.args[0].kind
+        if node.head != "der" or kind in {VECTOR, DYADIC}:
+            frame = str(node.data[0]) if node.data else ""
+            yield term_box(node, notation), _OPERATIONS[node.head](frame, kind)
+
+
+def _is_example(node: Term) -> bool:
+    (inside,) = node.args
+    return inside.head == "atom" or (inside.head == "column" and inside.args[0].head == "atom")
+
+
+# -- steps -----------------------------------------------------------------------------------
+
+
+def _derived(
+    derivation: Derived, notation: Notation, chosen: Collection[str] | None = None
+) -> Iterator[Block]:
+    """Yield one block a chain, of the chosen steps; of all where none are chosen."""
+    before: tuple[str, ...] = ()
+    number = 0
+    spoken = (s for s in derivation.steps if not only_names(s, notation))
+    for chain in chains(spoken):
+        lines: list[tuple[Line, ...]] = []
+        notes: list[Note] = []
+        for step in chain:
+            number += 1
+            if chosen is not None and step.label not in chosen:
+                continue
+            lines.append(_lines(step.statement, notation, first=not lines))
+            notes.append(_note(step, number, before))
+            before = step.assumptions
+        if lines:
+            yield Steps(tuple(notes), tuple(lines))
+
+
+def separate(derivation: Derived, notation: Notation) -> Iterator[Steps]:
+    """Yield one block a step, each an equation of its own with its whole left side on one line."""
+    before: tuple[str, ...] = ()
+    for number, step in enumerate(derivation.steps, 1):
+        left, relation, right = equation_parts(step.statement, notation)
+        lines = _lines(step.statement, notation)
+        if len(lines) == 1 and not is_wide(row(*left)):
+            lines = (Line(row(*left), relation, right),)
+        yield Steps((_note(step, number, before),), (lines,))
+        before = step.assumptions
+
+
+def only_names(step: Step, notation: Notation) -> bool:
+    """Return whether a definition has the same letter on both sides; the symbols list it."""
+    sides = [write(t, notation) for t in (step.statement.left, step.statement.right)]
+    return step.statement.relation == ":=" and sides[0] == sides[1]
+
+
+def chains(steps: Iterable[Step]) -> list[list[Step]]:
+    """Group neighbouring steps that state the same left side by equations or definitions."""
+
+    def key(step: Step) -> tuple[Term, bool]:
+        return step.statement.left, step.statement.relation in {"=", ":="}
+
+    return [list(group) for _, group in groupby(steps, key)]
+
+
+def _lines(equation: Equation, notation: Notation, first: bool = True) -> tuple[Line, ...]:
+    """Return the lines of an equation; a matrix that is too wide is stated entry by entry."""
+    left, relation, right = equation_parts(equation, notation)
+    if width(Row((*left, *right))) > WIDEST and _parts(equation.right):
+        shown = tuple(_entry_lines(equation, notation, first))
+        if shown:
+            return shown
+    return (Line(row(*left) if first else None, relation, right, broken_left=left),)
+
+
+WIDEST = 105
+"""Letters up to which a matrix stands on one line."""
+
+
+def _parts(term: Term) -> list[Term]:
+    """Return the entries of an explicit matrix or column, of a multiple or a sum of them, or none."""
+    if term.head == "entries":
+        return list(term.args)
+    if term.head == "mul":
+        return [mul(*term.args[:-1], p) for p in _parts(term.args[-1])]
+    if term.head == "add":
+        found = [_parts(a) for a in term.args]
+        return [add(*parts) for parts in zip(*found, strict=True)] if all(found) else []
+    return []
+
+
+def _entry_lines(equation: Equation, notation: Notation, first: bool) -> Iterator[Line]:
+    """Yield a line for each entry that is not trivial; of equal ones, for the first."""
+    right, known = _parts(equation.right), _parts(equation.left)
+    matrix: Box = Fence(term_box(equation.left, notation))
+    if not known and is_wide(matrix):
+        if first:
+            left, _, _ = equation_parts(equation, notation)
+            yield Line(row(*left), EQUALS, (_DOTS,), broken_left=left)
+        matrix = _DOTS
+    seen = set()
+    for k, entry in enumerate(right):
+        old = known[k] if known else zero(SCALAR)
+        if (old, entry) in seen or old == entry:
+            continue
+        seen.add((old, entry))
+        left, relation, pieces = equation_parts(replace(equation, left=old, right=entry), notation)
+        shown = left if known else (Scripts(matrix, _place(k, len(right))),)
+        yield Line(row(*shown), relation, pieces, broken_left=shown)
+
+
+_DOTS = Fence(Words("..."))
+
+
+def _place(k: int, count: int) -> Symbol:
+    """Return row and column of an entry."""
+    size = count // 3
+    return Symbol(f"{k // size + 1}{k % size + 1}" if size > 1 else str(k + 1))
+
+
+def _note(step: Step, number: int, before: tuple[str, ...]) -> Note:
+    parts = [step.kind if step.kind not in {"result", step.evidence} else "", *step.states]
+    parts += [step.evidence]
+    remarks = ", ".join(p for p in parts if p)
+    return Note(number, _sentence(step.reason), remarks, _assumed(step.assumptions, before))
+
+
+_FIRST_WORD = re.compile(r"(a )?([a-z]{2,})(?![\w/.(])")
+
+
+def _sentence(reason: str) -> str:
+    """Begin with a capital letter unless the first word is a symbol."""
+    found = _FIRST_WORD.match(reason)
+    starts = found is not None and found[2] not in GREEK
+    return reason[:1].upper() + reason[1:] if starts else reason or "Statement"
+
+
+def _assumed(now: tuple[str, ...], before: tuple[str, ...]) -> str:
+    """Say what is assumed anew, or all that is assumed where something is assumed no longer."""
+    if set(now) == set(before):
+        return ""
+    if not now:
+        return "From here on nothing is assumed."
+    dropped = set(before) - set(now)
+    named = [meaning_of(a) for a in now if dropped or a not in before]
+    start = "Assumed from here on, and nothing else" if dropped else "Assumed from here on"
+    return f"{start}: {'; '.join(named)}."
+
+
+def _statements(derivation: Derived, notation: Notation) -> Block:
+    """Return the last statement of every chain, with its equations of the lectures."""
+    spoken = (s for s in derivation.steps if not only_names(s, notation))
+    finals = [chain[-1] for chain in chains(spoken)]
+    return Display(tuple(line for s in finals for line in _lines(s.statement, notation)))
+
+
+# -- results ---------------------------------------------------------------------------------
+
+
+def _results(derivation: Derived, notation: Notation) -> Iterator[Block]:
+    if derivation.result:
+        yield Heading("Result")
+    for name, value in derivation.result.items():
+        yield from _result(name, value, notation)
+
+
+def _result(name: str, value: Any, notation: Notation) -> Iterator[Block]:
+    """Yield a system, a statement, an expression, a collection of them, or any other value."""
+    if isinstance(value, System):
+        yield Heading(value.title or value.name, 3)
+        for block in printing.blocks(value):
+            yield Heading(block.words, 4) if isinstance(block, Heading) else block
+    elif isinstance(value, Mapping):
+        for key, part in value.items():
+            yield from _result(f"{name}: {key}", part, notation)
+    elif isinstance(value, tuple | list) and any(map(_is_formula, value)):
+        for k, part in enumerate(value, 1):
+            yield from _result(f"{name}_{k}", part, notation)
+    elif isinstance(value, Equation):
+        yield Display(_lines(value, notation))
+    elif isinstance(value, sp.MatrixBase) and value.shape in {(3, 1), (3, 3)}:
+        named = Equation(Term("expr", (), (sp.Symbol(name),)), entries(value))
+        yield Display(_named_matrix(name, named, notation))
+    elif _is_formula(value):
+        yield Display((Line(_name(name), EQUALS, _pieces(value, notation)),))
+    else:
+        yield Paragraph(f"{name.replace('_', ' ')}: {value}")
+
+
+def _named_matrix(name: str, equation: Equation, notation: Notation) -> tuple[Line, ...]:
+    """Return a matrix with its name, entry by entry if it is wide."""
+    lines = _lines(equation, notation)
+    return (replace(lines[0], left=_name(name), broken_left=()),) if len(lines) == 1 else lines
+
+
+def _is_formula(value: Any) -> bool:
+    return isinstance(value, Equation | Term | sp.Basic | sp.MatrixBase)
+
+
+def _pieces(value: Any, notation: Notation) -> tuple[Box, ...]:
+    if isinstance(value, Term):
+        return (term_box(value, notation),)
+    return expression_pieces(value) if isinstance(value, sp.Expr) else (Formula(value),)
+
+
+def _name(name: str) -> Box:
+    """Return a letter with its indices, or words."""
+    letter = name.partition("_")[0].rstrip("0123456789")
+    return symbol(name) if nucleus(letter).style == "italic" else Words(name.replace("_", " "))
+
+
+def _latex(shown: list[Block]) -> str:
+    return pages.LATEX_DOCUMENT % pages.latex_page(shown)
+
+
+def _html(shown: list[Block]) -> str:
+    title = next((b.words for b in shown if isinstance(b, Heading)), "Derivation")
+    return pages.html_page(shown, title)
+
+
+FORMATS: dict[str, Callable[[list[Block]], str]] = {
+    "text": pages.text_page,
+    "latex": _latex,
+    "markdown": pages.markdown_page,
+    "html": _html,
+}
+"""How a derivation can be shown."""
