@@ -211,7 +211,8 @@ def _eom(folder):
         "load_scene": (eom.load_scene, {"name": "t-handle", "strict": True, "floating": False}),
         "saturate": (eom.saturate, {"value": y, "low": -1, "high": 1}),
         "SpinningSymmetricBody": (eom.SpinningSymmetricBody, {
-            "torque": (0, 0, 0), "parameters": (), "inputs": (),
+            "torque": (0, 0, 0), "parameters": (), "inputs": (), "potential": 0,
+            "reference_point": "centre of mass",
         }),
         "Assumption": (eom.Assumption, {
             "name": "a", "meaning": "", "vanish": (), "nonnegative": (), "tolerance": 1e-9,

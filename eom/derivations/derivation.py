@@ -128,6 +128,7 @@ class Derivation:
 
     def determine(self, equation: Equation, *unknowns: Any) -> Chain:
         """State a law that motions keep from here on.
+
         ``equation``: the law; ``unknowns``: the coordinates (symbols) that obey it, whose highest rates
         stand linearly in it. Raises `DerivationError` or another `InputError` where these rates cannot
         be had from it, or where it is at odds with a law before; nothing is kept then.
@@ -173,7 +174,8 @@ class Derivation:
         """State what defines a quantity of the vocabulary.
 
         ``quantity``: such as ``quantity("angular_momentum", "body", "O")``; ``reason``: in words;
-        ``label``, ``states``: see `Chain.then`. Raises `InputError`, a `DerivationError` for a quantity without a definition.
+        ``label``, ``states``: see `Chain.then`. Raises `InputError`, and `DerivationError` for a
+        quantity without a definition.
         """
         meaning = definition(quantity)
         if meaning is None:
@@ -185,9 +187,9 @@ class Derivation:
     def name_scalar(self, symbol: Any, meaning: Term, reason: str, **options: Any) -> Chain:
         """Let a SymPy symbol stand for a scalar.
 
-        ``symbol``: a SymPy symbol; ``meaning``: a term, such as ``quantity("coordinate", "q")``; ``reason``:
-        in words; ``options``: see `state`. Raises `DerivationError` for a symbol with another meaning, or one
-        that its meaning holds.
+        ``symbol``: a SymPy symbol; ``meaning``: a term, such as ``quantity("coordinate", "q")``;
+        ``reason``: in words; ``options``: see `state`. Raises `DerivationError` for a symbol with another
+        meaning, or one that its meaning holds.
         """
         known = self.scalars.get(symbol, meaning)
         inside = {s for n in nodes(meaning) if n.head == "expr" for s in n.data[0].free_symbols}

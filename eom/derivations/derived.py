@@ -145,6 +145,7 @@ Chosen = str | EllipsisType
 @dataclass(frozen=True)
 class Excerpt:
     """Steps of a derivation, in its order, numbered as in the whole; it shows itself in notebooks.
+
     ``derivation``: the whole; ``steps``: those that are shown; ``notation``: one of
     `eom.typeset.notation.NOTATIONS` or its aliases.
     """

@@ -39,7 +39,7 @@ class Own:
     laws: list[Law] = field(default_factory=list)
 
     def turns(self, frame: str) -> Iterator[tuple[Any, Term]]:
-        """Yield pairs ``(angle, axis)``: turns by which ``frame`` is reached from its ground."""
+        """Return, one by one, angle and axis of the turns by which ``frame`` is reached from its ground."""
         while frame in self.frames:
             row = self.frames[frame]
             yield row.angle, unit(row.base, row.axis)
