@@ -25,8 +25,8 @@ BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 435,
-    "lines of code": 86_500,
+    "modules": 433,
+    "lines of code": 85_490,
     "modules in the fullest folder": 20,
     "folders of more than 25 modules": 0,
     "circles of files": 0,

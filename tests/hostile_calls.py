@@ -293,7 +293,7 @@ def _multibody():
         "Coupling": (m.Coupling, {"name": "c", "ratios": {"a": 1, "b": 2}}),
         "Rolling": (m.Rolling, {
             "name": "r", "body": "bob", "radius": 1, "axis": (0, 0, 1), "centre": (0, 0, 0),
-            "normal": (0, 0, 1), "origin": (0, 0, 0),
+            "normal": (0, 0, 1), "origin": (0, 0, 0), "half_axis": 0,
         }),
         "KnifeEdge": (m.KnifeEdge, {
             "name": "s", "body": "bob", "direction": (0, 1, 0), "point": (0, 0, 0),

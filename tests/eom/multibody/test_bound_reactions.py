@@ -5,29 +5,32 @@ import pytest
 
 import codegen
 from eom.multibody import Body, Distance, Joint, KnifeEdge, Tree, derive, reaction
-from tests.eom.multibody.test_bicycle import bicycle
+from tests.eom.multibody.test_bicycle import SCENE
 
 
 def outputs(system, values):
     compiled = codegen.compile(system, "numpy")
+    given = [values[n] for n in system.parameter_names]
     x = [values.get(n, 0.0) for n in system.state_names]
-    return dict(zip(system.output_names, compiled.outputs(0.0, np.array(x)), strict=True))
+    return dict(zip(system.output_names, compiled.outputs(0.0, np.array(x), np.array(given)), strict=True))
 
 
 @pytest.mark.slow
 def test_a_free_joint_carries_nothing_though_the_wheels_of_a_bicycle_roll():
-    system = derive(bicycle(), [reaction("base"), reaction("steer")], start={"z_base": -0.3},
-                    independent=["w_base_1", "v_base_1", "u_steer"])  # fmt: skip
+    start = {**SCENE.numbers, "z_frame": -0.3}
+    system = derive(SCENE.tree, [reaction("frame"), reaction("steer")], start=start,
+                    independent=["w_frame_1", "v_frame_1", "u_steer"])  # fmt: skip
     at = {
-        "z_base": -0.3,
-        "v_base_1": 4.0,
-        "w_base_1": 0.2,
+        **SCENE.parameter_values(),
+        "z_frame": -0.3,
+        "v_frame_1": 4.0,
+        "w_frame_1": 0.2,
         "u_steer": 0.3,
         "q_steer": 0.1,
-        "q_base_2": 0.1,
+        "q_frame_2": 0.1,
     }
     found = outputs(system, at)
-    carried = [found[f"{x}_base_{k}"] for x in "FT" for k in (1, 2, 3)]
+    carried = [found[f"{x}_frame_{k}"] for x in "FT" for k in (1, 2, 3)]
     assert np.max(np.abs(carried)) < 1e-9
     assert abs(found["F_steer_3"]) > 10
 
