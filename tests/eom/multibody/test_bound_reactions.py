@@ -12,7 +12,9 @@ def outputs(system, values):
     compiled = codegen.compile(system, "numpy")
     given = [values[n] for n in system.parameter_names]
     x = [values.get(n, 0.0) for n in system.state_names]
-    return dict(zip(system.output_names, compiled.outputs(0.0, np.array(x), np.array(given)), strict=True))
+    return dict(
+        zip(system.output_names, compiled.outputs(0.0, np.array(x), np.array(given)), strict=True)
+    )
 
 
 @pytest.mark.slow
