@@ -404,9 +404,11 @@ def _indexed(look: Look, left: str, right: str, line: int) -> Draft:
 
 
 def _body(text: Prose) -> str:
-    """Return whose mechanics a note is about: particles' or a body's."""
-    count = {w: sum(w in s for s in text.sentences) for w in ("particle", "body")}
-    return "system" if count["particle"] > count["body"] else "body"
+    """Return whose mechanics a note is about: a body's, that of particles, or of one."""
+    words = " ".join(text.sentences).lower()
+    if words.count("particle") + words.count("point mass") <= words.count("body"):
+        return "body"
+    return "system" if re.search(r"particles|point masses|particle ⟦", words) else "P"
 
 
 def statement_line(text: Prose, statement: Statement) -> int:

@@ -221,7 +221,7 @@ class Phrases:
         if "mass" in words or "gravity" in words:
             return "C"
         values = self.places.points.values()
-        if "inertial" in words:
+        if "inertial" in words or words == "fixed origin":
             return "OI"
         return "O" if "O" in values or "OI" not in values else "OI"
 
@@ -250,7 +250,7 @@ class Phrases:
                 return self.places.points[label]
             if len(label) == 1 and label[0] in INDICES:
                 return "<i>"
-        return ""
+        return "P" if self.body == "P" else ""
 
     def _thing(self, words: str) -> str:
         marks = self.text.marked(words)
@@ -307,7 +307,7 @@ def spelt(label: Labels) -> str:
 
 
 _WORDS = (
-    r"inertial\w* (?:fixed )?origin|mass cent(?:re|er)|cent(?:re|er) of (?:mass|gravity)|origin|"
+    r"fixed origin|inertial\w* (?:fixed )?origin|mass cent(?:re|er)|cent(?:re|er) of (?:mass|gravity)|origin|"
     r"reference point|fixed point|pivot"
 )
 _LEAD = re.compile(

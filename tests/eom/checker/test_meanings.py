@@ -44,6 +44,11 @@ SENTENCES = {
         "m_{<i>}": "mass <i>",
         r"\vec{F}_{<i>}": "force <i>",
     },
+    r"A particle of mass $m$ is pulled by $\vec F$. $\vec r$ is its position from a fixed origin $O$.": {
+        "m": "mass P",
+        r"\vec{r}": "position P OI",
+        "O": "OI",
+    },
     r"The 3-1-3 angles are applied in the order $\alpha$, $\beta$, $\gamma$.": {
         r"\alpha": "turn_angle 1 313 B I",
         r"\gamma": "turn_angle 3 313 B I",
