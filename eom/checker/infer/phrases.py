@@ -307,8 +307,8 @@ def spelt(label: Labels) -> str:
 
 
 _WORDS = (
-    r"fixed origin|inertial\w* (?:fixed )?origin|mass cent(?:re|er)|cent(?:re|er) of (?:mass|gravity)|origin|"
-    r"reference point|fixed point|pivot"
+    r"fixed origin|inertial\w* (?:fixed )?origin|mass cent(?:re|er)|cent(?:re|er) of (?:mass|gravity)|"
+    r"origin|reference point|fixed point|pivot"
 )
 _LEAD = re.compile(
     r"(?:the|an?|its|their|again|total|whole|with|column|vector|of|corresponding|inertial|external|"
