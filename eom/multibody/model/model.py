@@ -443,6 +443,7 @@ class Tree:
     spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
     parameters (every other symbol is one too). ``constraints``: rows of
     `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
+    ``decimals``: whether equations are written with decimal numbers, as they are where any is given.
 
     Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
     hangs on nothing or on two joints, a loop, a joint that moves no mass.
@@ -464,6 +465,7 @@ class Tree:
     rotors: tuple[Rotor, ...] = ()
     springs: tuple[Spring, ...] = ()
     gravity_gradient: Any = ZEROS
+    decimals: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
@@ -475,6 +477,7 @@ class Tree:
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)
+        keep(self, "decimals", self.decimals or any(map(values.is_decimal, _numbers(self))))
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
@@ -490,6 +493,14 @@ class Tree:
     def joint_of(self) -> dict[str, Joint]:
         """The joint that leads to each body."""
         return {j.child: j for j in self.joints}
+
+
+def _numbers(given: Tree) -> Iterator[Value]:
+    """Yield all values of a tree."""
+    yield from (*given.gravity, *(x for row in given.gravity_gradient for x in row))
+    parts = (given.bodies, given.joints, given.loads, given.constraints, given.rotors, given.springs)
+    for part in (p for group in parts for p in group):
+        yield from part.given
 
 
 # -- what they must be --

@@ -91,9 +91,14 @@ class Part:
         """Derive what else a field is, and raise `InputError` for what does not go together."""
 
     @property
+    def given(self) -> Iterator[Value]:
+        """All numbers and expressions as they were given."""
+        return _values(tuple(getattr(self, name) for name in self._kinds))
+
+    @property
     def values(self) -> Iterator[Value]:
         """All numbers and expressions that it holds."""
-        return _values(tuple(getattr(self, name) for name in self._kinds))
+        return self.given
 
 
 def _values(given: Any) -> Iterator[Value]:

@@ -35,6 +35,7 @@ from eom.multibody.model.names import (
     attitudes_of,
     inputs_of,
     named_of,
+    numbers_of,
     parameters_of,
     singularities_of,
     states_of,
@@ -449,6 +450,7 @@ def _system(
         assumptions=(*assumptions(tree), *binding.assumptions(held)),
         maintained=tuple(d.name for d in held),
         attitudes=attitudes,
+        numbers=numbers_of(tree),
     )
 
 
@@ -552,6 +554,7 @@ class _Function:
             inputs=(*inputs_of(tree), *self.inputs),
             definitions=used(work.definitions, [*expressions, *(o.expression for o in outputs)]),
             outputs=outputs,
+            numbers=numbers_of(tree),
         )
         return TreeFunction(system, shape, tuple(kept), symmetric)
 
