@@ -45,11 +45,13 @@ class _MisfitError(Exception):
 class Dimensions:
     """The dimensions of symbols, as far as they are stated or follow.
 
-    ``units``: of symbols, as text (`eom.units`); nothing where one is not stated. `check` raises `InputError`
-    for a formula that does not fit, and adds what follows from one that does.
+    ``units``: of symbols, as text (`eom.units`); nothing where one is not stated. ``counts``: whether exact
+    numbers have no unit; else they may be values. `check` raises `InputError` for a formula that does not
+    fit, and adds what follows from one that does.
     """
 
-    def __init__(self, units: Iterable[tuple[Expr, str]]) -> None:
+    def __init__(self, units: Iterable[tuple[Expr, str]], *, counts: bool = True) -> None:
+        self.counts = counts
         self.stated = {symbol: _powers(unit) for symbol, unit in units if unit}
         self._solved: dict[Expr, Powers] = {}
         self._memo: dict[Expr, Powers | None] = {}
@@ -63,7 +65,7 @@ class Dimensions:
         try:
             self._fit(formula, expected)
         except _MisfitError as misfit:
-            raise self._error(misfit, where, formula) from None
+            raise self._error(misfit, where, formula, unit) from None
 
     def row(
         self, entries: Sequence[Expr], factors: Sequence[Powers], right: Expr, where: str
@@ -127,7 +129,7 @@ class Dimensions:
         if node.is_Symbol:
             return self.of_symbol(node)
         if node.is_number:
-            return _PLAIN if _is_count(node) else None
+            return _PLAIN if _is_count(node) and (self.counts or node == -1) else None
         if node.is_Mul:
             return self._product(node)
         rule = _RULES.get(node.func)
@@ -210,8 +212,12 @@ class Dimensions:
         rest = dict(powers)
         return _times(rest, made, rest.pop(symbol))
 
-    def _error(self, misfit: _MisfitError, where: str, formula: Expr) -> InputError:
+    def _error(
+        self, misfit: _MisfitError, where: str, formula: Expr, unit: str = ""
+    ) -> InputError:
         found, expected = (self._words(p) for p in (misfit.found, misfit.expected))
+        if unit and not misfit.beside and read(unit).dimension.words == expected != unit:
+            expected = f"{unit}, which is {expected}"
         beside = f", as {_short(misfit.beside)}" if misfit.beside else ""
         is_part = formula != misfit.term
         inside = f", in {_short(str(formula))}" if is_part else ""

@@ -171,6 +171,11 @@ class System:
         """Names of the constants of the motion, in order."""
         return tuple(d.name for d in self.invariants)
 
+    @property
+    def output_quantities(self) -> tuple[Quantity, ...]:
+        """The outputs, with their units, in order."""
+        return tuple(d.quantity for d in self.outputs)
+
     @cached_property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the states on which no rate depends, by form."""
@@ -247,6 +252,24 @@ class System:
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
         -d*v - k*x
         """
+        closed = self.closed_loop(laws, states, definitions=definitions, parameters=parameters)
+        if self.numbers != "counts":
+            _check_control(self, closed)
+        return closed
+
+    @typed
+    def closed_loop(
+        self,
+        laws: Mapping[Any, Any],
+        states: Mapping[Any, Any] | None = None,
+        *,
+        definitions: Mapping[Any, Any] | None = None,
+        parameters: Iterable[Any] = (),
+    ) -> System:
+        """Return what `with_control` does, with no check of the dimensions of laws.
+
+        Units are those of the quantities. Raises `InputError` as `with_control`.
+        """
         held = {q.name: q for q in self.inputs}
         by_name = {_name_of(key): law for key, law in laws.items()}
         for name in by_name:
@@ -259,6 +282,25 @@ class System:
         made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
         rates = {q: spoken.over(rate) for q, rate in moved.items()}
         return _closed(self, made, rates, tuple(spoken.gains.values()))
+
+
+def _check_control(system: System, closed: System) -> None:
+    """Check the dimensions of what a control adds to a system whose own numbers may be values."""
+    gains = {q.symbol for q in closed.parameters if q.unit} - {q.symbol for q in system.parameters}
+    if not gains:
+        return
+    before = {d.symbol for d in system.definitions}
+    own = [*closed.states, *closed.parameters, *closed.inputs]
+    own += [d.quantity for d in closed.definitions]
+    known = Dimensions([*((q.symbol, q.unit) for q in own), (system.time, "s")], counts=False)
+    second = known.of_symbol(system.time)
+    for d in closed.definitions:
+        if d.symbol not in before and free_symbols((d.expression,)) & gains:
+            known.check(d.expression, f"control of {d.name}", of=known.of_symbol(d.symbol))
+    added = slice(len(system.states), None)
+    for q, rate in zip(closed.states[added], closed.rates[added], strict=True):
+        if free_symbols((rate,)) & gains:
+            known.check(rate, f"rate of {q.name}", of=known.of_symbol(q.symbol, second))
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:

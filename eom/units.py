@@ -386,10 +386,8 @@ class _Reader:
         """Return the unit of a name. Raises `InputError` for an unknown one, with near spellings."""
         found = named(name)
         if found is None:
-            where = self.where or f"unit {self.text!r}"
-            got = self.text if self.text != name else ""
             raise InputError(
-                f"unknown unit {name!r}", where=where, got=got,
+                f"unknown unit {name!r}", where=self.where, got=self.text,
                 expected="such as kg m^2/s; the table of units is in the reference of scene files",
                 hint=near_spelling(name),
             )  # fmt: skip
@@ -488,7 +486,7 @@ def measure(text: str, where: str = "") -> Measure | None:
     found = _MEASURED.fullmatch(text) if len(text) <= 2 * MAX_LENGTH else None
     if found is None:
         return None
-    unit = read((found["unit"] or found["below"]).rstrip(), where or f"value {text!r}")
+    unit = read((found["unit"] or found["below"]).rstrip(), where)
     number = Fraction(found["number"])
     return Measure(sp.Rational(number.numerator, number.denominator) * unit.factor, unit)
 

@@ -138,7 +138,7 @@ def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
 def display_names(form: ClosedForm) -> Names:
     """Return how speeds and accelerations are shown: those of a coordinate q as rates of q."""
     found = Names()
-    found.decimals = form.tree.decimals
+    found.decimals = form.tree.numbers == "decimals"
     given = form.steps.mechanism
     for u, a, moved in zip(given.speeds, given.accelerations, given.basis, strict=True):
         if len(moved) == 1 and set(moved.values()) == {1}:

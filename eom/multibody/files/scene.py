@@ -429,11 +429,12 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
         found[names[0]] = 1.0
     found |= dict.fromkeys(reading.scene.control.states, 0.0)
     parameters = {n: v.value for n, v in reading.scene.parameters.items()}
+    units = {q.name: q.unit for q in reading.states}
     for name, given in reading.scene.initial.items():
         if name not in found:
             raise unknown_name("state", name, found, "[initial]")
         place = f"[initial] {name}"
-        formula = sp.sympify(reading.constants.value(given, place), strict=True)
+        formula = sp.sympify(reading.constants.value(given, place, units.get(name, "")), strict=True)
         found[name] = number(formula, parameters, place)
     for name, value in _attitudes(reading, free):
         if name in reading.scene.initial:

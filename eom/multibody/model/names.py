@@ -90,7 +90,7 @@ def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
 
 def numbers_of(tree: Tree) -> str:
     """Return what numbers in the equations of a tree are: a row of `eom.system.NUMBERS`."""
-    return "decimals" if tree.decimals else "values"
+    return tree.numbers
 
 
 def singularities_of(tree: Tree) -> tuple[Singularity, ...]:

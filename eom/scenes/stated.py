@@ -1,0 +1,35 @@
+"""What is stated of the units of a scene: whether its formulas are of the dimensions that they are to have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from eom.dimensions import Dimensions
+from eom.scenes.parse import dimensional, parse, words
+
+
+class Stated:
+    """The units of what the formulas of a scene may speak of.
+
+    ``units``: by name, also of states and of what bodies define; nothing where one is not known. ``own``: those
+    of the scene's parameters and inputs. Formulas over none of these with a unit are not checked. A number with
+    a decimal point may have a unit, a whole number has none. What follows from one formula holds for the next.
+    """
+
+    def __init__(self, units: Mapping[str, str], own: Mapping[str, str]) -> None:
+        known = {**units, **own}
+        self.own = {name for name, unit in own.items() if unit}
+        self.symbols = {name: sp.Symbol(name, real=True) for name in known} if self.own else {}
+        self.known = Dimensions((s, known[name]) for name, s in self.symbols.items())
+
+    def check(self, formula: Any, where: str, unit: str = "") -> None:
+        """Raise `InputError` for a formula of another dimension than ``unit``, with the term at fault.
+
+        ``unit``: nothing where it may be any; its terms must be of one dimension all the same.
+        """
+        if self.own and isinstance(formula, str) and not self.own.isdisjoint(words(formula)):
+            found = parse(formula, self.symbols, where, unit=unit, number=dimensional)
+            self.known.check(found, where, unit)
