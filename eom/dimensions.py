@@ -1,13 +1,14 @@
 """Whether formulas are of one dimension, given those of some of their symbols.
 
 What is not known is worked out where it follows: in ``k*x + F`` the unit of k is that of F by that of x.
-Dimensions are products of powers, so that each sum, and each function of a number, gives linear equations in
-the exponents, which are solved exactly, one after another; the first that contradicts what was known before
-names the term that does not fit (Kennedy, Programming Languages and Dimensions, PhD thesis, Cambridge 1996,
-sections 2 and 3, with rational exponents).
+Dimensions are products of powers, so that each sum, and each function of a number, gives linear equations
+in the exponents, which are solved exactly, one after another; the first that contradicts what was known
+before names the term that does not fit (Kennedy, Programming Languages and Dimensions, PhD thesis,
+Cambridge 1996, sections 2 and 3, with rational exponents).
 
-Exact numbers are counts, which have no unit, as factors; a number that is a whole term, or has a decimal point
-(a SymPy Float), may be a value whose unit is not stated: then nothing follows. Zero is of every dimension.
+Exact numbers are counts, which have no unit, as factors; a number that is a whole term, or has a decimal
+point (a SymPy Float), may be a value whose unit is not stated: then nothing follows. Zero is of every
+dimension.
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ class Dimensions:
     def row(
         self, entries: Sequence[Expr], factors: Sequence[Powers], right: Expr, where: str
     ) -> None:
-        """Raise `InputError` unless entries times their factors, and the right side, are of one dimension."""
+        """Raise `InputError` unless entries times factors, and the right side, are of one dimension."""
         known = self.of(right)
         for entry, factor in zip(entries, factors, strict=True):
             if entry == 0:
@@ -183,7 +184,9 @@ class Dimensions:
 
     # -- equations --
 
-    def _agree(self, term: Expr, found: Powers | None, expected: Powers | None, beside: str) -> None:
+    def _agree(
+        self, term: Expr, found: Powers | None, expected: Powers | None, beside: str
+    ) -> None:
         """Make two dimensions one. Raises `_MisfitError` where they are not."""
         if found is None or expected is None or found == expected:
             return
@@ -212,9 +215,7 @@ class Dimensions:
         rest = dict(powers)
         return _times(rest, made, rest.pop(symbol))
 
-    def _error(
-        self, misfit: _MisfitError, where: str, formula: Expr, unit: str = ""
-    ) -> InputError:
+    def _error(self, misfit: _MisfitError, where: str, formula: Expr, unit: str = "") -> InputError:
         found, expected = (self._words(p) for p in (misfit.found, misfit.expected))
         if unit and not misfit.beside and read(unit).dimension.words == expected != unit:
             expected = f"{unit}, which is {expected}"
@@ -273,11 +274,11 @@ def _branches(known: Dimensions, node: Expr) -> Powers | None:
     """Return the dimension of the values of a case distinction."""
     found: Powers | None = None
     for value, _ in node.args:
-        own = known._term(value)  # noqa: SLF001
+        own = known._term(value)
         if found is None:
             found = own
         else:
-            known._agree(value, own, found, "")  # noqa: SLF001
+            known._agree(value, own, found, "")
     return found
 
 
@@ -291,7 +292,7 @@ _RULES: Mapping[Any, _Rule] = {
     sp.Max: Dimensions.sum,
     sp.Mod: Dimensions.sum,
     sp.Pow: Dimensions.power,
-    sp.Abs: lambda known, node: known._memo[node.args[0]],  # noqa: SLF001
+    sp.Abs: lambda known, node: known._memo[node.args[0]],
     sp.sign: lambda *_: _PLAIN,
     sp.Heaviside: lambda *_: _PLAIN,
     sp.atan2: Dimensions.ratio,

@@ -622,7 +622,9 @@ def _check_dimensions(system: System, variables: Sequence[Quantity]) -> None:
     known = Dimensions([*units, (system.time, "" if timeless else "s")])
     second = known.of_symbol(system.time)
     for d in system.definitions:
-        known.check(d.expression, f"definition {d.name} of {system.name}", of=known.of_symbol(d.symbol))
+        known.check(
+            d.expression, f"definition {d.name} of {system.name}", of=known.of_symbol(d.symbol)
+        )
     moved = [known.of_symbol(q.symbol, second) for q in system.states]
     for k, (q, rate) in enumerate(zip(system.states, system.rates, strict=True)):
         where = f"rate of {q.name} of {system.name}"

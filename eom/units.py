@@ -1,10 +1,10 @@
-"""Units as texts: what they amount to in SI, exactly, and their dimensions; values that are written with units.
+"""Units as texts: what they amount to in SI, exactly, and their dimensions; values with units.
 
 A unit is a product of powers of the names of `ROWS`, most of them with the prefixes of SI: ``kg m^2/s``,
 ``N m``, ``1/(m s)``, ``mm``, ``lbf ft``, ``µm``, ``°``. A stroke stands before one factor, or one bracket.
 
-Sources: The International System of Units, 9th ed. (BIPM 2019), tables 2 to 8 and 7 (prefixes); Thompson and
-Taylor, Guide for the Use of the International System of Units, NIST SP 811 (2008), appendix B.8.
+Sources: The International System of Units, 9th ed. (BIPM 2019), tables 2 to 8 and 7 (prefixes); Thompson
+and Taylor, Guide for the Use of the International System of Units, NIST SP 811 (2008), appendix B.8.
 """
 
 from __future__ import annotations
@@ -198,7 +198,7 @@ _OTHERS: Mapping[str, tuple[str, int, str]] = {
     "hp": ("37284993579113511/50000000000000", 0, "W"),
     "%": ("1/100", 0, ""),
 }
-"""Other units: how many of which, ratio and power of pi. All are exact: BIPM (2019), table 8; NIST SP 811, B.8."""
+"""Other units: how many of which, ratio and power of pi. All are exact: BIPM, table 8; NIST SP 811, B.8."""
 
 PREFIXES: Mapping[str, int] = {
     "Q": 30, "R": 27, "Y": 24, "Z": 21, "E": 18, "P": 15, "T": 12, "G": 9, "M": 6, "k": 3, "h": 2, "da": 1,
@@ -308,7 +308,9 @@ def _read(text: str, where: str = "") -> Unit:
     return found
 
 
-def _none(got: object, where: str, expected: str = "such as kg m^2/s", hint: str = "") -> InputError:
+def _none(
+    got: object, where: str, expected: str = "such as kg m^2/s", hint: str = ""
+) -> InputError:
     return InputError("not a unit", where=where, got=got, expected=expected, hint=hint)
 
 

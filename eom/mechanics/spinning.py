@@ -62,8 +62,8 @@ class SpinningSymmetricBody:
     parameters, inputs, time and the states theta, psi, phi, theta_dot, psi_dot, C, Omega.
     ``parameters``, ``inputs``: the quantities in it. ``potential``: energy (J) whose loss is the work of
     the torque; without one that of a constant M1 is M1 theta. ``reference_point``: what momentum and torque
-    are about, in words: the centre of mass, or a fixed point on the axle. ``numbers``: what exact numbers in
-    the torque are, a row of `eom.system.NUMBERS`.
+    are about, in words: the centre of mass, or a fixed point on the axle. ``numbers``: what exact numbers
+    in the torque are, a row of `eom.system.NUMBERS`.
     Raises `InputError` for what is no expression.
     Source: lecture 001.
 

@@ -118,7 +118,10 @@ def _torques(scene: Description, general_torque: bool) -> tuple[dict[str, torque
         *(q for torque in found.values() for q in torque.parameters),
     )
     names = _names((*OMEGA.components, *(q.symbol for q in known)))
-    units = {**dict.fromkeys(map(str, OMEGA.components), "rad/s"), **{q.name: q.unit for q in known}}
+    units = {
+        **dict.fromkeys(map(str, OMEGA.components), "rad/s"),
+        **{q.name: q.unit for q in known},
+    }
     general = ("tau_1", "tau_2", "tau_3")
     given = components(scene, names, general, general_torque and not found, units)
     found["components"] = torques.applied(_over_states(given[0], angles), *given[1:])

@@ -169,8 +169,9 @@ class InitialAttitude(Part):
     """The attitude at the start, by a rotation sequence (one of the two units) or a quaternion.
 
     ``sequence``: one of the 12, for ``radians`` or ``degrees``: three angles in the order of the turns,
-    each about an axis of the body as it then is; in ``radians`` also with units, as "30 deg". ``quaternion``: four numbers of unit norm, scalar first,
-    of B in A: C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q).
+    each about an axis of the body as it then is; in ``radians`` also with units, as "30 deg".
+    ``quaternion``: four numbers of unit norm, scalar first, of B in A: C_BA = (q0^2 - q.q) 1 + 2 q q^T -
+    2 q0 tilde(q).
     """
 
     sequence: str = "3-1-2"
@@ -227,7 +228,7 @@ def _as_rate(value: Any) -> Any:
 
 
 class StateOfControl(Part):
-    """A state of a control by its ``rate``, a formula, with SI ``unit`` and ``meaning``, a text for pages."""
+    """A state of a control by its ``rate``, a formula; ``unit`` of SI, ``meaning``: a text for pages."""
 
     rate: Formula
     unit: str = ""

@@ -68,9 +68,9 @@ def parse(
 ) -> Expr:
     """Return the expression that ``text`` spells over ``names``; or a value with its unit, in SI, exactly.
 
-    ``unit``: that a value with a unit is to have, where it is known. ``number``: what makes numbers of their
-    texts, else exact ones. Raises `InputError` with the place for anything outside the grammar and its
-    limits, for unknown units, and for a value of another dimension than ``unit``.
+    ``unit``: that a value with a unit is to have, where it is known. ``number``: what makes numbers of
+    their texts, else exact ones. Raises `InputError` with the place for anything outside the grammar and
+    its limits, for unknown units, and for a value of another dimension than ``unit``.
 
     >>> x = sp.Symbol("x")
     >>> parse("-2*x^2 + sin(x)/4", {"x": x})
@@ -106,7 +106,7 @@ def _exact(text: str) -> Expr:
 
 
 def dimensional(text: str) -> Expr:
-    """Return a number for a check of dimensions: one with a decimal point as a float, which may have a unit."""
+    """Return a number for a check of dimensions: one with a decimal point, a float, may have a unit."""
     return sp.Float(text) if has_decimals(text) else _exact(text)
 
 

@@ -195,8 +195,10 @@ class BaseScene(Request):
     def _check_control(self, system: System) -> None:
         """Raise `InputError` for a formula of the control of another dimension than it is to have."""
         groups = (system.states, system.parameters, system.inputs)
-        units = {q.name: q.unit for q in (*(q for g in groups for q in g), *system.output_quantities)}
-        units |= {n: "" for n in self.control.definitions} | {"t": "s"}
+        units = {
+            q.name: q.unit for q in (*(q for g in groups for q in g), *system.output_quantities)
+        }
+        units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
         units |= {n: s.unit for n, s in self.control.states.items()}
         own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items() if v.unit}
         stated = Stated(units, own)

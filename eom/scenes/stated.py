@@ -1,4 +1,4 @@
-"""What is stated of the units of a scene: whether its formulas are of the dimensions that they are to have."""
+"""What is stated of the units of a scene: whether its formulas are of the dimensions of their places."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from eom.scenes.parse import dimensional, parse, words
 class Stated:
     """The units of what the formulas of a scene may speak of.
 
-    ``units``: by name, also of states and of what bodies define; nothing where one is not known. ``own``: those
-    of the scene's parameters and inputs. Formulas over none of these with a unit are not checked. A number with
-    a decimal point may have a unit, a whole number has none. What follows from one formula holds for the next.
+    ``units``: by name, also of states and of what bodies define; nothing where one is not known. ``own``:
+    those of the scene's parameters and inputs. Formulas over none of these with a unit are not checked. A
+    number with a decimal point may have a unit, a whole number has none. What follows from one formula
+    holds for the next.
     """
 
     def __init__(self, units: Mapping[str, str], own: Mapping[str, str]) -> None:

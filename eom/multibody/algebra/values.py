@@ -38,6 +38,7 @@ def is_decimal(x: Value) -> bool:
     """Return whether a value is a decimal number, or an expression with one."""
     return isinstance(x, Decimal) or (isinstance(x, sp.Basic) and x.has(sp.Float))
 
+
 TOLERANCE = 1e-9
 """How far from a rotation or a unit vector given numbers may be."""
 
@@ -69,11 +70,8 @@ def value(given: Any, where: str) -> Value:
         raise InputError(error.what, where=where, got=error.got, hint=error.hint) from None
     if expression.is_number and expression.is_finite is False:
         raise InputError("not a finite number", where=where, got=given)
-    if isinstance(expression, sp.Float):
-        return _of_float(expression)
-    if isinstance(expression, sp.Rational):
-        exact = sp.Rational(expression)
-        return _exact(Fraction(int(exact.p), int(exact.q)))
+    if isinstance(expression, sp.Rational | sp.Float):
+        return _of_sympy(expression)
     if not isinstance(expression, sp.Expr) or expression.is_real is False:
         raise InputError("not a real number or expression", where=where, got=given)
     return expression
@@ -83,10 +81,10 @@ def _exact(number: Fraction) -> Value:
     return number.numerator if number.denominator == 1 else number
 
 
-def _of_float(number: sp.Float) -> Value:
-    """Return a float of SymPy as `decimal`; one of more digits than a double has, as the fraction it is."""
+def _of_sympy(number: Any) -> Value:
+    """Return a number of SymPy exactly, a double as `decimal`."""
     exact = sp.Rational(number)
-    if sp.Rational(float(number)) == exact:
+    if number.is_Float and sp.Rational(float(number)) == exact:
         return decimal(float(number))
     return _exact(Fraction(int(exact.p), int(exact.q)))
 

@@ -76,7 +76,6 @@ class Names(dict[Expr, Expr]):
         return in_decimals(found) if self.decimals else found
 
 
-
 @shown.register(ClosedForm)
 @shown.register(Comparison)
 def show(given: ClosedForm | Comparison, style: str = "text") -> str:

@@ -434,7 +434,9 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
         if name not in found:
             raise unknown_name("state", name, found, "[initial]")
         place = f"[initial] {name}"
-        formula = sp.sympify(reading.constants.value(given, place, units.get(name, "")), strict=True)
+        formula = sp.sympify(
+            reading.constants.value(given, place, units.get(name, "")), strict=True
+        )
         found[name] = number(formula, parameters, place)
     for name, value in _attitudes(reading, free):
         if name in reading.scene.initial:

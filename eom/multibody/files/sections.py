@@ -256,8 +256,8 @@ def made(
 ) -> Any:
     """Return a part of a tree from what a file says of it; ``own``: fields that are known.
 
-    ``where``: its place, if it has no name; ``speeds``: of the joint that it is part of. Raises `InputError`
-    for formulas that say what they may not.
+    ``where``: its place, if it has no name; ``speeds``: of the joint that it is part of. Raises
+    `InputError` for formulas that say what they may not.
     """
     where = where or f"{part.noun} {name!r}"
     held, speeds = kinds(part), speeds or reading.speeds_of(part, name)
@@ -274,9 +274,7 @@ def made(
     return part(**own)
 
 
-def _read(
-    held: Kind, given: Any, reading: Reading, where: str, speeds: Sequence[Quantity]
-) -> Any:
+def _read(held: Kind, given: Any, reading: Reading, where: str, speeds: Sequence[Quantity]) -> Any:
     known = (*reading.scene.bodies, GROUND)
     if held.shape == "body" and given not in known:
         raise unknown_name("body", given, known, where.rpartition(":")[0])

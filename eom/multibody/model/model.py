@@ -450,12 +450,12 @@ class Tree:
     spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
     parameters (every other symbol is one too). ``constraints``: rows of
     `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
-    ``numbers``: what numbers in the equations are, a row of `eom.system.NUMBERS`; nothing where that is to be
-    seen from the values, whose dimensions are then checked.
+    ``numbers``: what numbers in the equations are, a row of `eom.system.NUMBERS`; nothing where that is
+    to be seen from the values, whose dimensions are then checked.
 
     Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
-    hangs on nothing or on two joints, a loop, a joint that moves no mass, an expression of another dimension
-    than its place has, where it is over parameters or inputs with units.
+    hangs on nothing or on two joints, a loop, a joint that moves no mass, an expression of another
+    dimension than its place has, where it is over parameters or inputs with units.
 
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
     >>> hinge = Joint("hinge", "revolute", GROUND, "bob", axis="x")
@@ -510,7 +510,14 @@ class Tree:
 def _numbers(given: Tree) -> Iterator[Value]:
     """Yield all values of a tree."""
     yield from (*given.gravity, *(x for row in given.gravity_gradient for x in row))
-    parts = (given.bodies, given.joints, given.loads, given.constraints, given.rotors, given.springs)
+    parts = (
+        given.bodies,
+        given.joints,
+        given.loads,
+        given.constraints,
+        given.rotors,
+        given.springs,
+    )
     for part in (p for group in parts for p in group):
         yield from part.given
 

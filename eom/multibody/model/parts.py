@@ -28,8 +28,9 @@ class Kind:
     ``shape``: a row of `SHAPES`; ``each`` (one value, or one a speed), ``ratios`` (by name), ``body`` (its
     name), ``axes`` (whose), ``word``; or the class of a part in it. ``scope``: what formulas may be over.
     ``keys``: what scene files call it, where that is not the field's name; of several the field is the
-    tuple. ``needed``: files must say it; ``optional``: it may be None. ``unit``: of its values, nothing where
-    they may have any; ``each``: of one at a turning speed (rad/s) and of one at a sliding speed (m/s).
+    tuple. ``needed``: files must say it; ``optional``: it may be None. ``unit``: of its values, nothing
+    where they may have any; ``each``: of one at a turning speed (rad/s) and of one at a sliding speed
+    (m/s).
     """
 
     shape: str | type
