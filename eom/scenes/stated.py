@@ -26,11 +26,18 @@ class Stated:
         self.symbols = {name: sp.Symbol(name, real=True) for name in known} if self.own else {}
         self.known = Dimensions((s, known[name]) for name, s in self.symbols.items())
 
-    def check(self, formula: Any, where: str, unit: str = "") -> None:
+    def check(self, formula: Any, where: str, unit: str = "", *, read: Any = None) -> None:
         """Raise `InputError` for a formula of another dimension than ``unit``, with the term at fault.
 
-        ``unit``: nothing where it may be any; its terms must be of one dimension all the same.
+        ``unit``: nothing where it may be any; its terms must be of one dimension all the same. ``read``: the
+        formula as it was read, which serves where its symbols and numbers are those that are written.
         """
-        if self.own and isinstance(formula, str) and not self.own.isdisjoint(words(formula)):
-            found = parse(formula, self.symbols, where, unit=unit, number=dimensional)
-            self.known.check(found, where, unit)
+        if not self.own or not isinstance(formula, str):
+            return
+        names = words(formula)
+        if self.own.isdisjoint(names):
+            return
+        symbols = {self.symbols[n] for n in names if n in self.symbols}
+        if read is None or "." in formula or symbols != read.free_symbols:
+            read = parse(formula, self.symbols, where, unit=unit, number=dimensional)
+        self.known.check(read, where, unit)

@@ -52,7 +52,7 @@ class Formulas:
         if not isinstance(given, str):
             return value(given, where)
         found = parse.parse(given, self.names, where, unit=unit)
-        self.stated.check(given, where, unit)
+        self.stated.check(given, where, unit, read=found)
         self.used |= {str(s.name) for s in found.free_symbols}
         return rounded(found, where)
 
