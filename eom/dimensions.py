@@ -47,12 +47,15 @@ class Dimensions:
     """The dimensions of symbols, as far as they are stated or follow.
 
     ``units``: of symbols, as text (`eom.units`); nothing where one is not stated. ``counts``: whether exact
-    numbers have no unit; else they may be values. `check` raises `InputError` for a formula that does not
-    fit, and adds what follows from one that does.
+    numbers have no unit; else they may be values. ``time``: its symbol, if there is one; functions may be
+    of it alone, as sin(2*t), where the rate is a number without its unit. `check` raises `InputError` for
+    a formula that does not fit, and adds what follows from one that does.
     """
 
-    def __init__(self, units: Iterable[tuple[Expr, str]], *, counts: bool = True) -> None:
-        self.counts = counts
+    def __init__(
+        self, units: Iterable[tuple[Expr, str]], *, counts: bool = True, time: Expr = None
+    ) -> None:
+        self.counts, self.time = counts, time
         self.stated = {symbol: _powers(unit) for symbol, unit in units if unit}
         self._solved: dict[Expr, Powers] = {}
         self._memo: dict[Expr, Powers | None] = {}
@@ -174,7 +177,9 @@ class Dimensions:
     def plain(self, node: Expr) -> Powers | None:
         """Return no dimension, for a function whose arguments have none."""
         for argument in node.args:
-            self._agree(argument, self._memo[argument], _PLAIN, f"argument of {node.func.__name__}")
+            if argument.free_symbols != {self.time}:
+                beside = f"argument of {node.func.__name__}"
+                self._agree(argument, self._memo[argument], _PLAIN, beside)
         return _PLAIN
 
     def ratio(self, node: Expr) -> Powers | None:

@@ -292,7 +292,8 @@ def _check_control(system: System, closed: System) -> None:
     before = {d.symbol for d in system.definitions}
     own = [*closed.states, *closed.parameters, *closed.inputs]
     own += [d.quantity for d in closed.definitions]
-    known = Dimensions([*((q.symbol, q.unit) for q in own), (system.time, "s")], counts=False)
+    stated = [*((q.symbol, q.unit) for q in own), (system.time, "s")]
+    known = Dimensions(stated, counts=False, time=system.time)
     second = known.of_symbol(system.time)
     for d in closed.definitions:
         if d.symbol not in before and free_symbols((d.expression,)) & gains:
@@ -619,7 +620,7 @@ def _check_dimensions(system: System, variables: Sequence[Quantity]) -> None:
     units = [(q.symbol, q.unit) for q in own]
     stated = (q.dimension for q in own if q.unit)
     timeless = all(d == NONE for d in stated)
-    known = Dimensions([*units, (system.time, "" if timeless else "s")])
+    known = Dimensions([*units, (system.time, "" if timeless else "s")], time=system.time)
     second = known.of_symbol(system.time)
     for d in system.definitions:
         known.check(

@@ -315,12 +315,13 @@ def _none(
 
 
 def _tokens(plain: str, text: str, where: str) -> Iterator[_Token]:
-    place, end = 0, len(plain.rstrip())
+    place, end, kind = 0, len(plain.rstrip()), ""
     while place < end:
         match = _TOKEN.match(plain, place)
-        if match is None:
-            raise _none(text, where)
-        yield _Token(str(match.lastgroup), match[str(match.lastgroup)])
+        before, kind = kind, str(match.lastgroup) if match else ""
+        if match is None or (before == kind == "name" and match.start(kind) == place):
+            raise _none(text, where)  # two names without room between them, as those of °C
+        yield _Token(kind, match[kind])
         place = match.end()
 
 

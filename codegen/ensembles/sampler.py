@@ -144,7 +144,7 @@ def _columns(compiled: Compiled, kind: str, values: Any, names: Sequence[str]) -
     if not isinstance(values, Mapping):
         values = _rows(kind, values, names)
     held = compiled.structure.states if kind == "state" else compiled.structure.parameters
-    values = in_si(values, (*compiled.layout.states, *compiled.layout.parameters))
+    values = in_si(values, compiled.layout.known)
     found = {}
     for name, value in values.items():
         array = _numbers(kind, name, value)

@@ -96,6 +96,11 @@ class Layout:
         return {**given, **results}
 
     @property
+    def known(self) -> tuple[Quantity, ...]:
+        """All that has a name and a unit."""
+        return tuple(q for group in self.quantities().values() for q in group)
+
+    @property
     def winds(self) -> tuple[str, ...]:
         """Names of the outputs that jump by whole turns, of those that are there."""
         return tuple(n for n in self.results.get(OUTPUTS, ()) if n in self.winding)

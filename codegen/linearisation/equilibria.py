@@ -280,8 +280,7 @@ class _Search:
         self.compiled, self.name = compiled, f"system {layout.name!r}"
         states, self.inputs = names_of(layout.states), names_of(layout.inputs)
         given = completed(parameters, layout.parameters)
-        guess, inputs = in_si(guess, layout.states), in_si(inputs, layout.inputs)
-        hold = in_si(hold, [q for group in layout.quantities().values() for q in group])
+        guess, inputs, hold = (in_si(v, layout.known) for v in (guess, inputs, hold))
         self.p = to_array(given, names_of(layout.parameters), "parameter")
         if dependence(compiled.program, RATES, "time"):
             raise InputError("the rates depend on time: nothing is steady", where=self.name)
@@ -290,9 +289,8 @@ class _Search:
         hold = dict.fromkeys(maintained(compiled), 0.0) | dict(hold or {})
         fours = self.fours = quaternions_of(layout.attitudes)
         self.x = _start(guess or {}, states, fours)
-        self.u = to_array(
-            dict.fromkeys(self.inputs, 0.0) | dict(inputs or {}), self.inputs, "input"
-        )
+        acting = dict.fromkeys(self.inputs, 0.0) | dict(inputs or {})
+        self.u = to_array(acting, self.inputs, "input")
         held = self._held(hold, states, cyclic)
         moving = [n for n in states if n not in held and n not in cyclic]
         self.labels = [*states, *self.inputs]

@@ -258,8 +258,7 @@ def measured(
     progress: Callable[[float], None] | None,
 ) -> AccuracyReport:
     """Return the report for the words of a command line: ``ranges`` as name=low:high or name=value."""
-    known = compiled.layout.quantities().values()
-    units = {q.name: q.unit for group in known for q in group}
+    units = {q.name: q.unit for q in compiled.layout.known}
     domain = dict(_stated(text, units) for text in ranges)
     count = SAMPLES if samples is None else samples
     return accuracy(

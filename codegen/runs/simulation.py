@@ -252,11 +252,8 @@ def simulate(
     (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
-    layout = _compiled(system).layout
-    initial, parameters = in_si(initial, layout.states), in_si(parameters, layout.parameters)
-    inputs = in_si(inputs, layout.inputs)
-    part = _part(_compiled(system), outputs, found, inputs)
-    x0, values, held, signals = _numbers(part, initial, parameters, inputs or {})
+    part = _part(compiled := _compiled(system), outputs, found, inputs)
+    x0, values, held, signals = _numbers(part, *_in_si(compiled, initial, parameters, inputs or {}))
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
     point = sizes_of.Point(x0, values, held, since)
     smallest, unknown = _smallest(part.compiled, atol, point, span, rtol, signals)
@@ -271,6 +268,11 @@ def simulate(
     clock = clock_of(part.compiled, span, since, found)
     result = _with_notice(_run(part, problem, method, signals, found, clock), unknown)
     return result.with_accuracy() if accuracy else result
+
+
+def _in_si(compiled: Compiled, *values: Any) -> tuple[Any, ...]:
+    """Return values by name in SI: those that are texts with units are converted."""
+    return tuple(in_si(v, compiled.layout.known) for v in values)
 
 
 def _with_notice(result: Result, unknown: str) -> Result:

@@ -192,16 +192,7 @@ class SpinningSymmetricBody:
             title=title,
             states=tuple(equations),
             rates=tuple(equations.values()),
-            parameters=(
-                Quantity(
-                    I1,
-                    "kg m^2",
-                    f"moment of inertia about b1 and b3, through the {self.reference_point}",
-                    "I_1",
-                ),
-                Quantity(I2, "kg m^2", "moment of inertia about the axle b2", "I_2"),
-                *self.parameters,
-            ),
+            parameters=(*self._moments, *self.parameters),
             inputs=self.inputs,
             singularities=(
                 Singularity(
@@ -213,6 +204,13 @@ class SpinningSymmetricBody:
             numbers=self.numbers,
         )
         return with_outputs(system, self._outputs())
+
+    @property
+    def _moments(self) -> tuple[Quantity, Quantity]:
+        """The moments of inertia."""
+        across = f"moment of inertia about b1 and b3, through the {self.reference_point}"
+        along = "moment of inertia about the axle b2"
+        return Quantity(I1, "kg m^2", across, "I_1"), Quantity(I2, "kg m^2", along, "I_2")
 
     @property
     def _determinant(self) -> Expr:

@@ -209,18 +209,9 @@ def components(
     own = {q.name: q.symbol for group in groups for q in group}
     _check_clash(scene, own, {**known, **sizes(scene)})
     names = {**known, **sizes(scene), **own, "t": TIME}
-    stated = Stated(
-        {**units, **dict.fromkeys(scene.body.size, "m"), "mass": "kg", "t": "s"},
-        {q.name: q.unit for group in groups for q in group},
-    )
-    for k, c in enumerate(scene.torque.components or (), 1):
-        stated.check(c, f"[torque] components, number {k}", "N m")
-    parsed = [
-        parse.parse(c, names, f"[torque] components, number {k}", unit="N m")
-        if isinstance(c, str)
-        else sp.Rational(str(c))
-        for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
-    ]
+    spoken = {**units, **dict.fromkeys(scene.body.size, "m"), "mass": "kg", "t": "s"}
+    stated = Stated(spoken, {q.name: q.unit for group in groups for q in group})
+    parsed = _parsed(scene, names, stated)
     acting = set().union(*(c.free_symbols for c in parsed))
     groups = [tuple(q for q in group if q.symbol in acting) for group in groups]
     used = {str(s.name) for s in acting} | initial_names(scene) | scene.control.words
@@ -233,6 +224,17 @@ def components(
         inputs = (*inputs, *(Quantity(s, "N m") for s in zero.values()))
     a, b, c = parsed
     return (a, b, c), groups[0], inputs
+
+
+def _parsed(scene: Description, names: dict[str, Expr], stated: Stated) -> list[Expr]:
+    """Return the torque components as expressions. Raises `InputError` for other dimensions."""
+    found = []
+    for k, c in enumerate(scene.torque.components or (0, 0, 0), 1):
+        where = f"[torque] components, number {k}"
+        stated.check(c, where, "N m")
+        is_text = isinstance(c, str)
+        found.append(parse.parse(c, names, where, unit="N m") if is_text else sp.Rational(str(c)))
+    return found
 
 
 def _check_clash(scene: Description, own: dict[str, Expr], known: dict[str, Expr]) -> None:

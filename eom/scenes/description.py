@@ -49,6 +49,18 @@ Rate = Annotated[PositiveFloat, _in("rad/s")]
 Step = Annotated[PositiveFloat, _in("s")]
 Triple = tuple[Number, Number, Number]
 Row = tuple[Inertia, Inertia, Inertia]
+MEASURED: tuple[tuple[Any, str, str], ...] = (
+    (Inertia, "number", "kg m^2"),
+    (Angle, "number", "rad"),
+    (Seconds, "number", "s"),
+    (Metres, "number", "m"),
+    (Size, "positive number", "m"),
+    (Mass, "positive number", "kg"),
+    (Acceleration, "positive number", "m/s^2"),
+    (Rate, "positive number", "rad/s"),
+    (Step, "positive number", "s"),
+)
+"""Numbers that may be written with units: what they are, and the unit where none is written."""
 
 
 def _formula(value: Any) -> Any:

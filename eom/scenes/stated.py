@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 
 from eom.dimensions import Dimensions
+from eom.quantities import TIME
 from eom.scenes.parse import dimensional, parse, words
 
 
@@ -24,13 +25,14 @@ class Stated:
         known = {**units, **own}
         self.own = {name for name, unit in own.items() if unit}
         self.symbols = {name: sp.Symbol(name, real=True) for name in known} if self.own else {}
-        self.known = Dimensions((s, known[name]) for name, s in self.symbols.items())
+        stated = ((s, known[name]) for name, s in self.symbols.items())
+        self.known = Dimensions(stated, time=TIME)
 
     def check(self, formula: Any, where: str, unit: str = "", *, read: Any = None) -> None:
         """Raise `InputError` for a formula of another dimension than ``unit``, with the term at fault.
 
-        ``unit``: nothing where it may be any; its terms must be of one dimension all the same. ``read``: the
-        formula as it was read, which serves where its symbols and numbers are those that are written.
+        ``unit``: nothing where it may be any; its terms must be of one dimension all the same. ``read``:
+        the formula as it was read, which serves where its symbols and numbers are those that are written.
         """
         if not self.own or not isinstance(formula, str):
             return

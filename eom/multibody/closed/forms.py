@@ -23,7 +23,7 @@ from eom.multibody.closed.mechanism import Link, Mechanism, mechanism
 from eom.multibody.closed.polynomials import Scalar, terms_of
 from eom.multibody.closed.readable import KINDS, Contribution, Part, Writer, factor, parts
 from eom.multibody.model.model import Tree
-from eom.multibody.model.names import inputs_of, numbers_of, singularities_of
+from eom.multibody.model.names import inputs_of, singularities_of
 from eom.quantities import TIME, Definition, Quantity
 from eom.system import System, as_expression
 from eom.typeset.blocks import shown
@@ -140,7 +140,7 @@ class ClosedForm:
             inputs=inputs,
             definitions=self.prescribed,
             singularities=singularities_of(self.tree),
-            numbers=numbers_of(self.tree),
+            numbers=self.tree.numbers,
         )
 
     def show(self, style: str = "text") -> str:

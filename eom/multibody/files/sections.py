@@ -203,8 +203,10 @@ class Reading:
         units = {q.name: q.unit for q in (*self.states, *self.motors.values())}
         for name, part in self.scene.bodies.items():
             units |= {f"{key}_{name}": _UNITS.get(key, "m") for key, _ in _stated(part)}
-        own = {q.name: q.unit for q in (*self.parameters, *self.inputs)}
-        return Stated({**units, "t": "s"}, own)
+        given = {q.name: q.unit for q in (*self.parameters, *self.inputs)}
+        implied = getattr(self.scene, "implied", ())
+        own = {n: unit for n, unit in given.items() if n not in implied}
+        return Stated({**given, **units, "t": "s"}, own)
 
     def speeds_of(self, part: type, name: str) -> tuple[Quantity, ...]:
         """Return the speeds of a joint, of other parts none."""

@@ -9,11 +9,11 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from typing import Annotated, Any
 
 import sympy as sp
 
-from eom.dimensions import Dimensions
 from eom.errors import InputError, entries, near_matches, shown, typed_fields, unknown_name
 from eom.kinematics.coordinates import SEQUENCES
 from eom.multibody.algebra import values
@@ -523,20 +523,10 @@ def _numbers(given: Tree) -> Iterator[Value]:
 
 
 def _check_units(given: Tree) -> None:
-    """Raise `InputError` for an expression over quantities with units that has another one than its place.
-
-    Numbers in it may be values with units.
-    """
-    own = [(q.symbol, q.unit) for q in (*given.parameters, *given.inputs) if q.unit]
-    if not own:
-        return
-    stated = {symbol for symbol, _ in own}
-    moving = [q for j in given.joints for q in (*j.coordinates, *j.speeds, *j.motors)]
-    moving += [q for r in given.rotors for q in (*r.states, *r.motors)]
-    known = Dimensions([*own, *((q.symbol, q.unit) for q in moving), (TIME, "s")], counts=False)
-    for where, x, unit in _measured(given):
-        if not is_number(x) and x.free_symbols & stated:
-            known.check(x, where, unit)
+    of_joints = (q for j in given.joints for q in (*j.coordinates, *j.speeds, *j.motors))
+    of_rotors = (q for r in given.rotors for q in (*r.states, *r.motors))
+    own = (*given.parameters, *given.inputs)
+    checks.units(_measured(given), own, chain(of_joints, of_rotors))
 
 
 def _measured(given: Tree) -> Iterator[tuple[str, Value, str]]:

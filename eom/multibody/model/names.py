@@ -88,11 +88,6 @@ def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
     return tuple(described.get(s, Quantity(s)) for s in symbols_of(tree) if s not in other)
 
 
-def numbers_of(tree: Tree) -> str:
-    """Return what numbers in the equations of a tree are: a row of `eom.system.NUMBERS`."""
-    return tree.numbers
-
-
 def singularities_of(tree: Tree) -> tuple[Singularity, ...]:
     """Return where the angles of sequences fail."""
     found: list[Singularity] = []

@@ -35,7 +35,6 @@ from eom.multibody.model.names import (
     attitudes_of,
     inputs_of,
     named_of,
-    numbers_of,
     parameters_of,
     singularities_of,
     states_of,
@@ -450,7 +449,7 @@ def _system(
         assumptions=(*assumptions(tree), *binding.assumptions(held)),
         maintained=tuple(d.name for d in held),
         attitudes=attitudes,
-        numbers=numbers_of(tree),
+        numbers=tree.numbers,
     )
 
 
@@ -554,7 +553,7 @@ class _Function:
             inputs=(*inputs_of(tree), *self.inputs),
             definitions=used(work.definitions, [*expressions, *(o.expression for o in outputs)]),
             outputs=outputs,
-            numbers=numbers_of(tree),
+            numbers=tree.numbers,
         )
         return TreeFunction(system, shape, tuple(kept), symmetric)
 
