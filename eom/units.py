@@ -227,7 +227,7 @@ def _table() -> dict[str, Unit]:
     """Return all units without prefixes by name."""
     one, found = Fraction(1), {}
     for name, base in _BASE.items():
-        si = () if name == "1" else ((name, one),)
+        si: tuple[tuple[str, Fraction], ...] = () if name == "1" else ((name, one),)
         found[name] = Unit(one, 0, _dimension_of(base), si)
     for name, (ratio, turns, text) in _OTHERS.items():
         si, made = _of_base(text), Unit()

@@ -232,8 +232,10 @@ def _parsed(scene: Description, names: dict[str, Expr], stated: Stated) -> list[
     for k, c in enumerate(scene.torque.components or (0, 0, 0), 1):
         where = f"[torque] components, number {k}"
         stated.check(c, where, "N m")
-        is_text = isinstance(c, str)
-        found.append(parse.parse(c, names, where, unit="N m") if is_text else sp.Rational(str(c)))
+        if isinstance(c, str):
+            found.append(parse.parse(c, names, where, unit="N m"))
+        else:
+            found.append(sp.Rational(str(c)))
     return found
 
 

@@ -325,8 +325,8 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
     findings = error.errors(include_url=False)
     ours = [(f, f["ctx"]["error"]) for f in findings if "error" in f.get("ctx", {})]
     if ours and isinstance(ours[0][1], InputError):
-        found, own = ours[0]
-        return own if own.where else own.at(".".join(map(str, found["loc"])))
+        own: InputError = ours[0][1]
+        return own if own.where else own.at(".".join(map(str, ours[0][0]["loc"])))
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"])
     more = f" (and {len(others)} more)" if others else ""
