@@ -287,6 +287,12 @@ class Worlds(Models):
         """Return an assumption with all that it needs."""
         return _needed(name)
 
+    def rests_on(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the assumptions, none for a claim between free quantities alone."""
+        sides = (t for q in self.said for t in (q.left, q.right))
+        kinds = {a.data[0] for t in sides for a in atoms_in(t, self.scalars)}
+        return () if kinds <= UNBOUND else tuple(names)
+
     def doubt(self) -> str:
         """Say that what is false may be true of open systems, with roots of other signs, of one motion."""
         if self._changes_mass():
