@@ -125,6 +125,7 @@ _PRINCIPAL = (*_USUAL, "about_centre", "principal_axes")
 LEVELS: tuple[tuple[str, ...], ...] = (
     _USUAL,
     (*_USUAL, "about_centre"),
+    (*_USUAL, "one_rotor"),
     (*_USUAL, "O_fixed_in_body"),
     (*_USUAL, "O_fixed_in_body", "O_fixed_in_space"),
     (*_PRINCIPAL, "C_at_rest"),
