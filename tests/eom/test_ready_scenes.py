@@ -312,7 +312,7 @@ def test_reaction_wheels_turn_the_hub_as_a_gyrostat():
 
 
 def test_the_dual_spin_satellite_obeys_newton_and_euler():
-    """Force and moment on all, the damper along its guide, the rotor on its axle; in the platform's axes."""
+    """Force and moment on all, the damper along its guide, the rotor on its axle; platform's axes."""
     scene = eom.load_scene("dual-spin-satellite")
     x, k = anywhere(scene, 9), scene.numbers
     w, e, z, m = three(x, "w_platform"), np.array([0, 0, 1.0]), x["q_damper"], k["m"]
