@@ -381,7 +381,7 @@ def test_the_control_moment_gyroscope_is_that_of_schaub_and_junkins():
 
 
 def test_the_quadrotor_obeys_newton_and_euler():
-    """Mahony, Kumar and Corke, IEEE Robotics & Automation Magazine 19(3) (2012) 20, eq. (1) to (4)."""
+    """Mahony, Kumar and Corke, IEEE Robotics & Automation Magazine 19(3) (2012) 20."""
     scene = eom.load_scene("quadrotor")
     x, k = anywhere(scene, 11), scene.numbers
     thrust, drag = ([x[f"{n}{i}"] for i in (1, 2, 3, 4)] for n in "TQ")
@@ -396,6 +396,43 @@ def test_the_quadrotor_obeys_newton_and_euler():
     assert three(rate, "w_frame") == pytest.approx(expected, rel=1e-12)
     pushed = np.array([0, 0, sum(thrust) / k["m"]]) - k["g"] * up - np.cross(omega, v)
     assert three(rate, "v_frame") == pytest.approx(pushed, rel=1e-12)
+
+
+def test_the_rocket_is_that_of_meshchersky_and_thomson():
+    """Force by thrust; rates about the centre of mass by Thomson: the jet damps pitch.
+
+    A w1' + (C - A) w2 w3 + (A' + mu e^2) w1 = 0 and C w3' + C' w3 = 0, with the distance e of the nozzle
+    from the centre of mass; Introduction to Space Dynamics (1961).
+    """
+    scene = eom.load_scene("rocket")
+    x, k = anywhere(scene, 14) | {"t": 7.3}, scene.numbers
+    M, mu, v, d, t = k["M"], k["mu"], k["v"], k["d"], sp.Symbol("t")
+    grain = k["m"] - mu * t
+    squares = 2 * k["a"] ** 2 - grain / (
+        sp.pi * k["rho"] * k["l"]
+    )  # of the radii of the hollow cylinder
+    centre = M / 2 / (M + grain)
+    C = sp.Float(0.15) + grain * squares / 2
+    A = 8 + grain * (3 * squares + k["l"] ** 2) / 12 + M * (0.5 - centre) ** 2 + grain * centre**2
+    A, C, dA, dC, m, e, c = (
+        float(f.subs(t, x["t"]))
+        for f in (A, C, A.diff(t), C.diff(t), M + grain, centre + d, centre)
+    )
+    w, u = three(x, "w_rocket"), three(x, "v_rocket")
+    turned = np.array([
+        -(C - A) * w[1] * w[2] - (dA + mu * e**2) * w[0],
+        (C - A) * w[0] * w[2] - (dA + mu * e**2) * w[1],
+        -dC / C * A * w[2],
+    ]) / A  # fmt: skip
+    rate = rates(scene, x)
+    assert three(rate, "w_rocket") == pytest.approx(turned, rel=1e-12)
+    e0, e1, e2, e3 = (x[f"e_rocket_{i}"] for i in range(4))
+    up = np.array([2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), 1 - 2 * (e1**2 + e2**2)])
+    first = np.array([0, 0, m * c])
+    taken = m * np.cross(w, u) + np.cross(turned, first) + np.cross(w, np.cross(w, first))
+    taken = taken + 2 * np.cross(w, [0, 0, -mu * d])
+    pushed = ([0, 0, mu * v] - taken) / m - k["g"] * up
+    assert three(rate, "v_rocket") == pytest.approx(pushed, rel=1e-12)
 
 
 POWERS = {

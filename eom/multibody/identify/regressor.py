@@ -169,7 +169,7 @@ def regressor(tree: Tree, *, armature: bool = False, damping: bool = False) -> R
 
     ``armature``, ``damping``: whether there are columns for these (kg m^2 or kg, N m s or N s/m). Loads,
     springs, rotors, applied forces and motors are not in tau = Y pi; gravity is. Raises `InputError` for
-    prescribed motions, a gradient of gravity and names in use.
+    prescribed motions, jets, a gradient of gravity and names in use.
     Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5, whose inverse dynamics is linear in
     the inertias; Atkeson, An and Hollerbach, Int. J. Robotics Research 5(3), 1986.
 
@@ -185,6 +185,11 @@ def regressor(tree: Tree, *, armature: bool = False, damping: bool = False) -> R
                 "prescribed motion has no place in a regressor", where=f"joint {joint.name!r}",
                 hint="leave it out: accelerations are inputs here",
             )  # fmt: skip
+    if tree.jets:
+        raise InputError(
+            "bodies that change in time have no place in a regressor", where=tree.jets[0].where,
+            hint="leave out the jets, and masses that change: parameters are constant here",
+        )  # fmt: skip
     if any(not is_zero(x) for row in tree.gravity_gradient for x in row):
         raise InputError(
             "a gradient of gravity has no place in a regressor", where=f"tree {tree.name!r}",
