@@ -185,15 +185,11 @@ def regressor(tree: Tree, *, armature: bool = False, damping: bool = False) -> R
                 "prescribed motion has no place in a regressor", where=f"joint {joint.name!r}",
                 hint="leave it out: accelerations are inputs here",
             )  # fmt: skip
-    if tree.jets:
+    if tree.jets or any(not is_zero(x) for row in tree.gravity_gradient for x in row):
+        what = "a jet" if tree.jets else "a gradient of gravity"
         raise InputError(
-            "bodies that change in time have no place in a regressor", where=tree.jets[0].where,
-            hint="leave out the jets, and masses that change: parameters are constant here",
-        )  # fmt: skip
-    if any(not is_zero(x) for row in tree.gravity_gradient for x in row):
-        raise InputError(
-            "a gradient of gravity has no place in a regressor", where=f"tree {tree.name!r}",
-            hint="leave it out: gravity is uniform here",
+            f"{what} has no place in a regressor", where=f"tree {tree.name!r}",
+            hint="leave it out: gravity is uniform here, and masses are constant",
         )  # fmt: skip
     coordinates = [c for j in tree.ordered for c in j.coordinates]
     speeds = [s for j in tree.ordered for s in j.speeds]

@@ -348,9 +348,14 @@ class _Growing:
         if seat.part < 0:
             return
         found, part = flow(body, jets), self.parts[seat.part]
-        vectors = (found.momentum, found.spin, found.force, found.moment)
         own = Stream(
-            seat.rotation, seat.origin, *map(self.vector, vectors), self.matrix(found.damping)
+            rotation=seat.rotation,
+            origin=seat.origin,
+            momentum=self.vector(found.momentum),
+            spin=self.vector(found.spin),
+            force=self.vector(found.force),
+            moment=self.vector(found.moment),
+            damping=self.matrix(found.damping),
         )
         self.parts[seat.part] = replace(part, streams=(*part.streams, own))
 

@@ -274,8 +274,7 @@ def conservative(tree: Tree) -> bool:
     )
     fixed = not _varying(tree) & set(symbols_in(values_of(tree)))
     coasting = coasting and all(is_zero(s.damping) for s in tree.springs)
-    acting = tree.loads or tree.jets
-    return joints and coasting and fixed and not acting and lossless(tree)
+    return joints and coasting and fixed and not (tree.loads or tree.jets) and lossless(tree)
 
 
 @typed
@@ -457,13 +456,8 @@ def _with_inertia(stated: BodyAttitude, derived: Derived) -> BodyAttitude:
     """Return the attitude with inertia and torque about the joint, of a body that alone turns about it."""
     part, given, work = derived.lumped.parts[0], derived.variables, derived.work
     alone = len(derived.lumped.parts) == 1 and len(given.u) == 3 and not derived.tree.constraints
-    if (
-        not alone
-        or part.spins
-        or part.rotors
-        or part.streams
-        or not all(map(is_zero, part.armature))
-    ):
+    more = part.spins or part.rotors or part.streams or not all(map(is_zero, part.armature))
+    if more or not alone:
         return stated
     placed = places(derived.lumped, given.q, work)
     load, *_ = applied(derived.lumped, placed, motion(placed, given.u, work), work)
