@@ -145,6 +145,7 @@ def test_simulate_reports_and_saves(run, tmp_path, name):
         "seven-joint-arm",
         "foucault-pendulum",
         "rotary-pendulum",
+        "walking-leg",
     }  # damped, driven
     assert "steps" in done.output
     with np.load(tmp_path / "run.npz") as saved:

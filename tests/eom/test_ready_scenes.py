@@ -4,6 +4,8 @@ Each system is taken whole from its scene and evaluated at random states: no sta
 """
 
 import random
+from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -433,6 +435,62 @@ def test_the_rocket_is_that_of_meshchersky_and_thomson():
     taken = taken + 2 * np.cross(w, [0, 0, -mu * d])
     pushed = ([0, 0, mu * v] - taken) / m - k["g"] * up
     assert three(rate, "v_rocket") == pytest.approx(pushed, rel=1e-12)
+
+
+LEG = Path(__file__).parent / "multibody" / "robots" / "solo12-leg.urdf"
+
+
+def _links():
+    """Return mass, centre, inertia, place and axis of the links of the leg's URDF, in order."""
+    root = ElementTree.parse(LEG).getroot()
+
+    def numbers(element, key):
+        return np.array([float(x) for x in element.get(key).split()])
+
+    for joint in root.iter("joint"):
+        name, axis = joint.find("child").get("link"), joint.find("axis")
+        own = next(x for x in root.iter("link") if x.get("name") == name).find("inertial")
+        rows = [["xx", "xy", "xz"], ["xy", "yy", "yz"], ["xz", "yz", "zz"]]
+        inertia = np.array([[float(own.find("inertia").get(f"i{k}")) for k in row] for row in rows])
+        place, centre = numbers(joint.find("origin"), "xyz"), numbers(own.find("origin"), "xyz")
+        mass = float(own.find("mass").get("value"))
+        yield mass, centre, inertia, place, None if axis is None else numbers(axis, "xyz")
+
+
+def _torques(q, u, a, g):
+    """Return what motors give by Newton and Euler, in the ground's axes, for the links of the URDF."""
+    turn, w, dw, place, moved = np.eye(3), *np.zeros((4, 3))
+    hinges, taken, k = [], [], 0
+    for mass, centre, inertia, origin, axis in _links():
+        arm = turn @ origin
+        place, moved = place + arm, moved + np.cross(dw, arm) + np.cross(w, np.cross(w, arm))
+        if axis is not None:
+            z, skew = turn @ axis, np.cross(np.eye(3), axis)
+            dw, w = dw + z * a[k] + np.cross(w, z * u[k]), w + z * u[k]
+            turn = turn @ (np.eye(3) + np.sin(q[k]) * skew + (1 - np.cos(q[k])) * skew @ skew)
+            hinges.append((z, place, len(taken)))
+            k += 1
+        arm, J = turn @ centre, turn @ inertia @ turn.T
+        lifted = moved + np.cross(dw, arm) + np.cross(w, np.cross(w, arm)) + [0, 0, g]
+        taken.append((mass * lifted, J @ dw + np.cross(w, J @ w), place + arm))
+    return np.array([
+        sum(z @ (N + np.cross(x - p, F)) for F, N, x in taken[first:]) for z, p, first in hinges
+    ])  # fmt: skip
+
+
+def test_the_walking_leg_obeys_newton_and_euler_by_its_urdf():
+    """Numbers from the file, which is read here by itself."""
+    scene = eom.load_scene("walking-leg")
+    names = ("HAA", "HFE", "KFE")
+    x, n = anywhere(scene, 15) | {"t": 0.3}, scene.numbers
+    q, u, tau = ([x[f"{letter}_{name}"] for name in names] for letter in ("q", "u", "tau"))
+    wanted = [0, 0.7 + n["A"] * np.sin(0.3 * n["w"]), -1.4 - n["B"] * np.cos(0.3 * n["w"])]
+    given = np.array(tau) + n["k"] * (np.array(wanted) - q) - n["d"] * np.array(u)
+    still = _torques(q, u, np.zeros(3), n["g"])
+    M = np.array([_torques(q, u, unit, n["g"]) - still for unit in np.eye(3)]).T
+    rate = rates(scene, x)
+    found = [rate[f"u_{name}"] for name in names]
+    assert found == pytest.approx(np.linalg.solve(M, given - still), rel=1e-12)
 
 
 POWERS = {
