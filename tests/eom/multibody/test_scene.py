@@ -298,9 +298,9 @@ MISTAKES = {
     ),
     "time in a mass": (
         {"bodies__upper__mass": "m*t"},
-        "unknown name 't'",
-        "body 'upper': mass",
-        "",
+        "no jet says with what velocity mass leaves",
+        "body 'upper'",
+        "prescribed motion",
     ),
     "state in a placement": (
         {"joints__knee__on_parent": {"position": ["q_knee", 0, 0]}},
