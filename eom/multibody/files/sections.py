@@ -25,6 +25,7 @@ from eom.multibody.files.description import (
     TreeDescription,
     Turned,
 )
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
 from eom.multibody.model.parts import Kind, kinds
@@ -119,7 +120,8 @@ def right(angle: Any) -> Any:
 class Reading:
     """What formulas of a scene may speak of.
 
-    ``plain``: parameters, for bodies; ``constants``: also what bodies define; ``moving``: time too;
+    ``plain``: parameters and time, for bodies; ``constants``: parameters, and what bodies define that does
+    not change; ``moving``: time, and what changes, too;
     ``acting``: inputs, coordinates and speeds too.
     """
 
@@ -160,8 +162,9 @@ class Reading:
 
     @cached_property
     def plain(self) -> Formulas:
-        """Over parameters."""
-        return Formulas({q.name: q.symbol for q in self.parameters}, self.stated)
+        """Over parameters and time."""
+        own = {q.name: q.symbol for q in self.parameters}
+        return Formulas({"t": TIME, **own}, self.stated)
 
     @cached_property
     def defined(self) -> dict[str, Any]:
@@ -177,12 +180,14 @@ class Reading:
     @cached_property
     def constants(self) -> Formulas:
         """Over parameters, and masses, moments and sizes of bodies."""
-        return Formulas({**self.defined, **self.plain.names}, self.stated)
+        constant = {n: x for n, x in self.defined.items() if TIME not in x.free_symbols}
+        own = {q.name: q.symbol for q in self.parameters}
+        return Formulas({**constant, **own}, self.stated)
 
     @cached_property
     def moving(self) -> Formulas:
         """Over parameters and time."""
-        return Formulas({"t": TIME, **self.constants.names}, self.stated)
+        return Formulas({**self.defined, **self.plain.names}, self.stated)
 
     @cached_property
     def acting(self) -> Formulas:
@@ -354,6 +359,7 @@ SECTIONS: Mapping[str, Callable[[Any, Reading, str], Any]] = {
     "constraints": _constraint,
     "rotors": partial(made, Rotor),
     "springs": partial(made, Spring),
+    "jets": partial(made, Jet),
 }
 """What makes the parts of each section, a field of `TreeDescription` and of `Tree`, of data and name."""
 

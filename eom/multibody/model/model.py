@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain
 from typing import Annotated, Any
 
 import sympy as sp
@@ -20,7 +19,8 @@ from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
-from eom.multibody.model import checks
+from eom.multibody.model import checks, jets, measures
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import ALONE, KINDS, QUATERNION
 from eom.multibody.model.joints import Kind as JointKind
 from eom.multibody.model.parts import (
@@ -51,7 +51,8 @@ class Body(Part):
     ``mass`` (kg). ``centre``: of mass, from the body's origin, in its axes (m). ``inertia`` (kg m^2):
     three principal moments or a symmetric matrix, J12 = -integral of r1 r2 dm; ``about`` the ``centre``
     of mass, the ``origin``, or a point (m). ``axes``: C takes components in the body's axes to those
-    in the axes in which the inertia is given. A body of mass 0 has no inertia.
+    in the axes in which the inertia is given. A body of mass 0 has no inertia. All may change in time, by
+    a `Jet` through which mass leaves.
 
     Shapes: ``centre`` (3,), ``inertia`` (3,) or (3, 3), ``axes`` (3, 3).
     Raises `InputError` for a mass below zero, and an inertia in numbers that no body has.
@@ -446,8 +447,8 @@ class Tree:
 
     ``bodies``, ``joints``: one joint leads to each body. ``gravity``: its acceleration in the ground's axes
     (m/s^2), (3,), at the ground's origin; ``gravity_gradient``: by how much it grows with the position,
-    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``: what else acts and
-    spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
+    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``, ``jets``: what else acts
+    and spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
     parameters (every other symbol is one too). ``constraints``: rows of
     `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
     ``numbers``: what numbers in the equations are, a row of `eom.system.NUMBERS`; nothing where that is
@@ -474,11 +475,21 @@ class Tree:
     rotors: tuple[Rotor, ...] = ()
     springs: tuple[Spring, ...] = ()
     gravity_gradient: Any = ZEROS
+    jets: tuple[Jet, ...] = ()
     numbers: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in ("bodies", "joints", "loads", "parameters", "constraints", "rotors", "springs"):
+        for name in (
+            "bodies",
+            "joints",
+            "loads",
+            "parameters",
+            "constraints",
+            "rotors",
+            "springs",
+            "jets",
+        ):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         place = f"tree {self.name!r}: gravity_gradient"
@@ -486,10 +497,7 @@ class Tree:
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)
-        if not self.numbers:
-            _check_units(self)
-            found = any(map(values.is_decimal, _numbers(self)))
-            keep(self, "numbers", "decimals" if found else "values")
+        keep(self, "numbers", self.numbers or measures.checked(self))
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
@@ -505,39 +513,6 @@ class Tree:
     def joint_of(self) -> dict[str, Joint]:
         """The joint that leads to each body."""
         return {j.child: j for j in self.joints}
-
-
-def _numbers(given: Tree) -> Iterator[Value]:
-    """Yield all values of a tree."""
-    yield from (*given.gravity, *(x for row in given.gravity_gradient for x in row))
-    parts = (
-        given.bodies,
-        given.joints,
-        given.loads,
-        given.constraints,
-        given.rotors,
-        given.springs,
-    )
-    for part in (p for group in parts for p in group):
-        yield from part.given
-
-
-def _check_units(given: Tree) -> None:
-    of_joints = (q for j in given.joints for q in (*j.coordinates, *j.speeds, *j.motors))
-    of_rotors = (q for r in given.rotors for q in (*r.states, *r.motors))
-    own = (*given.parameters, *given.inputs)
-    checks.units(_measured(given), own, chain(of_joints, of_rotors))
-
-
-def _measured(given: Tree) -> Iterator[tuple[str, Value, str]]:
-    """Yield all values with places and units."""
-    yield from ((f"tree {given.name!r}: gravity", x, "m/s^2") for x in given.gravity)
-    place = f"tree {given.name!r}: gravity_gradient"
-    yield from ((place, x, "1/s^2") for row in given.gravity_gradient for x in row)
-    for joint in given.joints:
-        yield from joint.measured(joint.speeds)
-    for group in (given.bodies, given.loads, given.constraints, given.rotors, given.springs):
-        yield from (row for part in group for row in part.measured())
 
 
 # -- what they must be --
@@ -575,7 +550,8 @@ def _check_tree(given: Tree) -> None:
     """Raise `InputError` for what is no tree, naming the body or joint."""
     where = f"tree {given.name!r}"
     checks.name(given.name, where)
-    for parts in (given.bodies, given.joints, given.rotors, given.springs, given.constraints):
+    named = (given.bodies, given.joints, given.rotors, given.springs, given.constraints, given.jets)
+    for parts in named:
         _once(parts, where)
     known = {b.name for b in given.bodies}
     if GROUND in known:
@@ -591,6 +567,9 @@ def _check_tree(given: Tree) -> None:
             raise InputError("both ends are on one body", where=s.where, got=s.bodies[0])
     _single_parents(given, where)
     ordered(given)
+    moving = {q.symbol for j in given.joints for q in (*j.coordinates, *j.speeds)}
+    moving |= {q.symbol for r in given.rotors for q in r.states}
+    jets.check(given.bodies, given.jets, moving, {i.symbol for i in given.inputs})
     for constraint in given.constraints:
         constraint.check(given)
     _massless(given)
@@ -605,6 +584,8 @@ def _held(given: Tree, known: set[str], where: str) -> Iterator[tuple[str, str, 
         yield "load on unknown body", where, load.body, known
     for rotor in given.rotors:
         yield "rotor on unknown body", rotor.where, rotor.body, known
+    for jet in given.jets:
+        yield "jet of unknown body", jet.where, jet.body, known
     for s in given.springs:
         for name in s.bodies:
             yield "spring on unknown body", s.where, name, known | {GROUND}

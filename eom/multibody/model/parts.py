@@ -17,7 +17,7 @@ from eom.multibody.model import checks
 from eom.quantities import Quantity
 
 PLAIN, CONSTANTS, MOVING, ACTING = "plain", "constants", "moving", "acting"
-"""Over parameters; what bodies define, too; time, too; inputs, coordinates and speeds, too."""
+"""Over parameters and time; what bodies define, but no time; time, too; inputs and states, too."""
 CENTRE, ORIGIN = "centre", "origin"
 
 
@@ -110,14 +110,9 @@ class Part:
                 yield from ((where, x, kind.unit) for x in _values(held))
 
     @property
-    def given(self) -> Iterator[Value]:
-        """All numbers and expressions as they were given."""
-        return _values(tuple(getattr(self, name) for name in self._kinds))
-
-    @property
     def values(self) -> Iterator[Value]:
         """All numbers and expressions that it holds."""
-        return self.given
+        return _values(tuple(getattr(self, name) for name in self._kinds))
 
 
 def _values(given: Any) -> Iterator[Value]:
