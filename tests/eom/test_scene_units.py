@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 import codegen
 import eom
+from codegen.ensembles.sampler import distribution
 from eom.__main__ import main
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Tree, closed_form, derive, tree_page
@@ -300,10 +301,10 @@ def test_equilibria_and_ensembles_take_values_with_units():
     values = {"m": "500 g", "l": "2 ft", "g": "1 ft/s^2"}
     point = codegen.equilibrium(compiled, {"q_hinge": "170 deg"}, values, hold={"u_hinge": "0 rpm"})
     assert point.parameters["l"] == 0.6096
-    found = codegen.ensembles.sampler.distribution("normal(30 deg, 1 deg)", "q", "rad")
+    found = distribution("normal(30 deg, 1 deg)", "q", "rad")
     assert (found.mean, found.deviation) == pytest.approx((math.pi / 6, math.pi / 180), rel=1e-15)
     with pytest.raises(InputError, match="another dimension"):
-        codegen.ensembles.sampler.distribution("normal(30 m, 1 deg)", "q", "rad")
+        distribution("normal(30 m, 1 deg)", "q", "rad")
 
 
 @pytest.mark.parametrize(
