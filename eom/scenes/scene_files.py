@@ -200,7 +200,7 @@ class BaseScene(Request):
         }
         units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
         units |= {n: s.unit for n, s in self.control.states.items()}
-        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items() if v.unit}
+        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items()}
         stated = Stated(units, own)
         for section in ("definitions", "laws", "states"):
             for name, formula in self.control.formulas[section].items():

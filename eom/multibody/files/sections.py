@@ -36,7 +36,7 @@ from eom.scenes.description import Part, one_of
 from eom.scenes.naming import check_names, spelling
 from eom.scenes.stated import Stated
 from eom.system import System
-from eom.units import measure
+from eom.units import has_unit
 
 Names = Mapping[str, Any]
 
@@ -73,7 +73,7 @@ class Formulas:
         if given.matrix is not None:
             return self.values(given.matrix, where, "1")
         factor = sp.pi / 180 if given.degrees is not None else sp.Integer(1)
-        if given.degrees is not None and any(map(_has_unit, given.degrees)):
+        if given.degrees is not None and any(map(has_unit, given.degrees)):
             raise InputError(
                 "degrees have no other unit", where=where, got=given.degrees,
                 expected="numbers, or radians = with values in any unit",
@@ -82,10 +82,6 @@ class Formulas:
         return turned(
             given.sequence, [right(sp.sympify(a, strict=True) * factor) for a in angles], where
         )
-
-
-def _has_unit(given: Any) -> bool:
-    return isinstance(given, str) and measure(given) is not None
 
 
 def turned(sequence: str, angles: Iterable[Any], where: str) -> tuple[tuple[Value, ...], ...]:

@@ -7,16 +7,24 @@ from itertools import chain
 from typing import Any
 
 from eom.dimensions import Dimensions
+from eom.errors import unknown_name
 from eom.multibody.algebra.values import Value, is_decimal, is_number
 from eom.quantities import TIME
+
+KINDS = ("values", "decimals")
+"""What numbers in the equations of trees may be."""
 
 
 def checked(tree: Any) -> str:
     """Return what numbers in the equations of a tree are: a row of `eom.system.NUMBERS`.
 
     Raises `InputError` for an expression over parameters or inputs with units that has another one than its
-    place; numbers in it may be values with units.
+    place; numbers in it may be values with units. Nothing is checked where the tree says what they are.
     """
+    if tree.numbers:
+        if tree.numbers not in KINDS:
+            raise unknown_name("kind of numbers", tree.numbers, KINDS, f"tree {tree.name!r}")
+        return str(tree.numbers)
     rows = list(_measured(tree))
     own = [(q.symbol, q.unit) for q in (*tree.parameters, *tree.inputs) if q.unit]
     stated = {symbol for symbol, _ in own}

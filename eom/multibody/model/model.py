@@ -497,7 +497,7 @@ class Tree:
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)
-        keep(self, "numbers", self.numbers or measures.checked(self))
+        keep(self, "numbers", measures.checked(self))
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
