@@ -3,6 +3,7 @@
 from codegen.closed.exact import FreeMotion, free_body, free_motion
 from codegen.compiling.compiled import Compiled, compile, compiled_jacobian
 from codegen.compiling.events import Event
+from codegen.compiling.sampled import Sampled
 from codegen.compiling.signals import Signal
 from codegen.compiling.sparse import SparseJacobian
 from codegen.ensembles.ensemble import Ensemble, ensemble
@@ -37,6 +38,7 @@ __all__ = [
     "LinearMotion",
     "Normal",
     "Result",
+    "Sampled",
     "Sampler",
     "Sensitivities",
     "Signal",

@@ -23,6 +23,7 @@ from eom.quantities import (
     Assumption,
     Definition,
     Quantity,
+    Sampling,
     Singularity,
     as_expressions,
     as_symbol,
@@ -30,7 +31,7 @@ from eom.quantities import (
 from eom.structure import BodyAttitude, SequenceAngles, form_of
 
 __all__ = (
-    "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
+    "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity", "Sampling",
     "SequenceAngles", "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 
@@ -49,6 +50,7 @@ class System:
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
     `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
+    ``sampled``: laws by which inputs are held between samples, see `Sampling`; what is held are inputs.
     ``time``: the symbol of time. Units are SI; angles are in radians.
 
     Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
@@ -73,6 +75,7 @@ class System:
     maintained: tuple[str, ...] = ()
     attitudes: tuple[BodyAttitude, ...] = ()
     angles: tuple[SequenceAngles, ...] = ()
+    sampled: tuple[Sampling, ...] = ()
     title: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -81,6 +84,7 @@ class System:
         _check_names(self)
         _check_shapes(self)
         _check_symbols(self)
+        _check_sampled(self)
         _check_attitudes(self)
 
     @classmethod
@@ -165,6 +169,11 @@ class System:
         """Names of the constants of the motion, in order."""
         return tuple(d.name for d in self.invariants)
 
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of the inputs that sampled laws set, and of the states of these, in order."""
+        return tuple(d.name for s in self.sampled for d in s.rows)
+
     @cached_property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the states on which no rate depends, by form."""
@@ -219,6 +228,8 @@ class System:
         *,
         definitions: Mapping[Any, Any] | None = None,
         parameters: Iterable[Any] = (),
+        period: float | None = None,
+        delay: float = 0.0,
     ) -> System:
         """Return the closed loop: a system in which inputs are laws over states, outputs and time.
 
@@ -233,26 +244,41 @@ class System:
         defined here, in any order; symbols count by their names. Controlled inputs and definitions become
         outputs. Invariants that an input is part of are left out; others hold for any law.
 
+        With a ``period`` (s) the laws are sampled: evaluated at the start of a run and after each period,
+        and held between. Then ``states`` have the expressions of their next values in place of rates, and
+        laws may read the inputs that they set, as they were before; values take effect ``delay`` (s) after
+        the sample, those of states at once. What is held stays an input of the system, `Sampling` says by
+        what it is set.
+
         Raises `InputError` for what is no input, names that are taken, laws that need their own results,
-        and intermediate definitions of the system, which have no lasting names.
+        intermediate definitions of the system, which have no lasting names, a period that is not positive,
+        and a delay that is negative, or without a period.
 
         >>> x, v, u, k, d = sp.symbols("x v u k d", real=True)
         >>> cart = System.from_rates("cart", {x: v, v: u}, inputs=[u])
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
         -d*v - k*x
         """
-        held = {q.name: q for q in self.inputs}
+        held = {q.name: q for q in self.inputs if q.name not in self.held}
         by_name = {_name_of(key): law for key, law in laws.items()}
         for name in by_name:
             if name not in held:
                 raise unknown_name("input", name, held, f"laws of control of {self.name!r}")
+        if delay and period is None:
+            raise InputError("a delay of laws that are not sampled", where=f"control of {self.name!r}",
+                             got=f"delay = {shown(delay)}", hint="give the period of the samples, too")  # fmt: skip
         moved = {_as_state(key): rate for key, rate in (states or {}).items()}
         shared = {_as_quantity(key): e for key, e in (definitions or {}).items()}
         spoken = _Spoken(self, (*moved, *shared), parameters)
         rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
         made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
         rates = {q: spoken.over(rate) for q, rate in moved.items()}
-        return _closed(self, made, rates, tuple(spoken.gains.values()))
+        gains = tuple(spoken.gains.values())
+        if period is None:
+            return _closed(self, made, rates, gains)
+        laws_, next_ = made[len(shared) :], tuple(Definition(q, e) for q, e in rates.items())
+        sampling = Sampling(laws_, next_, period, delay)
+        return _sampled(self, made[: len(shared)], sampling, gains)
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
@@ -354,6 +380,34 @@ def _closed(
         outputs=(*system.outputs, *shown),
         invariants=invariants,
         maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+    )
+
+
+def _sampled(
+    system: System,
+    shared: tuple[Definition, ...],
+    sampling: Sampling,
+    gains: tuple[Quantity, ...],
+) -> System:
+    """Return a system under laws that are sampled; the states of the control become inputs that are held."""
+    held = {*sampling.symbols}
+    definitions = _in_order((*shared, *system.definitions), system.name)
+    changed = set(held)
+    for d in definitions:
+        if free_symbols((d.expression,)) & changed:
+            changed.add(d.symbol)
+    invariants = tuple(d for d in system.invariants if not free_symbols((d.expression,)) & changed)
+    rows = (*shared, *sampling.rows)
+    shown = (Definition(d.quantity, d.symbol) for d in rows if d.name not in system.output_names)
+    return replace(
+        system,
+        parameters=(*system.parameters, *gains),
+        inputs=(*system.inputs, *(d.quantity for d in sampling.states)),
+        definitions=definitions,
+        outputs=(*system.outputs, *shown),
+        invariants=invariants,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+        sampled=(*system.sampled, sampling),
     )
 
 
@@ -469,6 +523,7 @@ _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "maintained": _all_of(str),
     "attitudes": _all_of(BodyAttitude),
     "angles": _all_of(SequenceAngles),
+    "sampled": _all_of(Sampling),
     "title": _text,
 }
 """What makes each field of a `System` of what a user gives: (value, where it is)."""
@@ -523,6 +578,7 @@ def _check_symbols(system: System) -> None:
     named += [(f"output {d.name}", d.expression) for d in system.outputs]
     named += [(f"invariant {d.name}", d.expression) for d in system.invariants]
     named += [("singularity", s.expression) for s in system.singularities]
+    named += [(f"law of {d.name}", d.expression) for s in system.sampled for d in s.rows]
     if system.mass_matrix is not None:
         named += [("mass matrix", e) for e in system.mass_matrix]
     for where, expression in named:
@@ -532,6 +588,22 @@ def _check_symbols(system: System) -> None:
     if any(isinstance(e, UNUSABLE) or (e.is_Symbol and e not in known) for e in everything):
         for where, expression in named:
             _check_expression(system, where, expression, known)
+
+
+def _check_sampled(system: System) -> None:
+    """What is held between samples is an input, and by one law alone; no constant of the motion reads it."""
+    inputs = {q.symbol for q in system.inputs}
+    held = [s for sampling in system.sampled for s in sampling.symbols]
+    for symbol in held:
+        if symbol not in inputs or held.count(symbol) > 1:
+            raise InputError("a sampled law sets what is no input, or set by another one",
+                             where=f"system {system.name!r}", got=shown(symbol),
+                             expected="inputs, each with one law")  # fmt: skip
+    for d in system.invariants if held else ():
+        if free_symbols((system.expand(d.expression),)) & {*held}:
+            raise InputError("a constant of the motion reads what is held between samples",
+                             where=f"system {system.name!r}", got=d.name,
+                             expected="constants that hold for any input")  # fmt: skip
 
 
 def _check_attitudes(system: System) -> None:
