@@ -35,9 +35,15 @@ CALL_SECONDS = 0.05
 FIRST_CAPACITY = 2_048
 
 
-def files(tableau: Tableau, program: Program, layout: Layout) -> Mapping[str, str]:
-    """Return header and source of the integrator by file name."""
+def files(
+    tableau: Tableau, program: Program, layout: Layout, sampled: bool = False
+) -> Mapping[str, str]:
+    """Return header and source of the integrator by file name.
+
+    ``sampled``: whether inputs change at its end, so that the rates there may be left out.
+    """
     values = _values(tableau, program, layout)
+    values |= _end_rates(tableau, values, sampled and not crossings.count_of(layout))
     return {
         f"{values['PREFIX']}.{kind}": fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")
     }
@@ -51,8 +57,9 @@ def single_text(
     ``sampled``: with what stands round the loop where laws are sampled.
     """
     name = identifier(layout.name)
-    header, source = files(tableau, program, layout).values()
-    rest = (header + source).replace(f'#include "{name}.h"\n', "")
+    header, source = files(tableau, program, layout, sampled).values()
+    own = samples.declaration(tableau.name, layout) if sampled else ""
+    rest = (header + own + source).replace(f'#include "{name}.h"\n', "")
     rest = rest.replace(f'#include "{name}_{tableau.name}.h"\n', "")
     if sampled:
         prefix = f"{name}_{tableau.name}"
@@ -137,6 +144,38 @@ def _values(tableau: Tableau, program: Program, layout: Layout) -> dict[str, str
         **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
         **crossings.of_values(program, layout, prefix),
         **watch.texts,
+    }
+
+
+_AT_CHANGE = """\
+        const int at_change = t_new == s->t_end; /* the rates there are those of other inputs */
+        for (int i = 0; at_change && i < N; ++i) k[{last}][i] = 0.0;
+        s->evaluations -= at_change;
+        if (!at_change) {rates}
+"""
+_DENSE_AT_CHANGE = """\
+        if (needs_dense || possible) {{
+            if (at_change) {rates}
+            s->evaluations += at_change;
+            prepare_dense(s, k, h, x_new, u);
+        }}
+"""
+
+
+def _end_rates(tableau: Tableau, values: Mapping[str, str], sampled: bool) -> dict[str, str]:
+    """Return how the rates at the end of a step are found: where inputs change there, for dense output alone.
+
+    That needs a method whose estimate of the error does not read them, and nothing that is watched.
+    """
+    last = tableau.main_stages
+    at, before, after = (values[k] for k in ("RATES_AT", "RATES_WITH", "RATES_END"))
+    rates = f"{at}(t_new, x_new, {before}k[{last}]{after});"
+    read = any(len(row) > last and row[last] for row in (tableau.error_high, tableau.error_low))
+    if not sampled or read or values["WIDTH"] != "N":
+        return {"END_RATES": f"        {rates}\n"}
+    return {
+        "END_RATES": _AT_CHANGE.format(last=last, rates=rates),
+        "DENSE_LATER": _DENSE_AT_CHANGE.format(rates=rates),
     }
 
 

@@ -3,13 +3,13 @@
  * here goes round the loop above, which sees inputs that are held until its t_end.
  *
  * Sample k of a law is at start + k period, its values take effect at the time of sample k + whole, and rest
- * later. places: of the inputs that are set, then of those that are states and change at the sample itself;
- * first: where their values begin. call: gives the values of a law that is not generated; not 0: it failed. */
+ * later. places: of the inputs that are set, count, then of those that are states and change at the sample
+ * itself, all; first: where their values begin; waits: whether there is a delay. call: gives the values of a law that is not generated; not 0: it failed. */
 typedef struct {
-    double period, rest;
-    long long whole, taken, applied, due, count, states, room, first;
+    double period, rest, next, effect; /* when it is due, and when what waits takes effect, or never */
+    long long whole, taken, applied, due, waits, count, all, room, first, last_in, last_out;
     const long long *places;
-    double *waiting; /* room rows of count values */
+    double *waiting; /* a ring of room rows of count values */
     int (*call)(double t);
 } @PREFIX@_law;
 
@@ -20,10 +20,8 @@ typedef struct {
     double *u, *values, *rows;
     @PREFIX@_law *laws;
     long long count, room, kept;
-    double start, end;
-    double h, t;                    /* where the inputs changed last, and the step that was due there */
-    long long steps, rejected;
-    size_t stored, next;
+    double start, end, h; /* h: the step that was due where the inputs changed last */
+    long long rejected;
 @MARKED@} @PREFIX@_samples;
 
 enum { @UPPER@_FAILED = 8 /* a law that is called has failed */ };
@@ -41,20 +39,22 @@ static double effect_time(const @PREFIX@_samples *o, const @PREFIX@_law *l, long
 }
 
 /* The next time at which a sample is due, or takes effect, or the end. */
-static double next_change(const @PREFIX@_samples *o) {
+static inline double next_change(const @PREFIX@_samples *o) {
     double next = o->end;
     for (const @PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
-        next = fmin(next, sample_time(o, l, l->taken));
-        if (l->applied < l->taken) next = fmin(next, effect_time(o, l, l->applied));
+        if (l->next < next) next = l->next;
+        if (l->effect < next) next = l->effect;
     }
     return next;
 }
 
+static inline long long behind(const @PREFIX@_law *l, long long row) { return row + 1 == l->room ? 0 : row + 1; }
+
 /* Evaluate the laws that are due, over what was there before; not 0: one of them failed. */
-static int take_samples(@PREFIX@_samples *o, double t) {
+static inline int take_samples(@PREFIX@_samples *o, double t) {
     int generated = 0;
     for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
-        l->due = sample_time(o, l, l->taken) <= t;
+        l->due = l->next <= t;
         if (!l->due) continue;
         if (l->call) {
             if (l->call(t) != 0) return 1;
@@ -62,20 +62,30 @@ static int take_samples(@PREFIX@_samples *o, double t) {
             @SAMPLE@
             generated = 1;
         }
-        double *row = l->waiting + (l->taken % l->room) * l->count;
-        for (long long i = 0; i < l->count; ++i) row[i] = o->values[l->first + i];
+        if (l->waits) {
+            l->last_in = behind(l, l->last_in);
+            double *row = l->waiting + l->last_in * l->count;
+            for (long long i = 0; i < l->count; ++i) row[i] = o->values[l->first + i];
+            if (l->applied == l->taken) l->effect = effect_time(o, l, l->taken);
+        }
         l->taken += 1;
+        l->next = sample_time(o, l, l->taken);
     }
     return 0;
 }
 
-static int change_inputs(@PREFIX@_samples *o, double t) {
+static inline int change_inputs(@PREFIX@_samples *o, double t) {
     if (take_samples(o, t)) return 1;
     for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
-        for (long long i = 0; l->due && i < l->states; ++i) o->u[l->places[l->count + i]] = o->values[l->first + l->count + i];
-        for (; l->applied < l->taken && effect_time(o, l, l->applied) <= t; l->applied += 1)
-            for (long long i = 0; i < l->count; ++i)
-                o->u[l->places[i]] = l->waiting[(l->applied % l->room) * l->count + i];
+        const double *value = o->values + l->first;
+        for (long long i = l->due ? (l->waits ? l->count : 0) : l->all; i < l->all; ++i) o->u[l->places[i]] = value[i];
+        while (l->effect <= t) {
+            l->last_out = behind(l, l->last_out);
+            const double *row = l->waiting + l->last_out * l->count;
+            for (long long i = 0; i < l->count; ++i) o->u[l->places[i]] = row[i];
+            l->applied += 1;
+            l->effect = l->applied < l->taken ? effect_time(o, l, l->applied) : HUGE_VAL;
+        }
     }
     if (o->room > 0) {
         double *row = o->rows + o->kept++ * (@INPUTS@ + 1);
@@ -110,7 +120,7 @@ static int events_jump(@PREFIX@ *s, const double *u) {
 #endif
 
 /* What the inputs change where a step begins. PAUSED, or why no step can be made. */
-static int refresh(@PREFIX@_samples *o) {
+static inline int refresh(@PREFIX@_samples *o) {
     @PREFIX@ *s = o->s;
     const double *u = o->u;
 @REFRESH@#if S
@@ -130,17 +140,21 @@ static int refresh(@PREFIX@_samples *o) {
 }
 
 @EQUAL@/* Remember where a piece with held inputs begins, and up to where it goes. */
-static void mark(@PREFIX@_samples *o, const @PREFIX@_output *out) {
+static inline void mark(@PREFIX@_samples *o, const @PREFIX@_output *out) {
     @PREFIX@ *s = o->s;
 @BEFORE@    s->t_end = next_change(o);
-    o->t = s->t, o->steps = s->steps, o->rejected = s->rejected;
-    o->stored = out->count, o->next = out->next;
+    o->rejected = s->rejected;
+    (void)out;
 @MARK@}
 
 /* In place of @PREFIX@_start: takes the first samples; t_end is the end of the run. */
 int @PREFIX@_start_sampled(@PREFIX@_samples *o, const @PREFIX@_output *out) {
     @PREFIX@ *s = o->s;
     o->start = s->t, o->end = s->t_end, o->kept = 0;
+    for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
+        l->next = s->t, l->effect = HUGE_VAL;
+        l->taken = l->applied = l->last_in = l->last_out = 0;
+    }
     @NAME@_prepare(o->p, &s->constants);
     if (change_inputs(o, s->t)) return s->status = @UPPER@_FAILED;
     const int status = @PREFIX@_start(s, o->p, o->u);

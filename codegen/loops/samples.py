@@ -67,10 +67,12 @@ REFRESH: Mapping[str, str] = {
 }
 """What else the inputs change where a step begins, by method; of Runge-Kutta methods the rates."""
 _EQUAL: Mapping[str, str] = {
-    "MARKED": "    double y[10], y_low[10];\n",
+    "MARKED": "    double y[10], y_low[10], t; /* all of where they changed: steps from there may be made again */\n"
+    "    long long steps;\n    size_t stored, next;\n",
     "BEFORE": "",
     "MARK": """\
     for (int i = 0; i < 10; ++i) o->y[i] = s->y[i], o->y_low[i] = s->y_low[i];
+    o->t = s->t, o->steps = s->steps, o->stored = out->count, o->next = out->next;
     equal_steps(o);
 """,
     "EQUAL": """\
@@ -110,6 +112,13 @@ _OTHERS: Mapping[str, str] = {
 }  # fmt: skip
 
 
+def declaration(method: str, layout: Layout) -> str:
+    """Return what stands before the loop: it stays a function of its own, which is quicker."""
+    prefix = f"{identifier(layout.name)}_{method}"
+    call = f"{prefix}_run({prefix} *s, const double *u, {prefix}_output *o, long long max_steps)"
+    return f"#ifdef __GNUC__\n__attribute__((noinline)) int {call};\n#endif\n"
+
+
 def text(method: str, layout: Layout, rates: Sequence[str] = ()) -> str:
     """Return what stands behind the loop of a method, as C.
 
@@ -140,14 +149,16 @@ def text(method: str, layout: Layout, rates: Sequence[str] = ()) -> str:
 # --- calls from Python -----------------------------------------------------------------------------
 
 _Call = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double)
-_INTEGERS = ("whole", "taken", "applied", "due", "count", "states", "room", "first")
+_INTEGERS = (
+    "whole", "taken", "applied", "due", "waits", "count", "all", "room", "first", "last_in", "last_out",
+)  # fmt: skip
 
 
 class _Law(ctypes.Structure):
     """Mirror of a law in samples.c."""
 
     _fields_ = [
-        *((f, ctypes.c_double) for f in ("period", "rest")),
+        *((f, ctypes.c_double) for f in ("period", "rest", "next", "effect")),
         *((f, ctypes.c_longlong) for f in _INTEGERS),
         ("places", ctypes.c_void_p),
         ("waiting", ctypes.c_void_p),
@@ -156,16 +167,17 @@ class _Law(ctypes.Structure):
 
 
 @cache
-def _samples(marked: int) -> Any:
-    """Mirror the structure that stands round a loop; ``marked``: doubles that it keeps of the state."""
+def _samples(marked: bool) -> Any:
+    """Mirror the structure that stands round a loop; ``marked``: of one that begins again where it was."""
     fields: list[tuple[str, Any]] = [
         (f, ctypes.c_void_p) for f in ("s", "p", "u", "values", "rows", "laws")
     ]
     fields += [(f, ctypes.c_longlong) for f in ("count", "room", "kept")]
-    fields += [(f, ctypes.c_double) for f in ("start", "end", "h", "t")]
-    fields += [(f, ctypes.c_longlong) for f in ("steps", "rejected")]
-    fields += [(f, ctypes.c_size_t) for f in ("stored", "next")]
-    fields += [("marked", ctypes.c_double * marked)] if marked else []
+    fields += [(f, ctypes.c_double) for f in ("start", "end", "h")]
+    fields += [("rejected", ctypes.c_longlong)]
+    if marked:
+        fields += [("marked", ctypes.c_double * 21), ("steps", ctypes.c_longlong)]
+        fields += [(f, ctypes.c_size_t) for f in ("stored", "next")]
     return type("Samples", (ctypes.Structure,), {"_fields_": fields})
 
 
@@ -180,7 +192,7 @@ class Functions:
 
 def functions(library: ctypes.CDLL, prefix: str, method: str) -> Functions:
     """Return what a library has for laws that are sampled."""
-    structure = _samples(20 if method == "splitting" else 0)
+    structure = _samples(method == "splitting")
     size = getattr(library, f"{prefix}_samples_size")
     size.restype = ctypes.c_size_t
     assert size() == ctypes.sizeof(structure)
@@ -211,7 +223,8 @@ def laws_of(laws: Sequence[Law], made: Callable[[Law, Array], Any] | None = None
         places = np.array([*law.applied, *law.stepped], dtype=np.int64)
         waiting = np.zeros((law.whole + 2) * max(count, 1))
         row.period, row.rest, row.whole = law.period, law.rest, law.whole
-        row.count, row.states, row.room, row.first = count, states, law.whole + 2, first
+        row.count, row.all, row.room, row.first = count, count + states, law.whole + 2, first
+        row.waits = int(law.whole > 0 or law.rest > 0)
         row.places, row.waiting = places.ctypes.data, waiting.ctypes.data
         kept += [places, waiting]
         if law.called is not None and made is not None:
