@@ -265,8 +265,12 @@ class System:
             if name not in held:
                 raise unknown_name("input", name, held, f"laws of control of {self.name!r}")
         if delay and period is None:
-            raise InputError("a delay of laws that are not sampled", where=f"control of {self.name!r}",
-                             got=f"delay = {shown(delay)}", hint="give the period of the samples, too")  # fmt: skip
+            raise InputError(
+                "a delay of laws that are not sampled",
+                where=f"control of {self.name!r}",
+                got=f"delay = {shown(delay)}",
+                hint="give the period of the samples, too",
+            )
         moved = {_as_state(key): rate for key, rate in (states or {}).items()}
         shared = {_as_quantity(key): e for key, e in (definitions or {}).items()}
         spoken = _Spoken(self, (*moved, *shared), parameters)
@@ -389,7 +393,7 @@ def _sampled(
     sampling: Sampling,
     gains: tuple[Quantity, ...],
 ) -> System:
-    """Return a system under laws that are sampled; the states of the control become inputs that are held."""
+    """Return a system under laws that are sampled; states of the control become inputs that are held."""
     held = {*sampling.symbols}
     definitions = _in_order((*shared, *system.definitions), system.name)
     changed = set(held)
@@ -591,7 +595,7 @@ def _check_symbols(system: System) -> None:
 
 
 def _check_sampled(system: System) -> None:
-    """What is held between samples is an input, and by one law alone; no constant of the motion reads it."""
+    """What is held between samples is an input, by one law alone; no constant of the motion reads it."""
     inputs = {q.symbol for q in system.inputs}
     held = [s for sampling in system.sampled for s in sampling.symbols]
     for symbol in held:

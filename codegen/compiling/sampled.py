@@ -73,9 +73,12 @@ class Sampled:
 
     def _check_function(self) -> None:
         if self.states is not None:
-            raise InputError("a function has no states by expressions", where="Sampled",
-                             got=f"states of {shown(self.law)}",
-                             hint="give a memory: f(t, x, memory) returns a value and the next one")  # fmt: skip
+            raise InputError(
+                "a function has no states by expressions",
+                where="Sampled",
+                got=f"states of {shown(self.law)}",
+                hint="give a memory: f(t, x, memory) returns a value and the next one",
+            )
         if isinstance(self.law, Signal):
             raise InputError("a Signal is not sampled", where="Sampled", got="a Signal",
                              hint="give its function; knots mean nothing between samples")  # fmt: skip
@@ -100,8 +103,12 @@ def _check_takes(function: Callable[..., Any]) -> None:
     try:
         inspect.signature(function).bind(0.0, {}, None)
     except TypeError:
-        raise InputError("the law of a Sampled with memory is no such function", where="Sampled",
-                         got=f"f{inspect.signature(function)}", expected="f(t, x, memory)") from None  # fmt: skip
+        raise InputError(
+            "the law of a Sampled with memory is no such function",
+            where="Sampled",
+            got=f"f{inspect.signature(function)}",
+            expected="f(t, x, memory)",
+        ) from None
     except ValueError:  # written in C, without a signature
         return
 
@@ -124,7 +131,7 @@ class _Remembering:
 
 @dataclass(frozen=True)
 class Function:
-    """A law in Python for some inputs of a system, by the protocol of `codegen.native.trajectory.Called`."""
+    """A law in Python for some inputs of a system, as `codegen.native.trajectory.Called` wants it."""
 
     sampled: Sampled
     names: tuple[str, ...]
@@ -272,7 +279,25 @@ def start_values(compiled: Compiled, initial: Any, inputs: Any) -> tuple[Any, An
     return rest, {**defaults, **inputs, **moved}
 
 
-def first_inputs(compiled: Compiled, laws: Sequence[Law], at: tuple[float, Array, Array], u: Array) -> Array:
+def compiled_in(compiled: Compiled, given: Any) -> tuple[Compiled, Mapping[str, float]]:
+    """Return a system under the symbolic laws among inputs, and values of inputs by name.
+
+    Raises `InputError` for functions, where nothing calls Python.
+    """
+    compiled, rest, functions = split(compiled, given)
+    if callable(rest) or functions or any(map(callable, rest.values())):
+        raise InputError(
+            "an input is a function in Python",
+            where="ensemble",
+            expected="numbers, or laws that are compiled with the system",
+            hint="write it as an expression: System.with_control, or codegen.Sampled of one",
+        )
+    return compiled, start_values(compiled, {}, rest)[1]
+
+
+def first_inputs(
+    compiled: Compiled, laws: Sequence[Law], at: tuple[float, Array, Array], u: Array
+) -> Array:
     """Return inputs (m,) behind the first sample of the laws that are generated.
 
     ``at``: time, states, parameters; ``u``: the inputs before it.
@@ -297,11 +322,14 @@ def check_laws(laws: Sequence[Law], t_span: tuple[float, float]) -> None:
     if end < start:
         raise InputError("a run with sampled laws cannot go backwards", got=t_span,
                          hint="what a sample gives is known after it alone")  # fmt: skip
-    finest = 4 * float(np.spacing(max(abs(start), abs(end))))
+    finest = 1024 * float(np.spacing(max(abs(start), abs(end))))
     for law in laws:
         if law.period < finest:
-            raise InputError("the period of samples is below the resolution of time",
-                             got=f"{law.period!r} s", expected=f"at least {finest:.3g} s at t = {end:g} s")  # fmt: skip
+            raise InputError(
+                "the period of samples is below the resolution of time",
+                got=f"{law.period!r} s",
+                expected=f"at least {finest:.3g} s at t = {end:g} s",
+            )
 
 
 class Along:
@@ -319,4 +347,3 @@ class Along:
         values = self.signals.along(times, states)
         values[self.places] = held[self.places]
         return values
-

@@ -351,9 +351,7 @@ class _Run:
             rows, columns = pattern.nonzero()
             options |= sundials.sparse_options(sundials.by_columns(rows, columns, n), n)
         kind = SUNDIALS[self.method]
-        return sundials.Solver(
-            kind, self._slope, (t, self.end), x, problem.dense_output, **options
-        )
+        return sundials.Solver(kind, self._slope, (t, self.end), x, problem.dense_output, **options)
 
     def _step(self, solver: Any) -> Stop | None:
         """Take one step; return why the run has to stop, if it has to."""

@@ -49,9 +49,7 @@ def files(
     }
 
 
-def single_text(
-    tableau: Tableau, program: Program, layout: Layout, sampled: bool = False
-) -> str:
+def single_text(tableau: Tableau, program: Program, layout: Layout, sampled: bool = False) -> str:
     """Return functions and integrator as one text that compiles by itself.
 
     ``sampled``: with what stands round the loop where laws are sampled.
@@ -163,9 +161,10 @@ _DENSE_AT_CHANGE = """\
 
 
 def _end_rates(tableau: Tableau, values: Mapping[str, str], sampled: bool) -> dict[str, str]:
-    """Return how the rates at the end of a step are found: where inputs change there, for dense output alone.
+    """Return how the rates at the end of a step are found.
 
-    That needs a method whose estimate of the error does not read them, and nothing that is watched.
+    Where inputs change there, it is for dense output alone; that needs a method whose estimate of the error
+    does not read them, and nothing that is watched.
     """
     last = tableau.main_stages
     at, before, after = (values[k] for k in ("RATES_AT", "RATES_WITH", "RATES_END"))
@@ -412,9 +411,7 @@ class _Plain:
         return None
 
 
-def _loop(
-    method: NativeMethod, problem: Problem, s: Any, store: _Store
-) -> _Plain | samples.Driver:
+def _loop(method: NativeMethod, problem: Problem, s: Any, store: _Store) -> _Plain | samples.Driver:
     if not problem.laws:
         return _Plain(method, problem, s, store)
     assert method.sampled is not None

@@ -24,6 +24,9 @@ typedef struct {
     long long rejected;
 @MARKED@} @PREFIX@_samples;
 
+/* Times that are so many spacings apart are one: multiples of different periods are rounded differently. */
+#define SAME 4.0
+
 enum { @UPPER@_FAILED = 8 /* a law that is called has failed */ };
 
 size_t @PREFIX@_samples_size(void) { return sizeof(@PREFIX@_samples); }
@@ -45,16 +48,17 @@ static inline double next_change(const @PREFIX@_samples *o) {
         if (l->next < next) next = l->next;
         if (l->effect < next) next = l->effect;
     }
-    return next;
+    return next < o->end - SAME * spacing(o->end) ? next : o->end;
 }
 
 static inline long long behind(const @PREFIX@_law *l, long long row) { return row + 1 == l->room ? 0 : row + 1; }
 
 /* Evaluate the laws that are due, over what was there before; not 0: one of them failed. */
 static inline int take_samples(@PREFIX@_samples *o, double t) {
+    const double until = t + SAME * spacing(t);
     int generated = 0;
     for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
-        l->due = l->next <= t;
+        l->due = l->next <= until;
         if (!l->due) continue;
         if (l->call) {
             if (l->call(t) != 0) return 1;
@@ -75,11 +79,12 @@ static inline int take_samples(@PREFIX@_samples *o, double t) {
 }
 
 static inline int change_inputs(@PREFIX@_samples *o, double t) {
+    const double until = t + SAME * spacing(t);
     if (take_samples(o, t)) return 1;
     for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
         const double *value = o->values + l->first;
         for (long long i = l->due ? (l->waits ? l->count : 0) : l->all; i < l->all; ++i) o->u[l->places[i]] = value[i];
-        while (l->effect <= t) {
+        while (l->effect <= until) {
             l->last_out = behind(l, l->last_out);
             const double *row = l->waiting + l->last_out * l->count;
             for (long long i = 0; i < l->count; ++i) o->u[l->places[i]] = row[i];

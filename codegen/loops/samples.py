@@ -13,6 +13,7 @@ before; then these change, and what waited for its delay takes effect.
 from __future__ import annotations
 
 import ctypes
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -28,6 +29,8 @@ from codegen.native.trajectory import Array, Held, Law, Problem
 
 FAILED = 8
 """Status of a loop whose law in Python has raised something."""
+SAME = 4
+"""Times that are so many spacings apart are one, as in ``samples.c``."""
 ROWS = 4096
 """Changes of inputs that are kept before they are taken."""
 
@@ -67,8 +70,11 @@ REFRESH: Mapping[str, str] = {
 }
 """What else the inputs change where a step begins, by method; of Runge-Kutta methods the rates."""
 _EQUAL: Mapping[str, str] = {
-    "MARKED": "    double y[10], y_low[10], t; /* all of where they changed: steps from there may be made again */\n"
-    "    long long steps;\n    size_t stored, next;\n",
+    "MARKED": """\
+    double y[10], y_low[10], t; /* where they changed: steps from there may be made again */
+    long long steps;
+    size_t stored, next;
+""",
     "BEFORE": "",
     "MARK": """\
     for (int i = 0; i < 10; ++i) o->y[i] = s->y[i], o->y_low[i] = s->y_low[i];
@@ -106,7 +112,7 @@ static void begin_again(@PREFIX@_samples *o, @PREFIX@_output *out) {
         }
 """,
 }
-"""What a method with equal steps has besides: those between two changes are made again if they were too long."""
+"""What a method with equal steps has besides: those between two changes are made again, if too long."""
 _OTHERS: Mapping[str, str] = {
     "MARKED": "", "BEFORE": _AGAIN, "MARK": "", "EQUAL": "", "BEGIN_AGAIN": "",
 }  # fmt: skip
@@ -144,6 +150,56 @@ def text(method: str, layout: Layout, rates: Sequence[str] = ()) -> str:
     for key, value in values.items():
         whole = whole.replace(f"@{key}@", value)
     return whole
+
+
+MANY_PLAIN: Mapping[str, str] = {
+    "MANY_FUNCTIONS": "",
+    "MANY_BEGIN": "",
+    "MANY_START": "@PREFIX@_start(&s, p, o->u)",
+    "MANY_GOES_ON": "status == @UPPER@_PAUSED",
+    "MANY_RUN": "@PREFIX@_run(&s, o->u, &stored",
+    "MANY_TAKE": "",
+    "MANY_END": "",
+}
+"""What stands in the loop over many trajectories."""
+MANY_SAMPLED: Mapping[str, str] = {
+    "MANY_FUNCTIONS": """\
+enum { CHANGES = 64 };
+
+/* Store what trajectory j holds at the points of the grid before a time. */
+static size_t store_held(const job_ *o, size_t j, size_t next, double until, const double *u) {
+    for (; next < o->grid_count && o->grid[next] < until; ++next)
+        for (size_t i = 0; i < @INPUTS@; ++i) o->held[(next * @INPUTS@ + i) * o->count + j] = u[i];
+    return next;
+}
+
+""",
+    "MANY_BEGIN": """\
+        double u[@INPUTS@], held[@INPUTS@], rows[CHANGES * (@INPUTS@ + 1)];
+        size_t next = 0;
+        for (int i = 0; i < @INPUTS@; ++i) u[i] = held[i] = o->u[i];
+        @PREFIX@_samples around;
+        memset(&around, 0, sizeof around);
+        around.s = &s, around.p = p, around.u = u, around.values = o->law_values, around.rows = rows;
+        around.laws = o->laws, around.count = (long long)o->law_count, around.room = CHANGES;
+""",
+    "MANY_START": "@PREFIX@_start_sampled(&around, &stored)",
+    "MANY_GOES_ON": "(status == @UPPER@_PAUSED || status == @UPPER@_FULL)",
+    "MANY_RUN": "@PREFIX@_run_sampled(&around, &stored",
+    "MANY_TAKE": """\
+            for (long long r = 0; r < around.kept; ++r) {
+                const double *row = rows + r * (@INPUTS@ + 1);
+                next = store_held(o, j, next, row[0], held);
+                for (int i = 0; i < @INPUTS@; ++i) held[i] = row[i + 1];
+            }
+            around.kept = 0;
+""",
+    "MANY_END": """\
+        store_held(o, j, next, HUGE_VAL, held);
+        if (status == @UPPER@_FULL) status = @UPPER@_PAUSED;
+""",
+}
+"""The same where laws are sampled."""
 
 
 # --- calls from Python -----------------------------------------------------------------------------
@@ -215,7 +271,7 @@ class Laws:
 
 
 def laws_of(laws: Sequence[Law], made: Callable[[Law, Array], Any] | None = None) -> Laws:
-    """Return laws as C reads them; ``made``: gives the call of a law in Python and the place of its values."""
+    """Return laws as C reads them; ``made``: gives the call of one in Python, and where its values go."""
     array, kept, first = (_Law * len(laws))(), list[Any](), 0
     values = np.zeros(max(1, sum(len(law.applied) + len(law.stepped) for law in laws)))
     for row, law in zip(array, laws, strict=True):
@@ -293,6 +349,10 @@ class Driver:
         return Held(rows[:, 0].copy(), rows[:, 1:].copy())
 
 
+def _spacing(t: float) -> float:
+    return sys.float_info.epsilon * abs(t)
+
+
 class Schedule:
     """The same for loops in Python: when inputs change, and what they become.
 
@@ -312,19 +372,23 @@ class Schedule:
 
     def next(self) -> float:
         """Return the time of the next change, or the end."""
-        found = [self.end]
+        found = []
         for k, law in enumerate(self.laws):
             found.append(law.time(self.start, self.taken[k]))
             if self.applied[k] < self.taken[k]:
                 found.append(law.effect(self.start, self.applied[k]))
-        return min(found)
+        next_ = min(found)
+        return next_ if next_ < self.end - SAME * _spacing(self.end) else self.end
 
     def change(self, t: float, x: Array) -> None:
         """Take the samples that are due, and let take effect what is due."""
+        until = t + SAME * _spacing(t)
         for place, value in self._taken(t, x):
             self.u[list(place)] = value
         for k, law in enumerate(self.laws):
-            while self.applied[k] < self.taken[k] and law.effect(self.start, self.applied[k]) <= t:
+            while (
+                self.applied[k] < self.taken[k] and law.effect(self.start, self.applied[k]) <= until
+            ):
                 self.u[list(law.applied)] = self.waiting[k].pop(0)
                 self.applied[k] += 1
         self.times.append(t)
@@ -333,9 +397,10 @@ class Schedule:
     def _taken(self, t: float, x: Array) -> list[tuple[tuple[int, ...], Array]]:
         """Evaluate the laws that are due; return the next states, with their places."""
         values, first, stepped = None, 0, []
+        until = t + SAME * _spacing(t)
         for k, law in enumerate(self.laws):
             middle, last = first + len(law.applied), first + len(law.applied) + len(law.stepped)
-            if law.time(self.start, self.taken[k]) <= t:
+            if law.time(self.start, self.taken[k]) <= until:
                 call = self.calls[k]
                 if call is not None:
                     self.waiting[k].append(np.array(call(t, x)))

@@ -158,9 +158,7 @@ def _structures(
     return runge_kutta.structures(prefix, state)
 
 
-def build(
-    program: Program, layout: Layout, order: int, sampled: bool = False
-) -> NativeMethod:
+def build(program: Program, layout: Layout, order: int, sampled: bool = False) -> NativeMethod:
     """Compile the integrator of a system for this machine; `runge_kutta.integrate` runs it.
 
     Raises `CompilerError` if that fails, and `InputError` where a value has no Taylor series.

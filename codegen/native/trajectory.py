@@ -62,7 +62,7 @@ class Law:
     """A law that is evaluated with a ``period`` (s), the first time at the start of a run.
 
     Its values take effect ``whole`` periods and ``rest`` (s) later. ``applied``: numbers of the inputs that
-    it sets, ``stepped``: of those that are states of its own, which change at the sample itself. ``called``:
+    it sets, ``stepped``: of those that are its own states, which change at the sample itself. ``called``:
     the law in Python; None where it is generated, the next rows of the group of samples.
     """
 

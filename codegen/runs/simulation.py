@@ -260,7 +260,9 @@ def simulate(
     laws = sampled.laws_of(part.compiled, functions)
     sampled.check_laws(laws, span)
     initial, given = sampled.start_values(part.compiled, initial, given)
-    x0, values, held, signals = _numbers(part, initial, parameters, _with_zeros(given, functions, laws, part))
+    x0, values, held, signals = _numbers(
+        part, initial, parameters, _with_zeros(given, functions, laws, part)
+    )
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
     first = sampled.first_inputs(part.compiled, laws, (since + span[0], x0, values), held)
     point = sizes_of.Point(x0, values, first, since)
@@ -327,7 +329,7 @@ def _part(
     compiled: Compiled,
     outputs: Sequence[str] | None,
     events: Sequence[Event],
-    inputs: InputsGiven,
+    inputs: Mapping[str, InputValue] | Callable[..., Any],
     called: bool,
 ) -> pruning.Part:
     """Return what the outputs, and the expressions of events, need of a system.
@@ -466,10 +468,11 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
 def _result(task: Task, trajectory: Trajectory) -> Result:
     compiled, problem, layout = task.compiled, task.problem, task.compiled.layout
     inputs = _inputs_along(task, trajectory)
-    values = {
-        g: _evaluate(compiled, problem, trajectory, g, inputs) for g in (OUTPUTS, INVARIANTS)
+    values = {g: _evaluate(compiled, problem, trajectory, g, inputs) for g in (OUTPUTS, INVARIANTS)}
+    named = {
+        **_held(task, trajectory),
+        **dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True)),
     }
-    named = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
     outputs, winding = counted(AtSamples(compiled, problem, trajectory, inputs), named)
     terms = Terms(compiled, problem, trajectory, values[INVARIANTS], inputs)
     rows = enumerate(zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True))
@@ -500,6 +503,14 @@ def _inputs_along(task: Task, trajectory: Trajectory) -> Followed | None:
     if trajectory.held is None:
         return task.signals
     return Along(trajectory.held, task.problem.laws, task.signals)
+
+
+def _held(task: Task, trajectory: Trajectory) -> dict[str, Array]:
+    """Return the inputs that laws held, by name, at the stored points."""
+    if trajectory.held is None:
+        return {}
+    names, values = names_of(task.compiled.layout.inputs), trajectory.held.at(trajectory.t)
+    return {names[k]: values[k] for law in task.problem.laws for k in (*law.applied, *law.stepped)}
 
 
 def _evaluate(
