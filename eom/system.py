@@ -24,6 +24,7 @@ from eom.quantities import (
     Assumption,
     Definition,
     Quantity,
+    Sampling,
     Singularity,
     as_expressions,
     as_symbol,
@@ -32,7 +33,7 @@ from eom.structure import BodyAttitude, SequenceAngles, form_of
 from eom.units import NONE, coherent
 
 __all__ = (
-    "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
+    "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity", "Sampling",
     "SequenceAngles", "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 
@@ -51,6 +52,7 @@ class System:
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
     `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
+    ``sampled``: laws by which inputs are held between samples, see `Sampling`; what is held are inputs.
     ``time``: the symbol of time. Units are SI; angles are in radians. ``numbers``: what exact numbers in
     expressions are, a row of `NUMBERS`; the dimension of every formula is checked where they are counts.
 
@@ -77,6 +79,7 @@ class System:
     maintained: tuple[str, ...] = ()
     attitudes: tuple[BodyAttitude, ...] = ()
     angles: tuple[SequenceAngles, ...] = ()
+    sampled: tuple[Sampling, ...] = ()
     title: str = field(default="", compare=False)
     numbers: str = field(default="counts", compare=False)
 
@@ -87,6 +90,7 @@ class System:
         _check_shapes(self)
         _check_symbols(self)
         _check_units(self)
+        _check_sampled(self)
         _check_attitudes(self)
 
     @classmethod
@@ -176,6 +180,11 @@ class System:
         """The outputs, with their units, in order."""
         return tuple(d.quantity for d in self.outputs)
 
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of the inputs that sampled laws set, and of the states of these, in order."""
+        return tuple(d.name for d in _rows(self))
+
     @cached_property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the states on which no rate depends, by form."""
@@ -230,6 +239,8 @@ class System:
         *,
         definitions: Mapping[Any, Any] | None = None,
         parameters: Iterable[Any] = (),
+        period: float | None = None,
+        delay: float = 0.0,
     ) -> System:
         """Return the closed loop: a system in which inputs are laws over states, outputs and time.
 
@@ -244,15 +255,24 @@ class System:
         defined here, in any order; symbols count by their names. Controlled inputs and definitions become
         outputs. Invariants that an input is part of are left out; others hold for any law.
 
+        With a ``period`` (s) the laws are sampled: evaluated at the start of a run and after each period,
+        and held between. Then ``states`` have the expressions of their next values in place of rates, and
+        laws may read the inputs that they set, as they were before; values take effect ``delay`` (s) after
+        the sample, those of states at once. What is held stays an input of the system, `Sampling` says by
+        what it is set.
+
         Raises `InputError` for what is no input, names that are taken, laws that need their own results,
-        and intermediate definitions of the system, which have no lasting names.
+        intermediate definitions of the system, which have no lasting names, a period that is not positive,
+        and a delay that is negative, or without a period.
 
         >>> x, v, u, k, d = sp.symbols("x v u k d", real=True)
         >>> cart = System.from_rates("cart", {x: v, v: u}, inputs=[u])
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
         -d*v - k*x
         """
-        closed = self.closed_loop(laws, states, definitions=definitions, parameters=parameters)
+        closed = self.closed_loop(
+            laws, states, definitions=definitions, parameters=parameters, period=period, delay=delay
+        )
         if self.numbers != "counts":
             _check_control(self, closed)
         return closed
@@ -265,23 +285,37 @@ class System:
         *,
         definitions: Mapping[Any, Any] | None = None,
         parameters: Iterable[Any] = (),
+        period: float | None = None,
+        delay: float = 0.0,
     ) -> System:
         """Return what `with_control` does, with no check of the dimensions of laws.
 
         Units are those of the quantities. Raises `InputError` as `with_control`.
         """
-        held = {q.name: q for q in self.inputs}
+        held = {q.name: q for q in self.inputs if q.name not in self.held}
         by_name = {_name_of(key): law for key, law in laws.items()}
         for name in by_name:
             if name not in held:
                 raise unknown_name("input", name, held, f"laws of control of {self.name!r}")
+        if delay and period is None:
+            raise InputError(
+                "a delay of laws that are not sampled",
+                where=f"control of {self.name!r}",
+                got=f"delay = {shown(delay)}",
+                hint="give the period of the samples, too",
+            )
         moved = {_as_state(key): rate for key, rate in (states or {}).items()}
         shared = {_as_quantity(key): e for key, e in (definitions or {}).items()}
         spoken = _Spoken(self, (*moved, *shared), parameters)
         rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
         made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
         rates = {q: spoken.over(rate) for q, rate in moved.items()}
-        return _closed(self, made, rates, tuple(spoken.gains.values()))
+        gains = tuple(spoken.gains.values())
+        if period is None:
+            return _closed(self, made, rates, gains)
+        laws_, next_ = made[len(shared) :], tuple(Definition(q, e) for q, e in rates.items())
+        sampling = Sampling(laws_, next_, period, delay)
+        return _sampled(self, made[: len(shared)], sampling, gains)
 
 
 def _check_control(system: System, closed: System) -> None:
@@ -289,19 +323,24 @@ def _check_control(system: System, closed: System) -> None:
     gains = {q.symbol for q in closed.parameters if q.unit} - {q.symbol for q in system.parameters}
     if not gains:
         return
-    before = {d.symbol for d in system.definitions}
+    before = {d.symbol for d in (*system.definitions, *_rows(system))}
     own = [*closed.states, *closed.parameters, *closed.inputs]
     own += [d.quantity for d in closed.definitions]
     stated = [*((q.symbol, q.unit) for q in own), (system.time, "s")]
     known = Dimensions(stated, counts=False, time=system.time)
     second = known.of_symbol(system.time)
-    for d in closed.definitions:
+    for d in (*closed.definitions, *_rows(closed)):
         if d.symbol not in before and free_symbols((d.expression,)) & gains:
             known.check(d.expression, f"control of {d.name}", of=known.of_symbol(d.symbol))
     added = slice(len(system.states), None)
     for q, rate in zip(closed.states[added], closed.rates[added], strict=True):
         if free_symbols((rate,)) & gains:
             known.check(rate, f"rate of {q.name}", of=known.of_symbol(q.symbol, second))
+
+
+def _rows(system: System) -> tuple[Definition, ...]:
+    """Return what is held between samples, with the law of each."""
+    return tuple(d for s in system.sampled for d in s.rows)
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
@@ -403,6 +442,34 @@ def _closed(
         outputs=(*system.outputs, *shown),
         invariants=invariants,
         maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+    )
+
+
+def _sampled(
+    system: System,
+    shared: tuple[Definition, ...],
+    sampling: Sampling,
+    gains: tuple[Quantity, ...],
+) -> System:
+    """Return a system under laws that are sampled; states of the control become inputs that are held."""
+    held = {*sampling.symbols}
+    definitions = _in_order((*shared, *system.definitions), system.name)
+    changed = set(held)
+    for d in definitions:
+        if free_symbols((d.expression,)) & changed:
+            changed.add(d.symbol)
+    invariants = tuple(d for d in system.invariants if not free_symbols((d.expression,)) & changed)
+    rows = (*shared, *sampling.rows)
+    shown = (Definition(d.quantity, d.symbol) for d in rows if d.name not in system.output_names)
+    return replace(
+        system,
+        parameters=(*system.parameters, *gains),
+        inputs=(*system.inputs, *(d.quantity for d in sampling.states)),
+        definitions=definitions,
+        outputs=(*system.outputs, *shown),
+        invariants=invariants,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+        sampled=(*system.sampled, sampling),
     )
 
 
@@ -532,6 +599,7 @@ _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "maintained": _all_of(str),
     "attitudes": _all_of(BodyAttitude),
     "angles": _all_of(SequenceAngles),
+    "sampled": _all_of(Sampling),
     "title": _text,
     "numbers": _numbers,
 }
@@ -587,6 +655,7 @@ def _check_symbols(system: System) -> None:
     named += [(f"output {d.name}", d.expression) for d in system.outputs]
     named += [(f"invariant {d.name}", d.expression) for d in system.invariants]
     named += [("singularity", s.expression) for s in system.singularities]
+    named += [(f"law of {d.name}", d.expression) for s in system.sampled for d in s.rows]
     if system.mass_matrix is not None:
         named += [("mass matrix", e) for e in system.mass_matrix]
     for where, expression in named:
@@ -633,11 +702,29 @@ def _check_dimensions(system: System, variables: Sequence[Quantity]) -> None:
             known.check(rate, where, of=moved[k])
         else:
             known.row(list(system.mass_matrix.row(k)), moved, rate, where)
+    for d in _rows(system):
+        known.check(d.expression, f"law of {d.name} of {system.name}", of=known.of_symbol(d.symbol))
     for kind, group in (("output", system.outputs), ("invariant", system.invariants)):
         for d in group:
             known.check(d.expression, f"{kind} {d.name} of {system.name}", d.quantity.unit)
     for s in system.singularities:
         known.check(s.expression, f"singularity of {system.name}")
+
+
+def _check_sampled(system: System) -> None:
+    """What is held between samples is an input, by one law alone; no constant of the motion reads it."""
+    inputs = {q.symbol for q in system.inputs}
+    held = [s for sampling in system.sampled for s in sampling.symbols]
+    for symbol in held:
+        if symbol not in inputs or held.count(symbol) > 1:
+            raise InputError("a sampled law sets what is no input, or set by another one",
+                             where=f"system {system.name!r}", got=shown(symbol),
+                             expected="inputs, each with one law")  # fmt: skip
+    for d in system.invariants if held else ():
+        if free_symbols((system.expand(d.expression),)) & {*held}:
+            raise InputError("a constant of the motion reads what is held between samples",
+                             where=f"system {system.name!r}", got=d.name,
+                             expected="constants that hold for any input")  # fmt: skip
 
 
 def _check_attitudes(system: System) -> None:
