@@ -44,15 +44,19 @@ class System:
     ``states``, ``parameters``, ``inputs``: quantities, in the order of every array of values; a plain
     symbol becomes a quantity without a unit. ``definitions``: named intermediates, each over the symbols
     before it; these, ``outputs`` and ``invariants`` may be given as expressions by name.
-    ``rates``: one expression a state. ``mass_matrix``: symmetric SymPy matrix, or None for identity.
+    ``rates``: one expression a state. ``mass_matrix``: SymPy matrix, symmetric or not, None for identity.
+    ``multipliers``: named unknowns beside the rates, such as forces of constraints, each with the right
+    side of its row: ``mass_matrix * (d(states)/dt, multipliers) = (rates, right sides)``; outputs alone may
+    use them.
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
     `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
     ``time``: the symbol of time. Units are SI; angles are in radians.
 
-    Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
-    by the meanings of the quantities. Two systems are equal if all but their titles are.
+    Shapes, for n states and m multipliers: ``states`` and ``rates`` (n,), ``mass_matrix`` (n + m, n + m).
+    Frames and signs are said by the meanings of the quantities. Two systems are equal if all but their
+    titles are.
 
     Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, and attitudes
     that are not so, with the equation that fails.
@@ -73,6 +77,7 @@ class System:
     maintained: tuple[str, ...] = ()
     attitudes: tuple[BodyAttitude, ...] = ()
     angles: tuple[SequenceAngles, ...] = ()
+    multipliers: tuple[Definition, ...] = ()
     title: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -165,11 +170,16 @@ class System:
         """Names of the constants of the motion, in order."""
         return tuple(d.name for d in self.invariants)
 
+    @property
+    def right_sides(self) -> tuple[Expr, ...]:
+        """Rates, and behind them the right sides of the multipliers: a row of the mass matrix each."""
+        return (*self.rates, *(d.expression for d in self.multipliers))
+
     @cached_property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the states on which no rate depends, by form."""
         used: set[Expr] = set(self.mass_matrix.free_symbols if self.mass_matrix is not None else ())
-        used = used.union(*(rate.free_symbols for rate in self.rates))
+        used = used.union(*(side.free_symbols for side in self.right_sides))
         for definition in reversed(self.definitions):
             if definition.symbol in used:
                 used |= definition.expression.free_symbols
@@ -339,7 +349,7 @@ def _closed(
     invariants = tuple(d for d in system.invariants if not free_symbols((d.expression,)) & changed)
     matrix = system.mass_matrix
     if matrix is not None and states:
-        matrix = sp.diag(sp.Matrix(matrix), sp.eye(len(states)))
+        matrix = _widened(sp.Matrix(matrix), len(system.states), len(states))
     shown = tuple(
         Definition(d.quantity, d.symbol) for d in laws if d.name not in system.output_names
     )
@@ -355,6 +365,14 @@ def _closed(
         invariants=invariants,
         maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
     )
+
+
+def _widened(matrix: Expr, n: int, more: int) -> Expr:
+    """Return a matrix with so many rows of the identity behind its first ``n`` rows and columns."""
+    A, B, C, D = matrix[:n, :n], matrix[:n, n:], matrix[n:, :n], matrix[n:, n:]
+    wide, high = sp.zeros(more, B.cols), sp.zeros(C.rows, more)
+    upper = sp.diag(A, sp.eye(more)).row_join(B.col_join(wide))
+    return upper.col_join(C.row_join(high).row_join(D))
 
 
 def _in_order(rows: Sequence[Definition], where: str) -> tuple[Definition, ...]:
@@ -469,6 +487,7 @@ _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "maintained": _all_of(str),
     "attitudes": _all_of(BodyAttitude),
     "angles": _all_of(SequenceAngles),
+    "multipliers": _definitions,
     "title": _text,
 }
 """What makes each field of a `System` of what a user gives: (value, where it is)."""
@@ -479,7 +498,7 @@ def _check_names(system: System) -> None:
     variables = [*system.states, *system.parameters, *system.inputs, Quantity(system.time)]
     groups = {
         "variable or definition": [q.name for q in variables]
-        + [d.name for d in system.definitions],
+        + [d.name for d in (*system.definitions, *system.multipliers)],
         "output": [*system.state_names, *system.output_names],
         "invariant": list(system.invariant_names),
     }
@@ -491,7 +510,15 @@ def _check_names(system: System) -> None:
                 where=f"system {system.name!r}",
                 got=", ".join(repeated),
                 expected="each name once",
+                hint=_hint_of_time(system) if str(system.time.name) in repeated else "",
             )
+
+
+def _hint_of_time(system: System) -> str:
+    return (
+        f"the system's time is the symbol {system.time.name} with other assumptions: use eom.TIME in "
+        "expressions, or say which symbol is time by time=..."
+    )
 
 
 def _check_shapes(system: System) -> None:
@@ -502,12 +529,16 @@ def _check_shapes(system: System) -> None:
             where=f"system {system.name!r}",
             got=f"{len(system.rates)} rates for {n} states",
         )
-    if system.mass_matrix is not None and system.mass_matrix.shape != (n, n):
+    size = n + len(system.multipliers)
+    if system.mass_matrix is None and size > n:
+        raise InputError("multipliers need a mass matrix", where=f"system {system.name!r}",
+                         got=", ".join(d.name for d in system.multipliers))  # fmt: skip
+    if system.mass_matrix is not None and system.mass_matrix.shape != (size, size):
         raise InputError(
             "mass matrix of the wrong shape",
             where=f"system {system.name!r}",
             got=system.mass_matrix.shape,
-            expected=(n, n),
+            expected=(size, size),
         )
 
 
@@ -520,11 +551,18 @@ def _check_symbols(system: System) -> None:
             _check_expression(system, f"definition {definition.name}", definition.expression, known)
         known.add(definition.symbol)
     named = [(f"rate of {q.name}", r) for q, r in zip(system.states, system.rates, strict=True)]
-    named += [(f"output {d.name}", d.expression) for d in system.outputs]
+    named += [(f"right side of {d.name}", d.expression) for d in system.multipliers]
     named += [(f"invariant {d.name}", d.expression) for d in system.invariants]
     named += [("singularity", s.expression) for s in system.singularities]
     if system.mass_matrix is not None:
         named += [("mass matrix", e) for e in system.mass_matrix]
+    _check_all(system, named, known)
+    solved = known | {d.symbol for d in system.multipliers}
+    _check_all(system, [(f"output {d.name}", d.expression) for d in system.outputs], solved)
+
+
+def _check_all(system: System, named: Sequence[tuple[str, Expr]], known: set[Expr]) -> None:
+    """Test expressions all together first, and one by one where something is wrong."""
     for where, expression in named:
         if not isinstance(expression, sp.Basic):
             _check_expression(system, where, expression, known)
@@ -551,7 +589,7 @@ def _motion(system: System) -> proof.Motion:
     return proof.Motion(
         system.name,
         tuple(q.symbol for q in system.states),
-        system.rates,
+        system.right_sides,
         None if mass is None else sp.ImmutableMatrix(mass),
         tuple((d.symbol, d.expression) for d in system.definitions),
         system.time,
