@@ -228,7 +228,7 @@ def _assembled(
     time: Expr,
     inputs: Mapping[Expr, Expr],
 ) -> System:
-    """Return the system over plain symbols; ``known``: what stands for functions of time and derivatives."""
+    """Return the system over plain symbols; ``known``: what stands for functions and derivatives."""
 
     def over(e: Expr) -> Expr:
         found = _exchanged(e, known)
