@@ -172,7 +172,7 @@ def _scene(
 
 def _coupling(joint: Any, names: Mapping[str, str]) -> dict[str, Any]:
     ratios = {names[joint.name]: 1, names[joint.mimic.joint]: -float(joint.mimic.multiplier)}
-    return {"kind": "coupling", "ratios": ratios}
+    return {"kind": "coupling", "ratios": ratios, "follower": names[joint.name]}
 
 
 def _check_floating(robot: Any) -> None:
