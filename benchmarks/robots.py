@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 class Found:
     """A file: why it is refused strictly and leniently, or `READ`; what was mended; what Pinocchio says.
 
-    ``derived``: why its equations are refused, or `READ`; nothing where that was not asked. ``detail``: what
+    ``derived``: why its equations are refused, or `READ`; nothing where not asked. ``detail``: what
     is read for what is refused leniently.
     """
 

@@ -12,7 +12,7 @@ values must meet them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -217,62 +217,67 @@ def _plain(name: str, parts: Parts, attitudes: Sequence[BodyAttitude]) -> System
     _distinct([*states.values(), *multipliers.values(), *inputs.values()])
     known |= inputs
     _follow(_follows(parts), known)
-    return _assembled(name, parts, attitudes, known, time, inputs)
+    return _assembled(_Plain(name, known), parts, attitudes, time, inputs)
+
+
+@dataclass(frozen=True)
+class _Plain:
+    """Makes plain expressions; ``known``: what stands for functions of time and derivatives, it grows."""
+
+    name: str
+    known: dict[Expr, Expr]
+
+    def over(self, e: Expr) -> Expr:
+        """Return an expression over plain symbols; rates of states that are left are refused."""
+        found = _exchanged(e, self.known)
+        left = (x for x in nodes((found,)) if isinstance(x, AppliedUndef | sp.Derivative))
+        for rate in left:
+            raise InputError(
+                "a rate of a state stands on the right side",
+                got=rate,
+                where=self.name,
+                expected="states, and rates that the equations give without a solve",
+                hint="bring its coefficient into the mass matrix, or make it a state",
+            )
+        return found
+
+    def all(self, expressions: Iterable[Expr]) -> tuple[Expr, ...]:
+        """Return expressions over plain symbols."""
+        return tuple(map(self.over, expressions))
 
 
 def _assembled(
-    name: str,
+    plain: _Plain,
     parts: Parts,
     attitudes: Sequence[BodyAttitude],
-    known: dict[Expr, Expr],
     time: Expr,
     inputs: Mapping[Expr, Expr],
 ) -> System:
-    """Return the system over plain symbols; ``known``: what stands for functions and derivatives."""
-
-    def over(e: Expr) -> Expr:
-        found = _exchanged(e, known)
-        left = next(
-            (x for x in nodes((found,)) if isinstance(x, AppliedUndef | sp.Derivative)), None
-        )
-        if left is None:
-            return found
-        raise InputError(
-            "a rate of a state stands on the right side",
-            got=left, where=name, expected="states, and rates that the equations give without a solve",
-            hint="bring its coefficient into the mass matrix, or make it a state",
-        )  # fmt: skip
-
-    rates = tuple(map(over, parts.rates))
-    right = tuple(map(over, parts.right))
-    mass = None if parts.mass is None else sp.ImmutableMatrix(parts.mass.applyfunc(over))
-    made = tuple(a.over(over) for a in attitudes)
+    """Return the system over plain symbols; what else is free in it becomes a parameter."""
+    rates, right = plain.all(parts.rates), plain.all(parts.right)
+    mass = None if parts.mass is None else sp.ImmutableMatrix(parts.mass.applyfunc(plain.over))
+    made = tuple(a.over(plain.over) for a in attitudes)
+    invariants = tuple(_constant(parts.held, plain, set(inputs.values())))
+    states, multipliers = (plain.all(group) for group in (parts.states, parts.multipliers))
+    forces = [_named(str(m), "multiplier of a constraint") for m in multipliers]
     stated = [e for a in made for e in a.expressions]
-    held = _constant(parts.held, known, over, set(inputs.values()))
-    invariants = tuple(Definition(_named(n, meaning), e) for n, meaning, e in held)
-    free = {s for s in nodes((*rates, *right, *(mass or ()), *stated, *(e for *_, e in held)))
-            if isinstance(s, sp.Symbol)}  # fmt: skip
-    states, multipliers = ([known[f] for f in group] for group in (parts.states, parts.multipliers))
+    everything = (*rates, *right, *(mass or ()), *stated, *(d.expression for d in invariants))
+    free = {s for s in nodes(everything) if isinstance(s, sp.Symbol)}
     taken = {*states, *multipliers, *inputs.values(), time}
     return System(
-        name=name,
+        name=plain.name,
         states=tuple(map(Quantity, states)),
         rates=rates,
         mass_matrix=mass,
-        multipliers=tuple(
-            Definition(_named(m.name, "multiplier of a constraint"), r)
-            for m, r in zip(multipliers, right, strict=True)
-        ),
-        outputs=tuple(
-            Definition(_named(m.name, "multiplier of a constraint"), m) for m in multipliers
-        ),
-        parameters=tuple(Quantity(s) for s in sorted(free - taken, key=str)),
-        inputs=tuple(Quantity(s) for s in inputs.values()),
+        multipliers=tuple(map(Definition, forces, right)),
+        outputs=tuple(map(Definition, forces, multipliers)),
+        parameters=tuple(map(Quantity, sorted(free - taken, key=str))),
+        inputs=tuple(map(Quantity, inputs.values())),
         time=time,
         attitudes=made,
         invariants=invariants,
         maintained=tuple(d.name for d in invariants),
-        assumptions=_met(invariants),
+        assumptions=_assumptions(parts, invariants),
     )
 
 
@@ -280,31 +285,36 @@ def _named(name: str, meaning: str) -> Quantity:
     return Quantity(sp.Symbol(name, real=True), "", meaning)
 
 
-def _met(invariants: Sequence[Definition]) -> tuple[Assumption, ...]:
-    if not invariants:
-        return ()
-    vanish = tuple(d.expression for d in invariants)
-    return (
-        Assumption("assembled", "start values meet the constraints", vanish=vanish, tolerance=1e-9),
+def _assumptions(parts: Parts, invariants: Sequence[Definition]) -> tuple[Assumption, ...]:
+    """Return that start values meet the constraints, and which of these nobody can test."""
+    kept = {d.name for d in invariants}
+    untold = tuple(
+        Assumption(
+            f"{name}_open", f"{meaning}, which inputs move, is neither tested nor maintained"
+        )
+        for name, meaning, _ in parts.held
+        if name not in kept
     )
+    if not invariants:
+        return untold
+    words, vanish = "start values meet the constraints", tuple(d.expression for d in invariants)
+    return (Assumption("assembled", words, vanish=vanish, tolerance=1e-9), *untold)
 
 
 def _constant(
-    held: Iterable[tuple[str, str, Expr]], known: dict[Expr, Expr], over: Any, inputs: set[Expr]
-) -> list[tuple[str, str, Expr]]:
-    """Return what constraints hold constant over states and time; what inputs prescribe is left out.
+    held: Iterable[tuple[str, str, Expr]], plain: _Plain, inputs: set[Expr]
+) -> Iterator[Definition]:
+    """Yield what constraints hold constant over states and time; what inputs prescribe is left out.
 
     Functions of time that stand in constraints alone are inputs whose values nobody asks for.
     """
-    found = []
     for name, meaning, e in held:
         functions = {x for x in nodes((e,)) if isinstance(x, AppliedUndef | sp.Derivative)}
-        inner = {x.expr for x in functions if isinstance(x, sp.Derivative) and x in known}
-        if functions <= {*known, *inner}:
-            plain = over(e)
-            if not plain.free_symbols & inputs:
-                found.append((name, meaning, plain))
-    return found
+        inner = {x.expr for x in functions if isinstance(x, sp.Derivative) and x in plain.known}
+        if functions <= {*plain.known, *inner}:
+            found = plain.over(e)
+            if not found.free_symbols & inputs:
+                yield Definition(_named(name, meaning), found)
 
 
 def _unfolded(parts: Parts) -> Parts:

@@ -126,11 +126,12 @@ def _equations(system: System, names: Names, primes: bool) -> tuple[str, list[Li
 def _coupled_block(system: System, matrix: Expr) -> tuple[str, Expr]:
     """Return names and mass matrix of what has rows that differ from those of the identity."""
     n = matrix.rows
-    every = [*system.state_names, *(d.name for d in system.multipliers)]
     keep = [
         k for k in range(n) if matrix[k, :] != sp.eye(n)[k, :] or matrix[:, k] != sp.eye(n)[:, k]
     ]
-    return ", ".join(every[k] for k in keep), matrix.extract(keep, keep)
+    states = ", ".join(q.name for k, q in enumerate(system.states) if k in keep)
+    beside = "".join(f", and {d.name}" for d in system.multipliers)
+    return f"{states}{beside}", matrix.extract(keep, keep)
 
 
 def _rate(state: Quantity, names: Names, primes: bool) -> Box:

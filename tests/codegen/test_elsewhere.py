@@ -20,6 +20,7 @@ import eom
 from codegen.frontend.from_sympy_mechanics import as_system
 from eom.errors import InputError
 from eom.rotations import quaternion_product
+from eom.typeset.printing import show
 
 q, u = dynamicsymbols("q u")
 m, g, l = sp.symbols("m g l", positive=True)
@@ -246,10 +247,45 @@ def test_the_multiplier_is_that_of_solve_multipliers_and_hangs_straight_down_too
     assert compiled.rhs(0.0, state, parameters)[2:] == pytest.approx([0.0, 1.5**2 / 2], rel=1e-15)
 
 
+def test_it_hangs_at_rest_and_swings_about_that():
+    compiled = codegen.compile(on_a_circle(), "numpy")
+    point = codegen.equilibrium(compiled, {"x": 0.1, "y": -0.9}, {"g": 9.0, "l": 1.0, "m": 2.0})
+    near = codegen.linearise_about(compiled, point)
+    assert near.states == ("x", "x_dot")
+    assert np.allclose(near.A, [[0, 1], [-9, 0]], atol=1e-12)
+
+
+def test_multipliers_are_printed_with_their_rows():
+    text = show(as_system(on_a_circle()))
+    assert "mass matrix times the rates of x_dot, y_dot, and lam1 = right sides" in text
+    assert "row of lam1 = -2*x_dot**2 - 2*y_dot**2" in text
+
+
 def test_starts_off_the_constraint_are_refused():
     start = {"x": 1.0, "y": 0.1, "x_dot": 0.0, "y_dot": 0.0}
     with pytest.raises(InputError, match="start values meet the constraints"):
         codegen.simulate(as_system(on_a_circle()), start, (0, 1), {"g": 1, "l": 1, "m": 1})
+
+
+def test_a_constraint_that_an_input_moves_is_said_to_be_open():
+    """A slider that is driven along x by a function of time: x = drive(t)."""
+    x, y, drive = dynamicsymbols("x y drive")
+    T = dynamicsymbols._t
+    method = LagrangesMethod(
+        m * (x.diff(T) ** 2 + y.diff(T) ** 2) / 2 - m * g * y, [x, y], hol_coneqs=[x - drive]
+    )
+    method.form_lagranges_equations()
+    system = as_system(method)
+    assert (system.input_names, system.invariant_names) == (("drive_ddot",), ())
+    said = [a.meaning for a in system.assumptions]
+    assert len(said) == 2
+    assert all("neither tested nor maintained" in words for words in said)
+    found = codegen.compile(system, "numpy")
+    p = {"g": 9.0, "m": 2.0}
+    parameters = [p[n] for n in system.parameter_names]
+    assert found.rhs(0.0, [0.0] * 4, parameters, [5.0]).tolist() == [0.0, 0.0, 5.0, -9.0]
+    # the force that the drive takes: m x'' + lam1 = 0
+    assert found.outputs(0.0, [0.0] * 4, parameters, [5.0]).tolist() == [-10.0]
 
 
 def test_control_stands_between_states_and_multipliers():
