@@ -127,7 +127,7 @@ def test_a_model_of_mujoco_goes_all_the_way(run, tmp_path):
     )
     done = run("derive", file)
     assert done.exit_code == 0, done.output
-    assert "note: limits: joint 'hinge': limits left out" in done.output
+    assert "note: limits: joint 'hinge': left out" in done.output
     assert run("plot", file, "--list").exit_code == 0
     done = run("derive", file, "--floating")
     assert done.exit_code == 2

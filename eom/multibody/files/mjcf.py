@@ -20,7 +20,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from eom.errors import InputError
@@ -277,6 +277,67 @@ class _Model:
         return {f"x_{name}": x, f"y_{name}": y, f"z_{name}": z}, {name: {"quaternion": _unit(turn)}}
 
 
+HIDDEN = 3
+"""Groups of geoms from this on are not shown, as in MuJoCo's viewer: by custom those to touch."""
+
+
+class Geom(NamedTuple):
+    """A shape on a body: a ``solid`` of `eom.mass.solids` about its centre with its sizes (m), or a mesh.
+
+    ``body``: its name in the scene. ``position`` of the centre (m) and ``rotation`` C from the body's axes
+    to those of the shape. ``vertices`` (m) and ``faces``, indices of them: of a mesh.
+    """
+
+    body: str
+    position: Sequence[float]
+    rotation: Sequence[Sequence[float]]
+    solid: str = ""
+    sizes: Mapping[str, float] = {}
+    vertices: Sequence[Sequence[float]] = ()
+    faces: Sequence[Sequence[int]] = ()
+
+
+def geoms_of(path: str | Path) -> tuple[Geom, ...]:
+    """Return the shapes on the bodies of an MJCF file, those to be seen where there are such, else all.
+
+    Raises `InputError` as `load_mjcf` does. Planes and height fields are left out.
+    """
+    file = Path(path)
+    with in_file(file):
+        _check_root(file)
+        model = _Model(file.stem, _compiled(file)[0])
+    m = model.m
+    own = [g for g in range(m.ngeom) if m.geom_bodyid[g]]
+    seen = [g for g in own if m.geom_group[g] < HIDDEN]
+    return tuple(shape for g in seen or own for shape in _shapes(model, g))
+
+
+def _shapes(model: _Model, g: int) -> Iterator[Geom]:
+    """Yield what a geom looks like; a capsule is three solids."""
+    m = model.m
+    body, kind = model.bodies[int(m.geom_bodyid[g])], int(m.geom_type[g])
+    at, C = _floats(m.geom_pos[g]), _matrix(m.geom_quat[g])
+    types, size = _package().mjtGeom, _floats(m.geom_size[g])
+    if kind == int(types.mjGEOM_MESH):
+        k = int(m.geom_dataid[g])
+        first, count = int(m.mesh_vertadr[k]), int(m.mesh_vertnum[k])
+        vertices = [_floats(v) for v in m.mesh_vert[first : first + count]]
+        first, count = int(m.mesh_faceadr[k]), int(m.mesh_facenum[k])
+        faces = [[int(n) for n in f] for f in m.mesh_face[first : first + count]]
+        yield Geom(body, at, C, vertices=vertices, faces=faces)
+    elif kind == int(types.mjGEOM_BOX):
+        yield Geom(body, at, C, "box", dict(zip("abc", (2 * x for x in size), strict=True)))
+    elif kind == int(types.mjGEOM_ELLIPSOID):
+        yield Geom(body, at, C, "ellipsoid", dict(zip("abc", size, strict=True)))
+    elif kind == int(types.mjGEOM_SPHERE):
+        yield Geom(body, at, C, "sphere", {"radius": size[0]})
+    elif kind in {int(types.mjGEOM_CYLINDER), int(types.mjGEOM_CAPSULE)}:
+        yield Geom(body, at, C, "cylinder", {"radius": size[0], "length": 2 * size[1]})
+        for end in (1, -1) if kind == int(types.mjGEOM_CAPSULE) else ():
+            place = _moved(at, C, (0.0, 0.0, end * size[1]))
+            yield Geom(body, place, C, "sphere", {"radius": size[0]})
+
+
 def _unit(quaternion: Sequence[float]) -> list[float]:
     size = sum(x * x for x in quaternion) ** 0.5
     return [x / size for x in quaternion]
@@ -383,7 +444,7 @@ def _contacts(model: _Model) -> Iterator[tuple[str, str]]:
         model.disabled("CONTACT") or model.disabled("CONSTRAINT")
     ):
         pairs = f", {m.npair} named pairs" if m.npair else ""
-        yield "contacts", f"left out: {touching} geoms that can touch{pairs}"
+        yield f"{touching} geoms that can touch{pairs}", "left out"
 
 
 def _surroundings(model: _Model) -> Iterator[tuple[str, str]]:
@@ -400,8 +461,8 @@ def _surroundings(model: _Model) -> Iterator[tuple[str, str]]:
 
 LEFT_OUT: tuple[tuple[str, Callable[[_Model], Iterator[tuple[str, str]]]], ...] = (
     ("contact", _contacts),
-    ("limit", _joints_where("jnt_limited", "limits left out")),
-    ("friction", _joints_where("dof_frictionloss", "friction left out")),
+    ("limit", _joints_where("jnt_limited", "left out")),
+    ("friction", _joints_where("dof_frictionloss", "left out")),
     ("tendon", _of("tendon", "ntendon")),
     ("actuator", _actuators),
     ("equality", _of("equality", "neq")),
