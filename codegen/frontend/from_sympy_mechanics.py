@@ -30,8 +30,8 @@ CLOSURE = "closure"
 """How what is left of a constraint is called: closure_1 of a configuration, closure_rate_1 of speeds."""
 
 ACCEPTED = (
-    "an eom.System, SymPy's KanesMethod, LagrangesMethod, JointsMethod or mechanics System, "
-    "(states, rates), or (states, mass matrix, forces)"
+    "an eom.System, SymPy's KanesMethod, LagrangesMethod, JointsMethod, SymbolicSystem or mechanics "
+    "System, (states, rates), or (states, mass matrix, forces)"
 )
 
 
@@ -41,6 +41,7 @@ class Parts:
 
     ``follows``: derivatives of coordinates, by what they are over coordinates and speeds. ``zero``: what
     is zero throughout, auxiliary speeds. ``held``: by name and meaning what the constraints keep at zero.
+    ``outputs``: further expressions by name.
     """
 
     states: list[Expr]
@@ -51,6 +52,7 @@ class Parts:
     follows: Mapping[Expr, Expr] = field(default_factory=dict)
     zero: tuple[Expr, ...] = ()
     held: tuple[tuple[str, str, Expr], ...] = ()
+    outputs: tuple[tuple[str, Expr], ...] = ()
 
 
 def as_system(given: Any, name: str = "", attitudes: Sequence[BodyAttitude] = ()) -> System:
@@ -184,6 +186,37 @@ def _joints(joints: Any) -> Parts:
     return _inner(joints.method)
 
 
+def _symbolic(system: Any) -> Parts:
+    """Equations of a SymbolicSystem, in any of its forms.
+
+    In the rows of ``alg_con`` stand algebraic equations: what M multiplies there is the variable itself, a
+    multiplier, and not its rate.
+    """
+    try:
+        mass, right = system.comb_implicit_mat, system.comb_implicit_rhs
+    except AttributeError:  # the explicit form
+        right = system.comb_explicit_rhs
+        mass = sp.eye(len(right))
+    algebraic = list(system.alg_con or ())
+    moving = [k for k in range(len(right)) if k not in algebraic]
+    order = [*moving, *algebraic]
+    for k in algebraic:
+        if all(e == 0 for e in mass[k, :]):
+            raise InputError(
+                "an algebraic equation without an unknown of its own",
+                where=f"SymbolicSystem, row {k}", got=f"0 = {right[k]}",
+                hint="differentiate the constraint until a multiplier or an acceleration is in it",
+            )  # fmt: skip
+    return Parts(
+        [system.states[k] for k in moving],
+        [right[k] for k in moving],
+        mass.extract(order, order),
+        tuple(system.states[k] for k in algebraic),
+        tuple(right[k] for k in algebraic),
+        outputs=tuple((str(name), e) for name, e in (system.output_eqns or {}).items()),
+    )
+
+
 def _inner(method: Any) -> Parts:
     kind, reader = _method_of(method)
     if reader is None:
@@ -197,6 +230,7 @@ _METHODS = {
     "LagrangesMethod": _lagrange,
     "System": _mechanics_system,
     "JointsMethod": _joints,
+    "SymbolicSystem": _symbolic,
 }
 
 
@@ -208,11 +242,12 @@ def _plain(name: str, parts: Parts, attitudes: Sequence[BodyAttitude]) -> System
     parts, attitudes = _unfolded(parts), tuple(attitudes)
     stated = [e for a in attitudes for e in a.expressions]
     sides = [*parts.rates, *parts.right, *(parts.mass if parts.mass is not None else ())]
-    everything = [*sides, *(e for *_, e in parts.held), *parts.follows.values(), *stated]
+    asked = [*parts.follows.values(), *(e for _, e in parts.outputs), *stated]
+    everything = [*sides, *(e for *_, e in parts.held), *asked]
     time = _time(parts.states, everything)
     states, multipliers = _spelt(parts.states), _spelt(parts.multipliers)
     known = dict.fromkeys(parts.zero, sp.Integer(0)) | states | multipliers
-    functions = _functions_of_time([*sides, *parts.follows.values(), *stated], time)
+    functions = _functions_of_time([*sides, *asked], time)
     inputs = _spelt(f for f in functions if f not in known and not _of_state(f, parts.states))
     _distinct([*states.values(), *multipliers.values(), *inputs.values()])
     known |= inputs
@@ -260,8 +295,10 @@ def _assembled(
     invariants = tuple(_constant(parts.held, plain, set(inputs.values())))
     states, multipliers = (plain.all(group) for group in (parts.states, parts.multipliers))
     forces = [_named(str(m), "multiplier of a constraint") for m in multipliers]
+    asked = [Definition(_named(name, ""), plain.over(e)) for name, e in parts.outputs]
     stated = [e for a in made for e in a.expressions]
-    everything = (*rates, *right, *(mass or ()), *stated, *(d.expression for d in invariants))
+    named = (d.expression for d in (*asked, *invariants))
+    everything = (*rates, *right, *(mass or ()), *stated, *named)
     free = {s for s in nodes(everything) if isinstance(s, sp.Symbol)}
     taken = {*states, *multipliers, *inputs.values(), time}
     return System(
@@ -270,7 +307,7 @@ def _assembled(
         rates=rates,
         mass_matrix=mass,
         multipliers=tuple(map(Definition, forces, right)),
-        outputs=tuple(map(Definition, forces, multipliers)),
+        outputs=(*map(Definition, forces, multipliers), *asked),
         parameters=tuple(map(Quantity, sorted(free - taken, key=str))),
         inputs=tuple(map(Quantity, inputs.values())),
         time=time,
@@ -331,6 +368,7 @@ def _unfolded(parts: Parts) -> Parts:
         mass=None if parts.mass is None else parts.mass.applyfunc(over),
         follows={d: over(e) for d, e in parts.follows.items()},
         held=tuple((name, meaning, over(e)) for name, meaning, e in parts.held),
+        outputs=tuple((name, over(e)) for name, e in parts.outputs),
     )
 
 

@@ -375,6 +375,49 @@ def test_curves_of_muscles_compile():
     )
 
 
+def by_hand(form):
+    """SymPy's own example of a SymbolicSystem: a pendulum in x and y, and the force in its rod."""
+    x, y, a, b, force = dynamicsymbols("x y a b force")
+    M = sp.Matrix([[1, 0, -x / m], [0, 1, -y / m], [0, 0, l**2 / m]])
+    F, kin = sp.Matrix([0, 0, a**2 + b**2 - g * y]), sp.Matrix([a, b])
+    states, whole = (x, y, a, b, force), sp.diag(sp.eye(2), M)
+    asked = {sp.Symbol("PE"): m * g * (l + y)}
+    if form == 1:
+        explicit = whole.LUsolve(kin.col_join(F))
+        return me.SymbolicSystem(states, explicit, alg_con=[4], output_eqns=asked)
+    if form == 2:
+        right = kin.col_join(F)
+        return me.SymbolicSystem(states, right, mass_matrix=whole, alg_con=[4], output_eqns=asked)
+    return me.SymbolicSystem(
+        states, F, mass_matrix=M, coordinate_derivatives=kin, alg_con=[2], output_eqns=asked
+    )
+
+
+@pytest.mark.parametrize("form", [1, 2, 3])
+def test_a_symbolic_system_in_each_of_its_forms(form):
+    compiled = codegen.compile(by_hand(form), "numpy")
+    system = compiled.system
+    assert system.state_names == ("x", "y", "a", "b")
+    assert system.output_names == ("force", "PE")
+    p = {"g": 10.0, "l": 2.0, "m": 3.0}
+    parameters = [p[n] for n in system.parameter_names]
+    state = [1.2, -1.6, 0.8, 0.6]
+    pull = 3 / 4 * (1 + 16)
+    expected = [0.8, 0.6, 1.2 * pull / 3, -1.6 * pull / 3]
+    assert compiled.rhs(0.0, state, parameters) == pytest.approx(expected, rel=1e-14)
+    assert compiled.outputs(0.0, state, parameters) == pytest.approx([pull, 12.0], rel=1e-14)
+
+
+def test_an_algebraic_row_without_an_unknown_is_refused():
+    x, y, force = dynamicsymbols("x y force")
+    M = sp.diag(1, 1, 0)
+    given = me.SymbolicSystem(
+        (x, y, force), [y, force, x**2 + y**2], mass_matrix=M, alg_con=[2]
+    )  # fmt: skip
+    with pytest.raises(InputError, match="without an unknown of its own"):
+        as_system(given)
+
+
 class OwnMethod(KanesMethod):
     """A user's own."""
 
