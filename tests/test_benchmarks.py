@@ -84,8 +84,19 @@ def test_the_short_forms_judge_counts_alone():
 @pytest.mark.parametrize(
     ("module", "test", "kinds"),
     [
-        ("test_kane", "test_aux", {"KanesMethod", "KanesMethod, 2 auxiliary speeds"}),
-        ("test_kane2", "test_aux_dep", {"KanesMethod, 3 dependent speeds, 3 auxiliary speeds"}),
+        pytest.param(
+            "test_kane",
+            "test_aux",
+            {"KanesMethod", "KanesMethod, 2 auxiliary speeds"},
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "test_kane2",
+            "test_aux_dep",
+            {"KanesMethod, 3 dependent speeds, 3 auxiliary speeds"},
+            marks=pytest.mark.slow,
+        ),
+        ("test_kane", "test_two_dof", {"KanesMethod"}),
         ("test_lagrange", "test_nonminimal_pendulum", {"LagrangesMethod, 1 multipliers"}),
     ],
 )

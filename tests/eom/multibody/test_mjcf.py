@@ -54,6 +54,7 @@ FREE = "<freejoint name='free'/>"
         (model(body("a", inner=body("b", HINGE, inner=body("c", inner=body("d", JOINT))))), 4),
         (model(body("a", FREE), body("b", HINGE)), 7),
     ],
+    ids=["hinge", "three in one body", "free", "on what is fixed", "two trees"],
 )
 def test_accelerations_are_those_of_mujoco(written, text, speeds):
     off, _, found = difference(written(text))
