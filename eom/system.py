@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from eom import proof
+from eom.dimensions import Dimensions
 from eom.errors import InputError, entries, is_text, shown, typed, unknown_name
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
 from eom.quantities import (
@@ -26,8 +27,12 @@ from eom.quantities import (
     Singularity,
     as_expressions,
     as_symbol,
+    definitions_of,
+    quantities_of,
+    quantity_of,
 )
 from eom.structure import BodyAttitude, SequenceAngles, form_of
+from eom.units import NONE, coherent
 
 __all__ = (
     "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
@@ -52,14 +57,16 @@ class System:
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
     `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
-    ``time``: the symbol of time. Units are SI; angles are in radians.
+    ``time``: the symbol of time. Units are SI; angles are in radians. ``numbers``: what exact numbers in
+    expressions are, a row of `NUMBERS`; the dimension of every formula is checked where they are counts.
 
     Shapes, for n states and m multipliers: ``states`` and ``rates`` (n,), ``mass_matrix`` (n + m, n + m).
     Frames and signs are said by the meanings of the quantities. Two systems are equal if all but their
     titles are.
 
-    Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, and attitudes
-    that are not so, with the equation that fails.
+    Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, attitudes that
+    are not so, with the equation that fails, and formulas of another dimension than their quantities have,
+    with the term that does not fit; what follows from no unit is not refused.
     """
 
     name: str
@@ -79,6 +86,7 @@ class System:
     angles: tuple[SequenceAngles, ...] = ()
     multipliers: tuple[Definition, ...] = ()
     title: str = field(default="", compare=False)
+    numbers: str = field(default="counts", compare=False)
 
     def __post_init__(self) -> None:
         for name, made in _FIELDS.items():
@@ -86,6 +94,7 @@ class System:
         _check_names(self)
         _check_shapes(self)
         _check_symbols(self)
+        _check_units(self)
         _check_attitudes(self)
 
     @classmethod
@@ -114,9 +123,9 @@ class System:
         >>> System.from_rates("oscillator", {y1: y2, y2: -k * y1}).parameter_names
         ('k',)
         """
-        inputs = tuple(q.symbol for q in _quantities(inputs, "inputs"))
-        as_symbol(time, "time"), _quantities(rates, "states")
-        named = [_named(group or {}) for group in (outputs, invariants)]
+        inputs = tuple(q.symbol for q in quantities_of(inputs, "inputs"))
+        as_symbol(time, "time"), quantities_of(rates, "states")
+        named = [definitions_of(g or {}, "outputs or invariants") for g in (outputs, invariants)]
         expressions = [as_expression(rate) for rate in rates.values()]
         everything = [*expressions, *(d.expression for group in named for d in group)]
         everything += [e for a in attitudes for e in a.expressions]
@@ -174,6 +183,11 @@ class System:
     def right_sides(self) -> tuple[Expr, ...]:
         """Rates, and behind them the right sides of the multipliers: a row of the mass matrix each."""
         return (*self.rates, *(d.expression for d in self.multipliers))
+
+    @property
+    def output_quantities(self) -> tuple[Quantity, ...]:
+        """The outputs, with their units, in order."""
+        return tuple(d.quantity for d in self.outputs)
 
     @cached_property
     def cyclic(self) -> tuple[str, ...]:
@@ -251,6 +265,24 @@ class System:
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
         -d*v - k*x
         """
+        closed = self.closed_loop(laws, states, definitions=definitions, parameters=parameters)
+        if self.numbers != "counts":
+            _check_control(self, closed)
+        return closed
+
+    @typed
+    def closed_loop(
+        self,
+        laws: Mapping[Any, Any],
+        states: Mapping[Any, Any] | None = None,
+        *,
+        definitions: Mapping[Any, Any] | None = None,
+        parameters: Iterable[Any] = (),
+    ) -> System:
+        """Return what `with_control` does, with no check of the dimensions of laws.
+
+        Units are those of the quantities. Raises `InputError` as `with_control`.
+        """
         held = {q.name: q for q in self.inputs}
         by_name = {_name_of(key): law for key, law in laws.items()}
         for name in by_name:
@@ -265,19 +297,35 @@ class System:
         return _closed(self, made, rates, tuple(spoken.gains.values()))
 
 
-def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
-    return _definitions(group, "outputs or invariants")
+def _check_control(system: System, closed: System) -> None:
+    """Check the dimensions of what a control adds to a system whose own numbers may be values."""
+    gains = {q.symbol for q in closed.parameters if q.unit} - {q.symbol for q in system.parameters}
+    if not gains:
+        return
+    before = {d.symbol for d in system.definitions}
+    own = [*closed.states, *closed.parameters, *closed.inputs]
+    own += [d.quantity for d in closed.definitions]
+    stated = [*((q.symbol, q.unit) for q in own), (system.time, "s")]
+    known = Dimensions(stated, counts=False, time=system.time)
+    second = known.of_symbol(system.time)
+    for d in closed.definitions:
+        if d.symbol not in before and free_symbols((d.expression,)) & gains:
+            known.check(d.expression, f"control of {d.name}", of=known.of_symbol(d.symbol))
+    added = slice(len(system.states), None)
+    for q, rate in zip(closed.states[added], closed.rates[added], strict=True):
+        if free_symbols((rate,)) & gains:
+            known.check(rate, f"rate of {q.name}", of=known.of_symbol(q.symbol, second))
 
 
 # -- closed loops --------------------------------------------------------------------------------
 
 
 def _name_of(key: Any) -> str:
-    return key if is_text(key) else _quantity(key, "a control").name
+    return key if is_text(key) else quantity_of(key, "a control").name
 
 
 def _as_quantity(key: Any) -> Quantity:
-    return _quantity(sp.Symbol(key, real=True) if is_text(key) else key, "a control")
+    return quantity_of(sp.Symbol(key, real=True) if is_text(key) else key, "a control")
 
 
 def _as_state(key: Any) -> Quantity:
@@ -295,7 +343,7 @@ class _Spoken:
 
     def __init__(self, system: System, own: Sequence[Quantity], parameters: Iterable[Any]) -> None:
         self.system = system
-        self.given = {q.name: q for q in _quantities(parameters, "parameters of a control")}
+        self.given = {q.name: q for q in quantities_of(parameters, "parameters of a control")}
         self.gains: dict[str, Quantity] = {}
         time = Quantity(system.time)
         variables = (*system.states, *system.parameters, *system.inputs, time)
@@ -406,38 +454,6 @@ def _in_order(rows: Sequence[Definition], where: str) -> tuple[Definition, ...]:
 # -- fields as users write them ------------------------------------------------------------------
 
 
-def _quantity(value: Any, where: str) -> Quantity:
-    """Return a quantity as it is, a symbol as a quantity. Raises `InputError` for anything else."""
-    if not isinstance(value, Quantity):
-        return Quantity(as_symbol(value, where))
-    as_symbol(value.symbol, where)
-    if not (is_text(value.unit) and is_text(value.meaning) and is_text(value.latex)):
-        raise InputError("unit, meaning and LaTeX are texts", where=where, got=shown(value))
-    return value
-
-
-def _quantities(values: Any, where: str) -> tuple[Quantity, ...]:
-    return tuple(_quantity(v, where) for v in entries(values, where))
-
-
-def _definition(value: Any, where: str) -> Definition:
-    """Return a definition as it is, or one of a pair of name and expression."""
-    if isinstance(value, Definition):
-        _quantity(value.quantity, where)
-        return value
-    if not isinstance(value, tuple | list) or len(value) != 2:
-        raise InputError("not a definition", where=where, got=shown(value),
-                         expected="a Definition, or a name and an expression")  # fmt: skip
-    name, expression = value
-    quantity = sp.Symbol(name, real=True) if is_text(name) else name
-    return Definition(_quantity(quantity, where), as_expression(expression))
-
-
-def _definitions(values: Any, where: str) -> tuple[Definition, ...]:
-    rows = list(values.items()) if isinstance(values, Mapping) else entries(values, where)
-    return tuple(_definition(v, where) for v in rows)
-
-
 def _all_of(kind: type) -> Callable[[Any, str], tuple[Any, ...]]:
     """Return what makes a tuple of objects of one type, and raises `InputError` for others."""
 
@@ -471,24 +487,39 @@ def _matrix(value: Any, where: str) -> Expr | None:
         raise InputError("not a matrix", where=where, got=shown(value)) from None
 
 
+NUMBERS: Mapping[str, str] = {
+    "counts": "they have no unit, as the two in 2*m*g",
+    "values": "they may be values with units that were put in, as the mass in 3*g for m = 3",
+    "decimals": "as values, and are written as decimals",
+}
+"""What exact numbers in the expressions of a system are."""
+
+
+def _numbers(value: Any, where: str) -> str:
+    if value not in NUMBERS:
+        raise unknown_name("kind of numbers", value, NUMBERS, where)
+    return str(value)
+
+
 _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "name": _text,
-    "states": _quantities,
+    "states": quantities_of,
     "rates": as_expressions,
-    "parameters": _quantities,
-    "inputs": _quantities,
+    "parameters": quantities_of,
+    "inputs": quantities_of,
     "time": as_symbol,
-    "definitions": _definitions,
+    "definitions": definitions_of,
     "mass_matrix": _matrix,
-    "outputs": _definitions,
-    "invariants": _definitions,
+    "outputs": definitions_of,
+    "invariants": definitions_of,
     "singularities": _all_of(Singularity),
     "assumptions": _all_of(Assumption),
     "maintained": _all_of(str),
     "attitudes": _all_of(BodyAttitude),
     "angles": _all_of(SequenceAngles),
-    "multipliers": _definitions,
+    "multipliers": definitions_of,
     "title": _text,
+    "numbers": _numbers,
 }
 """What makes each field of a `System` of what a user gives: (value, where it is)."""
 
@@ -542,6 +573,12 @@ def _check_shapes(system: System) -> None:
         )
 
 
+def _rows(system: System) -> list[str]:
+    """Return what the right side of each row is, in words."""
+    rates = [f"rate of {q.name}" for q in system.states]
+    return [*rates, *(f"right side of {d.name}" for d in system.multipliers)]
+
+
 def _check_symbols(system: System) -> None:
     """Every free symbol has a meaning before it is used; nothing is a function of time."""
     variables = [*system.states, *system.parameters, *system.inputs]
@@ -550,8 +587,7 @@ def _check_symbols(system: System) -> None:
         if not is_over(definition.expression, known):
             _check_expression(system, f"definition {definition.name}", definition.expression, known)
         known.add(definition.symbol)
-    named = [(f"rate of {q.name}", r) for q, r in zip(system.states, system.rates, strict=True)]
-    named += [(f"right side of {d.name}", d.expression) for d in system.multipliers]
+    named = list(zip(_rows(system), system.right_sides, strict=True))
     named += [(f"invariant {d.name}", d.expression) for d in system.invariants]
     named += [("singularity", s.expression) for s in system.singularities]
     if system.mass_matrix is not None:
@@ -570,6 +606,49 @@ def _check_all(system: System, named: Sequence[tuple[str, Expr]], known: set[Exp
     if any(isinstance(e, UNUSABLE) or (e.is_Symbol and e not in known) for e in everything):
         for where, expression in named:
             _check_expression(system, where, expression, known)
+
+
+def _check_units(system: System) -> None:
+    """Variables have units of SI without a factor; every formula is of the dimension of its quantity."""
+    variables = [*system.states, *system.parameters, *system.inputs]
+    for q in variables:
+        if q.unit:
+            coherent(q.unit, f"system {system.name!r}: unit of {q.name}")
+    if system.numbers != "counts":
+        return
+    named = [*system.definitions, *system.outputs, *system.invariants]
+    if any(q.unit for q in (*variables, *(d.quantity for d in named))):
+        _check_dimensions(system, variables)
+
+
+def _check_dimensions(system: System, variables: Sequence[Quantity]) -> None:
+    """Check formulas in the order in which they are defined; a matrix row by row, by its rate.
+
+    Time is in s, unless every unit that is stated is none: then it follows.
+    """
+    own = [*variables, *(d.quantity for d in (*system.definitions, *system.multipliers))]
+    units = [(q.symbol, q.unit) for q in own]
+    stated = (q.dimension for q in own if q.unit)
+    timeless = all(d == NONE for d in stated)
+    known = Dimensions([*units, (system.time, "" if timeless else "s")], time=system.time)
+    second = known.of_symbol(system.time)
+    for d in system.definitions:
+        known.check(
+            d.expression, f"definition {d.name} of {system.name}", of=known.of_symbol(d.symbol)
+        )
+    moved = [known.of_symbol(q.symbol, second) for q in system.states]
+    moved += [known.of_symbol(d.symbol) for d in system.multipliers]
+    for k, (part, rate) in enumerate(zip(_rows(system), system.right_sides, strict=True)):
+        where = f"{part} of {system.name}"
+        if system.mass_matrix is None:
+            known.check(rate, where, of=moved[k])
+        else:
+            known.row(list(system.mass_matrix.row(k)), moved, rate, where)
+    for kind, group in (("output", system.outputs), ("invariant", system.invariants)):
+        for d in group:
+            known.check(d.expression, f"{kind} {d.name} of {system.name}", d.quantity.unit)
+    for s in system.singularities:
+        known.check(s.expression, f"singularity of {system.name}")
 
 
 def _check_attitudes(system: System) -> None:

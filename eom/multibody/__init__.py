@@ -24,6 +24,7 @@ from eom.multibody.model.constraints import (
     Rolling,
     SpeedEquation,
 )
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.model import (
     GROUND,
     Body,
@@ -61,6 +62,7 @@ __all__ = [
     "Distance",
     "Equation",
     "Examination",
+    "Jet",
     "Joint",
     "KnifeEdge",
     "Load",
