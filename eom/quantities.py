@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -219,3 +220,37 @@ def as_expressions(values: Any, where: str) -> tuple[Expr, ...]:
     """Return the entries of a list or matrix as expressions. Raises `InputError` for anything else."""
     rows = list(values) if isinstance(values, sp.MatrixBase) else entries(values, where)
     return tuple(v if isinstance(v, sp.Basic) else as_expression(v) for v in rows)
+
+
+def quantity_of(value: Any, where: str) -> Quantity:
+    """Return a quantity as it is, a symbol as a quantity. Raises `InputError` for anything else."""
+    if not isinstance(value, Quantity):
+        return Quantity(as_symbol(value, where))
+    as_symbol(value.symbol, where)
+    if not (is_text(value.unit) and is_text(value.meaning) and is_text(value.latex)):
+        raise InputError("unit, meaning and LaTeX are texts", where=where, got=shown(value))
+    return value
+
+
+def quantities_of(values: Any, where: str) -> tuple[Quantity, ...]:
+    """Return the quantities of a list. Raises `InputError` for anything else."""
+    return tuple(quantity_of(v, where) for v in entries(values, where))
+
+
+def definition_of(value: Any, where: str) -> Definition:
+    """Return a definition as it is, or one of a pair of name and expression."""
+    if isinstance(value, Definition):
+        quantity_of(value.quantity, where)
+        return value
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise InputError("not a definition", where=where, got=shown(value),
+                         expected="a Definition, or a name and an expression")  # fmt: skip
+    name, expression = value
+    quantity = sp.Symbol(name, real=True) if is_text(name) else name
+    return Definition(quantity_of(quantity, where), as_expression(expression))
+
+
+def definitions_of(values: Any, where: str) -> tuple[Definition, ...]:
+    """Return the definitions of a list, or of expressions by name. Raises `InputError` for others."""
+    rows = list(values.items()) if isinstance(values, Mapping) else entries(values, where)
+    return tuple(definition_of(v, where) for v in rows)
