@@ -114,8 +114,8 @@ def perturbed(chosen: Known, draw: random.Random) -> tuple[System, str]:
     if not chosen.differs(changed(sp.Integer(1))):
         changed, where = _added(system, draw)
     rates = changed(term)
-    changed = replace(system, rates=rates, attitudes=(), numbers="values")
-    return changed, f"{term} {where}"[:200]
+    moved = replace(system, rates=rates, attitudes=(), numbers="values")
+    return moved, f"{term} {where}"[:200]
 
 
 Change = tuple[Callable[[Expr], tuple[Expr, ...]], str]
