@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self, get_args
@@ -153,6 +154,8 @@ class BaseScene(Request):
             return system
         self._check_control(system)
         read = self._control_over(names)
+        if system.numbers == "values" and parse.has_decimals(self.control.formulas):
+            system = replace(system, numbers="decimals")
         own = {
             n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
             for n, s in self.control.states.items()
