@@ -13,7 +13,7 @@ Advanced Dynamics (2003), sec. 2.2 (multipliers), 4.1 (Maggi).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -26,7 +26,7 @@ from eom.errors import InputError, unknown_name
 from eom.exact.identity import vanishes
 from eom.multibody.algebra.scalars import is_zero, negative, total
 from eom.multibody.closed.lagrange import Lagrange
-from eom.multibody.closed.mechanism import Mechanism, Pull, Trigonometry
+from eom.multibody.closed.mechanism import Mechanism, Pull, Trigonometry, followed
 from eom.multibody.closed.polynomials import Polynomial, Scalar
 from eom.multibody.closed.readable import Contribution
 from eom.multibody.constrained.equations import Component, components
@@ -75,6 +75,47 @@ class Bonds:
     divisors: tuple[Expr, ...]
     positive: tuple[Expr, ...]
 
+    @cached_property
+    def placed(self) -> dict[Expr, Scalar]:
+        """Coordinates that closures give outright, over the others: q = R, z = r cos(theta)."""
+        found: dict[Expr, Scalar] = {}
+        for b in self.kept:
+            for q in self._followed_coordinates():
+                x = None if b.value is None or q in found else self._solved(b.value, q, found)
+                if x is not None:
+                    index = self.whole.algebra.index(q)
+                    put = self.whole.algebra.replaced
+                    found = {k: put(v, {index: x}) for k, v in found.items()} | {q: x}
+                    break
+        return found
+
+    def _followed_coordinates(self) -> Iterator[Expr]:
+        """Yield coordinates whose rates are speeds that follow, and that stand in no function."""
+        for d in self.dependent:
+            moved = self.whole.basis[d]
+            if len(moved) == 1 and set(moved.values()) == {1}:
+                q = next(iter(moved))
+                others = (g for g in self.whole.algebra.generators if g != q)
+                if not any(q in g.free_symbols for g in others):
+                    yield q
+
+    def _solved(self, value: Scalar, q: Expr, known: Mapping[Expr, Scalar]) -> Scalar | None:
+        """Return the coordinate from a closure that is linear in it, with a constant that moves not."""
+        algebra = self.whole.algebra
+        index = algebra.index(q)
+        value = algebra.replaced(value, {algebra.index(k): x for k, x in known.items()})
+        parts = value.by(lambda g: g == index) if isinstance(value, Polynomial) else {}
+        slope = parts.pop(((index, 1),), 0)
+        constant = not isinstance(slope, Polynomial) and slope != 0
+        if not constant or set(parts) - {()}:
+            return None
+        return parts.get((), 0) * (Fraction(-1) / slope)
+
+    def in_place(self, x: Scalar) -> Scalar:
+        """Return a scalar with the coordinates put in that closures give."""
+        algebra = self.whole.algebra
+        return algebra.replaced(x, {algebra.index(q): v for q, v in self.placed.items()})
+
     @property
     def independent(self) -> tuple[int, ...]:
         """The numbers of the speeds that are free and follow no others."""
@@ -105,7 +146,7 @@ class Bonds:
 
     def over_independent(self, x: Scalar) -> Scalar:
         """Return a scalar over the independent speeds and their rates."""
-        return self.whole.algebra.replaced(x, self.known)
+        return followed(self.whole.algebra, x, self.known)
 
 
 def bonds(
@@ -209,7 +250,7 @@ class _Solver:
     rows: dict[int, dict[int, Scalar]] = field(default_factory=dict)
     pivots: dict[int, int] = field(default_factory=dict)
     idle: list[int] = field(default_factory=list)
-    divisors: list[Expr] = field(default_factory=list)
+    determinant: Scalar = 1
 
     def run(self) -> None:
         """Solve row after row, that with the simplest pivot first."""
@@ -235,8 +276,24 @@ class _Solver:
         """Put aside the equations that others leave nothing of."""
         for r in sorted(waiting):
             if not any(c >= -1 for c in self.rows[r]):
+                self._meet(r)
                 self.idle.append(r)
                 waiting.remove(r)
+
+    def _meet(self, r: int) -> None:
+        """Raise `InputError` where what is left of a closure is a constant other than zero."""
+        shares = {-2 - c: x for c, x in self.rows[r].items()}
+        values = [self.bonds_[k].value for k in shares]
+        if None in values:
+            return
+        left = total(x * v for x, v in zip(shares.values(), values, strict=True))
+        moving = isinstance(left, Polynomial) and self._moving(left)
+        if not moving and not _none(self.given, left):
+            raise InputError(
+                "a constraint cannot be met",
+                where=f"constraint {self.bonds_[r].name}",
+                got=f"{self.write(left)} for zero, however the tree moves",
+            )
 
     def _refuse(self, waiting: set[int]) -> None:
         for r in sorted(waiting):
@@ -265,6 +322,7 @@ class _Solver:
     def _clear(self, r: int, c: int) -> None:
         """Divide a row by its pivot, and take it out of all others."""
         inverse = self._inverse(self.rows[r][c])
+        self.determinant = self.determinant * self.rows[r][c]
         row = {k: x * inverse for k, x in self.rows[r].items() if k != c} | {c: 1}
         self.rows[r], self.pivots[r] = row, c
         for k, other in self.rows.items():
@@ -276,13 +334,22 @@ class _Solver:
     def _inverse(self, x: Scalar) -> Scalar:
         if not isinstance(x, Polynomial):
             return Fraction(1) / x
-        written = self.write(x)
-        if self._moving(x):
-            moving = [f for f in sp.Mul.make_args(written) if not f.is_number]
-            rates = self.given.rates.keys()
-            self.divisors += [f for f in moving if f.free_symbols & rates]
         single = x.inverse()
-        return self.given.algebra.lift(1 / written) if single is None else single
+        return self.given.algebra.lift(1 / self.write(x)) if single is None else single
+
+    def _divisors(self, made: Iterable[Scalar]) -> Iterator[Expr]:
+        """Yield what moves and must not be zero: in the determinant, and below what was made."""
+        rates = self.given.rates.keys()
+        below = [self.determinant] if isinstance(self.determinant, Polynomial) else []
+        factors = [f for x in below for f in sp.Mul.make_args(self.write(x))]
+        generators = self.given.algebra.generators
+        for x in (x for x in made if isinstance(x, Polynomial)):
+            factors += [1 / generators[g] for m in x.terms for g, p in m if p < 0]
+            factors += [generators[g] for g in x.used if generators[g].is_Pow]
+        for f in factors:
+            base = f.as_base_exp()[0]
+            if base.free_symbols & rates:
+                yield base
 
     def bonds(self, positive: tuple[Expr, ...]) -> Bonds:
         """Return what was found."""
@@ -294,13 +361,16 @@ class _Solver:
             for r in kept
         }
         inverse = {self.pivots[r]: [self.rows[r].get(-2 - k, 0) for k in kept] for r in kept}
+        made = [x for row in (*dependent.values(), *(dict(enumerate(w)) for w in inverse.values()))
+                for x in row.values()]  # fmt: skip
+        divisors = dict.fromkeys(d for d in self._divisors(made) if d not in positive)
         return Bonds(
             whole=self.given,
             kept=tuple(self.bonds_[r] for r in kept),
             idle=tuple(self.bonds_[r].component.name for r in sorted(self.idle)),
             dependent=dict(sorted(dependent.items())),
             inverse=inverse,
-            divisors=tuple(dict.fromkeys(self.divisors)),
+            divisors=tuple(divisors),
             positive=positive,
         )
 
@@ -313,7 +383,7 @@ def _reduced(given: Bonds) -> Mechanism:
     over = {index(whole.speeds[k].symbol): given.follower(k) for k in given.dependent}
 
     def put(x: Scalar) -> Scalar:
-        return whole.algebra.replaced(x, over)
+        return followed(whole.algebra, x, over)
 
     draft = replace(whole, followers=over)
     return replace(
@@ -375,7 +445,8 @@ class Bound:
 
     def contributions(self) -> list[Contribution]:
         """Return the parts of the equations of the independent speeds."""
-        return self._combined() if self.combined else list(self.steps.contributions())
+        found = self._combined() if self.combined else self.steps.contributions()
+        return [replace(c, value=self.bonds.in_place(c.value)) for c in found]
 
     def _combined(self) -> list[Contribution]:
         """Return each equation with those of the speeds that follow, as often as they follow."""
@@ -401,7 +472,7 @@ class Bound:
         bonds = self.bonds
         needed = {k: bonds.over_independent(self.needed(k)) for k in bonds.dependent}
         return [
-            total(needed[d] * bonds.inverse[d][k] for d in bonds.dependent)
+            bonds.in_place(total(needed[d] * bonds.inverse[d][k] for d in bonds.dependent))
             for k in range(len(bonds.kept))
         ]
 

@@ -103,6 +103,8 @@ class ClosedForm:
     """Speeds that constraints determine, over those with equations."""
     multipliers: tuple[Definition, ...] = ()
     """Forces and torques of constraints, over coordinates, speeds and accelerations."""
+    placed: tuple[Definition, ...] = ()
+    """Coordinates that closures give outright; they are put in wherever else they stood."""
 
     @property
     def bonds(self) -> Bonds | None:
@@ -172,9 +174,7 @@ class ClosedForm:
     @cached_property
     def divided(self) -> tuple[Term, ...]:
         """The terms, each divided by the common factor of its equation."""
-        factors = {
-            u.symbol: f for u, f in zip(self.speeds, self.common_factors, strict=True)
-        }
+        factors = {u.symbol: f for u, f in zip(self.speeds, self.common_factors, strict=True)}
         return tuple(
             replace(t, coefficient=quotient(t.coefficient, factors[t.equation]), origins=())
             for t in self.terms
@@ -415,7 +415,9 @@ def chosen_names(tree: Tree, names: Mapping[str, str]) -> dict[Expr, Expr]:
         if old not in known:
             raise unknown_name("coordinate or speed", str(old), known, where)
         if not isinstance(new, str) or not new.isidentifier():
-            raise InputError("not a name", where=where, got=shown_value(new), expected="letters, digits, _")
+            raise InputError(
+                "not a name", where=where, got=shown_value(new), expected="letters, digits, _"
+            )
         if new in taken:
             raise InputError("the name is taken", where=where, got=new)
         taken.add(new)
@@ -428,6 +430,7 @@ def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedFor
     sorted_parts = parts(given, found)
     _refuse_unreadable(given, sorted_parts.values())
     speeds = [given.speeds[k] for k in given.free]
+    put = steps.bonds.in_place if isinstance(steps, Bound) else (lambda x: x)
     terms = []
     for key, part in sorted_parts.items():
         coefficient = write(part.coefficient)
@@ -443,7 +446,7 @@ def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedFor
         speeds=tuple(speeds),
         accelerations=tuple(given.accelerations[k] for k in given.free),
         kinematics=tuple(
-            given.algebra.expression(given.rates.get(q.symbol, 0)) for q in given.variables
+            given.algebra.expression(put(given.rates.get(q.symbol, 0))) for q in given.variables
         ),
         prescribed=tuple(_prescribed(given)),
         terms=tuple(terms),
@@ -458,17 +461,22 @@ def _constraint_parts(steps: Bound, write: Writer) -> dict[str, tuple[Definition
     held = steps.bonds
     pen = by_motion(held.whole, write)
     followers = (
-        Definition(held.whole.speeds[k], pen(held.follower(k))) for k in held.dependent
+        Definition(held.whole.speeds[k], pen(held.in_place(held.follower(k))))
+        for k in held.dependent
     )
+    known = {q.symbol: q for q in held.whole.variables}
+    placed = tuple(Definition(known[q], write(x)) for q, x in held.placed.items())
     forces = zip(held.kept, steps.multipliers, strict=True)
     multipliers = (
         Definition(
-            Quantity(sp.Symbol(f"lambda_{b.name}", real=True), b.component.unit, b.component.meaning),
+            Quantity(
+                sp.Symbol(f"lambda_{b.name}", real=True), b.component.unit, b.component.meaning
+            ),
             pen(x),
         )
         for b, x in forces
     )
-    return {"followers": tuple(followers), "multipliers": tuple(multipliers)}
+    return {"followers": tuple(followers), "multipliers": tuple(multipliers), "placed": placed}
 
 
 def _refuse_unreadable(given: Mechanism, found: Iterable[Part]) -> None:
@@ -493,13 +501,35 @@ def _prescribed(given: Mechanism) -> Iterable[Definition]:
         for k, (q, u) in enumerate(zip(joint.coordinates, joint.speeds, strict=True)):
             if is_number(joint.motion.position[k]):
                 continue
-            q, u = (replace(x, symbol=given.algebra.named(x.symbol)) for x in (q, u))
-            number = numbers[u.symbol]
-            a = Quantity(given.accelerations[number], f"{u.unit}^2", f"rate of {u.name}")
-            yield Definition(q, as_expression(joint.motion.position[k]))
-            yield Definition(u, as_expression(joint.motion.rate[k]))
-            if number not in given.even:
-                yield Definition(a, as_expression(joint.motion.acceleration[k]))
+            place, speed = (replace(x, symbol=given.algebra.named(x.symbol)) for x in (q, u))
+            number = numbers[speed.symbol]
+            a = Quantity(given.accelerations[number], f"{u.unit}^2", f"rate of {speed.name}")
+            yield Definition(place, as_expression(joint.motion.position[k]))
+            yield Definition(speed, as_expression(joint.motion.rate[k]))
+            yield Definition(a, as_expression(joint.motion.acceleration[k]))
+
+
+@typed
+def with_attitude(tree: Tree, attitude: str) -> Tree:
+    """Return a tree whose spherical and free joints have angles of a sequence, for example 3-1-2.
+
+    Raises `InputError` for another sequence, no such joint, and formulas over what is replaced.
+    """
+    turned = [j for j in tree.joints if j.row.attitude]
+    if not turned:
+        raise InputError("no joint has an attitude", where=f"tree {tree.name!r}", got=attitude)
+    joints = tuple(replace(j, attitude=attitude) if j.row.attitude else j for j in tree.joints)
+    found = replace(tree, joints=joints)
+    lost = {q.symbol for j in turned for q in j.coordinates}
+    lost -= {q.symbol for j in joints for q in j.coordinates}
+    used = sorted(str(s) for s in lost & set(symbols_of(tree)))
+    if used:
+        raise InputError(
+            "formulas of the tree are over coordinates that are replaced",
+            where=f"tree {tree.name!r}",
+            got=", ".join(used),
+        )
+    return found
 
 
 @typed

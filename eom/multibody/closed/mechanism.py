@@ -133,19 +133,7 @@ class Mechanism:
 
     def lift(self, x: Any) -> Scalar:
         """Return a value of the description, speeds that follow others over those."""
-        found = self.algebra.lift(x)
-        if self.followers and isinstance(found, Polynomial):
-            generators = self.algebra.generators
-            lost = {generators[g] for g in self.followers}
-            for g in found.used:
-                if g not in self.followers and generators[g].free_symbols & lost:
-                    raise InputError(
-                        "a force is no polynomial in a speed that a constraint determines",
-                        where=self.algebra.where,
-                        got=str(generators[g]),
-                        hint="choose other independent speeds",
-                    )
-        return self.algebra.replaced(found, self.followers)
+        return followed(self.algebra, self.algebra.lift(x), self.followers)
 
     @property
     def forced(self) -> tuple[int, ...]:
@@ -235,18 +223,22 @@ class Trigonometry:
         self.algebra = algebra
 
     def sin(self, x: Scalar) -> Scalar:
+        """Return the sine."""
         return self.algebra.turned(x)[0] if isinstance(x, Polynomial) else self._number(sp.sin, x)
 
     def cos(self, x: Scalar) -> Scalar:
+        """Return the cosine."""
         return self.algebra.turned(x)[1] if isinstance(x, Polynomial) else self._number(sp.cos, x)
 
     def sqrt(self, x: Scalar) -> Scalar:
+        """Raise `InputError`: nothing here has a length."""
         raise InputError("closed forms hold no lengths of springs", got=str(x))
 
     def _number(self, function: Any, x: Scalar) -> Scalar:
         return self.algebra.lift(function(as_expression(x)))
 
     def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:  # noqa: ARG002
+        """Return the value: nothing gets a name."""
         return value
 
 
@@ -441,6 +433,23 @@ class _Building:
             force, torque = (times(transposed(link.seat), v) for v in (force, torque))
         point = link.point(self.vector(load.point))
         return Pull(self.seats[load.body], force, torque, point, load.axes == GROUND)
+
+
+def followed(algebra: Algebra, x: Scalar, followers: Mapping[int, Scalar]) -> Scalar:
+    """Return a scalar with followers in place of their speeds.
+
+    Raises `InputError` where it is no polynomial in them.
+    """
+    lost = {algebra.generators[g] for g in followers}
+    for g in x.used if isinstance(x, Polynomial) else ():
+        if g not in followers and algebra.generators[g].free_symbols & lost:
+            raise InputError(
+                "a force is no polynomial in a speed that a constraint determines",
+                where=algebra.where,
+                got=str(algebra.generators[g]),
+                hint="choose other independent speeds",
+            )
+    return algebra.replaced(x, followers)
 
 
 def _with_rates(tree: Tree, names: Mapping[Expr, Expr]) -> dict[Expr, Expr]:

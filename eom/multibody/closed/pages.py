@@ -31,7 +31,6 @@ from eom.multibody.closed.mechanism import Mechanism, dotted
 from eom.multibody.closed.polynomials import Scalar
 from eom.multibody.closed.readable import KINDS, by_motion
 from eom.multibody.model.model import Tree
-from eom.quantities import TIME
 from eom.typeset.blocks import (
     EQUALS,
     Block,
@@ -106,7 +105,11 @@ def tree_page(
         raise unknown_name("format", style, FORMATS)
     if method not in {*METHODS, "all"}:
         raise unknown_name("method", method, [*METHODS, "all"], f"tree {tree.name!r}")
-    wishes = {"coordinates": coordinates, "names": names, "independent": independent}
+    wishes: dict[str, Any] = {
+        "coordinates": coordinates,
+        "names": names,
+        "independent": independent,
+    }
     if method == "all":
         return show(compare(tree, **wishes), style)
     return show(closed_form(tree, method, **wishes), style)
@@ -133,7 +136,7 @@ def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
 def display_names(form: ClosedForm) -> Names:
     """Return how speeds and accelerations are shown: those of a coordinate q as rates of q.
 
-    A prescribed rate is shown as the symbol that it is, or by its name as a function of time.
+    A prescribed rate is shown as the symbol that it is, or by the name that was chosen.
     """
     found: Names = {}
     given = form.whole
@@ -143,15 +146,8 @@ def display_names(form: ClosedForm) -> Names:
             found[u.symbol] = sp.Symbol(dotted(q), real=True)
             found[a] = sp.Symbol(dotted(dotted(q)), real=True)
     prescribed = {d.symbol: d.expression for d in form.prescribed}
-    forced = [(u.symbol, a) for u, a in zip(given.speeds, given.accelerations, strict=True)]
-    for s, rate in forced:
-        own = prescribed.get(s)
-        if own is not None and own.is_Symbol:
-            found[s] = own
-        elif own is not None and s in given.named and rate in prescribed:
-            found[s] = sp.Function(s.name)(TIME)
-            found[rate] = sp.Function(rate.name)(TIME)
-    return found
+    known = {s: prescribed[s] for u in given.speeds if (s := u.symbol) in prescribed}
+    return found | {s: rate for s, rate in known.items() if rate.is_Symbol}
 
 
 def _variables(form: ClosedForm) -> Iterator[Block]:
@@ -169,9 +165,9 @@ def _variables(form: ClosedForm) -> Iterator[Block]:
     if form.prescribed:
         yield Heading("Prescribed motion")
         lines = (
-            _line(Formula(d.symbol.xreplace(names)), d.expression, names)
+            _line(Row((Formula(d.symbol.xreplace(names)), Words("(t)"))), d.expression, names)
             for d in form.prescribed
-            if d.symbol.xreplace(names) != d.expression
+            if d.expression != 0 and d.symbol.xreplace(names) != d.expression
         )
         yield Display(tuple(lines))
 
@@ -183,7 +179,9 @@ def _remarks(form: ClosedForm) -> Iterator[Block]:
         return
     names = display_names(form)
     yield Heading("Constraints")
-    items = [(Formula(d.symbol.xreplace(names)), "follows the other speeds") for d in form.followers]
+    items: list[tuple[Box, str]] = [
+        (Formula(d.symbol.xreplace(names)), "follows the other speeds") for d in form.followers
+    ]
     items += [(Formula(x.xreplace(names)), "taken to be positive") for x in held.positive]
     items += [
         (Formula(x.xreplace(names)), "must not be zero: there other speeds follow")
@@ -206,15 +204,16 @@ def _derivation(form: ClosedForm) -> Iterator[Steps]:
         yield Steps((note,), (tuple(_stage_lines(stage, names)),))
     last = Note(number + 1, "The equations of motion", "their terms are sorted by kind below")
     yield Steps((last,), (tuple(equation_lines(form)),))
-    for number, (reason, lines) in enumerate(_further(form, names), number + 2):
-        yield Steps((Note(number, reason),), (lines,))
+    for after, (reason, lines) in enumerate(_further(form, names), number + 2):
+        yield Steps((Note(after, reason),), (lines,))
 
 
 def _further(form: ClosedForm, names: Names) -> Iterator[tuple[str, tuple[Line, ...]]]:
     """Yield what follows from the equations: the same divided by common factors, and multipliers."""
     if any(f != 1 for f in form.common_factors):
-        yield "What all terms of an equation share is divided out", tuple(
-            equation_lines(form, form.divided)
+        yield (
+            "What all terms of an equation share is divided out",
+            tuple(equation_lines(form, form.divided)),
         )
     if form.multipliers:
         lines = (_line(Formula(d.symbol), d.expression, names) for d in form.multipliers)
@@ -545,7 +544,9 @@ def _kane(form: ClosedForm, steps: Kane) -> Iterator[Stage]:
         "angular accelerations and accelerations, by differentiation in turning axes",
         _pairs(pen, "alpha", "a", ((n, *steps.accelerations[k]) for k, n in heavy)),
     )
-    yield _generalised(form, steps, pen, "motion", "generalised inertia forces, less their sign", "F*")
+    yield _generalised(
+        form, steps, pen, "motion", "generalised inertia forces, less their sign", "F*"
+    )
     for source, words in _ACTIVE:
         yield _generalised(form, steps, pen, source, words, "F")
 
@@ -632,10 +633,14 @@ def _bound(form: ClosedForm, steps: Bound) -> Iterator[Stage]:
     yield Stage("what is zero between speeds", _zeros(pen, (b.rate for b in held.kept)))
     speeds = [_shown(form)(u.symbol) for u in held.whole.speeds]
     if steps.combined:
-        yield _with_multipliers(form, steps, pen)
+        yield _with_multipliers(steps, pen)
     yield Stage(
         "solved for the speeds that follow",
         _lines((Formula(speeds[k]), pen(held.follower(k))) for k in held.dependent),
+    )
+    yield Stage(
+        "coordinates that closures give outright, put in below",
+        tuple((Formula(d.symbol), d.expression) for d in form.placed),
     )
     if not steps.combined:
         yield from _stages(form, steps.steps)
@@ -656,7 +661,7 @@ def _zeros(pen: _Pen, values: Iterable[Scalar]) -> tuple[tuple[Box, Value], ...]
     return _lines((Formula(sp.S.Zero), pen(x)) for x in values)
 
 
-def _with_multipliers(form: ClosedForm, steps: Bound, pen: _Pen) -> Stage:
+def _with_multipliers(steps: Bound, pen: _Pen) -> Stage:
     """Return the equations of all speeds: forces of constraints, and what they must give."""
     held = steps.bonds
     forces = [sp.Symbol(f"lambda_{b.name}", real=True) for b in held.kept]

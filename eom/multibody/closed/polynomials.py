@@ -122,7 +122,11 @@ class Algebra:
         products = [Polynomial(self, {m: 1}) for m in terms_of(x) if m]
         halves = [h for h in map(_half, products) if h is not None]
         for g in [g for h in halves for g, _ in next(iter(h.terms))]:
-            angle = self.generators[g].args[0] if isinstance(self.generators[g], sp.sin | sp.cos) else None
+            angle = (
+                self.generators[g].args[0]
+                if isinstance(self.generators[g], sp.sin | sp.cos)
+                else None
+            )
             halves += [] if angle is None else list(self.angle(angle))
         ways = (h for h in halves if not isinstance(x - h * h, Polynomial) and x - h * h == 0)
         return next(ways, None)
