@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -117,7 +117,7 @@ def derive(
         else:
             _refuse(name, "equations without --method", {"--explain": explain})
             with waiting_for("deriving"):
-                tree = _tree(name, attitude)
+                tree = tree_of(name, attitude, "--method")
                 angles = _angles(name, tree) if absolute else {}
                 shown = _closed_form(name, tree, method, style, angles, named, independent)
             click.echo(shown)
@@ -126,19 +126,20 @@ def derive(
 _TREES = "scenes of many bodies"
 
 
-def _tree(name: str, attitude: str | None) -> Tree:
-    """Return the tree of a scene. Raises `InputError` for other scenes."""
+def tree_of(name: str, attitude: str | None, what: str) -> Tree:
+    """Return the tree of a scene; ``what`` needs one. Raises `InputError` for other scenes."""
     from eom.multibody.closed import with_attitude
 
     scene = scene_of(name)
     tree = scene.tree
     if tree is None:
-        raise InputError(f"--method is for {_TREES}", where=name, hint="leave out --method")
+        hint = f"leave out {what}" if what.startswith("--") else 'model = "tree" makes one'
+        raise InputError(f"{what} is for {_TREES}", where=name, hint=hint)
     if scene.control.laws:
         raise InputError(
             "the closed form is that of the open loop: laws of control are no part of it",
-            where=f"{name}: --method",
-            hint="leave out --method, or [control]",
+            where=f"{name}: {what}",
+            hint=f"leave out {what}, or [control]",
         )
     return with_attitude(tree, attitude) if attitude else tree
 
@@ -168,14 +169,19 @@ def _closed_form(
     """Return the page of a tree's closed form."""
     from eom.multibody import tree_page
 
+    names = named_pairs(name, named)
+    chosen = angles or None
+    return tree_page(tree, method, style, coordinates=chosen, names=names, independent=independent)
+
+
+def named_pairs(name: str, named: Sequence[str]) -> dict[str, str]:
+    """Return names in place of others. Raises `InputError` for what is no pair."""
     for pair in named:
         if pair.count("=") != 1:
             raise InputError(
                 "not a new name", where=f"{name}: --name", got=pair, expected="OLD=NEW"
             )
-    names = dict(pair.split("=") for pair in named)
-    chosen = angles or None
-    return tree_page(tree, method, style, coordinates=chosen, names=names, independent=independent)
+    return {old.strip(): new.strip() for old, new in (pair.split("=") for pair in named)}
 
 
 def _is_derivation(name: str) -> bool:
