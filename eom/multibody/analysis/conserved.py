@@ -13,7 +13,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations_with_replacement, product
+from itertools import combinations_with_replacement, islice, product
 from typing import Any
 
 import sympy as sp
@@ -69,18 +69,19 @@ def conserved_quantities(
         if isinstance(n, bool) or not isinstance(n, int) or n < 0:
             raise InputError(f"{name} is no whole number from 0 on", where=given.name, got=shown(n))
     ring = _Ring(given)
+    ansatz = [list(islice(ring.functions(n, harmonics, powers), MOST)) for n in range(rates + 1)]
+    if sum(map(len, ansatz)) > MOST:
+        raise InputError(
+            "the ansatz is too large", where=given.name, got=f"over {MOST} functions",
+            expected=f"at most {MOST}", hint="lower rates, harmonics or powers",
+        )  # fmt: skip
     found: list[Conserved] = []
     columns: list[tuple[Expr, Any, Any]] = []
-    for degree in range(rates + 1):
-        columns += [(f, *ring.rate(f)) for f in ring.functions(degree, harmonics, powers)]
-        if len(columns) > MOST:
-            raise InputError(
-                "the ansatz is too large", where=given.name, got=f"{len(columns)} functions",
-                expected=f"at most {MOST}", hint="lower rates, harmonics or powers",
-            )  # fmt: skip
+    for degree, new in enumerate(ansatz):
+        columns += [(f, *ring.rate(f)) for f in new]
         known = [ring.coordinates_of(c, columns) for c in _products(found, degree)]
-        for F in ring.solve(columns, [k for k in known if k is not None]):
-            found.append(Conserved(_proved(given, F), degree))
+        beyond = ring.solve(columns, [k for k in known if k is not None])
+        found += [Conserved(_proved(given, F), degree) for F in beyond]
     return tuple(found)
 
 
@@ -138,7 +139,9 @@ class _Ring:
                          for i, row in enumerate(given.mass.tolist())])
             for k in range(len(given.speeds))
         ]  # fmt: skip
-        rates = {u: tidy(x / whole) for u, x in zip(given.speeds, above, strict=True)}
+        rates = {
+            u: sp.expand_trig(tidy(x / whole)) for u, x in zip(given.speeds, above, strict=True)
+        }
         rates |= {q: given.rate(q) for q in given.occurring}
         pieces = {s: sp.fraction(sp.together(x)) for s, x in rates.items()}
         below = self.lift(sp.S.One)
@@ -206,10 +209,9 @@ class _Ring:
         used = self._support(matrix, len(columns))
         if not used:
             return
-        exact = DomainMatrix(
-            [[row[k] for k in used] for row in matrix], (len(matrix), len(used)), self.ring.domain
-        ) if matrix else None  # fmt: skip
-        kernel = exact.to_field().nullspace().to_Matrix().tolist() if exact is not None else []
+        rows = [[row[k] for k in used] for row in matrix] or [[self.ring.domain.zero] * len(used)]
+        exact = DomainMatrix(rows, (len(rows), len(used)), self.ring.domain)
+        kernel = exact.to_field().nullspace().to_Matrix().tolist()
         span = Echelon(RESIDUES, len(columns))
         point = self._point(1)
         for row in known:

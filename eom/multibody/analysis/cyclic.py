@@ -196,7 +196,7 @@ def _solved(of: Lagrangian, p: Mapping[Expr, Expr]) -> dict[Expr, Expr]:
 
 
 def _prove(of: Lagrangian, found: Routhian, put: Mapping[Expr, Expr]) -> None:
-    """Compare the equations of what is left with those of the whole, accelerations of cyclic ones put in."""
+    """Compare the equations of what is left with those of the whole, cyclic accelerations put in."""
     whole, left = of.equations, found.lagrangian.equations
     names = dict(zip(whole.speeds, whole.accelerations, strict=True))
     over = {**found.lagrangian.rates, **{u: names[u] for u in left.speeds}}

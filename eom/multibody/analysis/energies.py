@@ -7,7 +7,7 @@ prescribed rates that are constant are parameters.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -81,15 +81,10 @@ class Equations:
 
     def with_symbols(self, known: Mapping[Expr, Expr]) -> Equations:
         """Return the same over other symbols."""
-        return Equations(
-            self.name,
-            *(
-                tuple(e.xreplace(dict(known)) for e in part)
-                for part in (self.coordinates, self.kinematics, self.speeds, self.accelerations)
-            ),
-            sp.ImmutableMatrix(self.mass.xreplace(dict(known))),
-            *(tuple(e.xreplace(dict(known)) for e in part) for part in (self.rest, self.closures)),
-        )
+        names = "coordinates", "kinematics", "speeds", "accelerations", "rest", "closures"
+        put = dict(known)
+        made: dict[str, Any] = {n: tuple(e.xreplace(put) for e in getattr(self, n)) for n in names}
+        return replace(self, mass=sp.ImmutableMatrix(self.mass.xreplace(put)), **made)
 
     def symbol(self, name: Any) -> Expr:
         """Return a coordinate or speed by its name. Raises `InputError` for others."""
@@ -168,7 +163,9 @@ class Lagrangian:
         return Lagrangian(
             self.name,
             {q.xreplace(put): u.xreplace(put) for q, u in self.rates.items()},
-            *(e.xreplace(put) for e in (self.kinetic, self.potential, self.dissipation)),
+            self.kinetic.xreplace(put),
+            self.potential.xreplace(put),
+            self.dissipation.xreplace(put),
             {q.xreplace(put): e.xreplace(put) for q, e in self.forces.items()},
         )
 

@@ -174,9 +174,8 @@ def linearised(about: SteadyMotion) -> Linearised:
         for e, m in zip(given.rest, _mass_rows(given), strict=True)
     ]
     rows += [_row(about, paired, columns, -given.rate(q), {q: 1}) for q in alone]
-    parts = [sp.ImmutableMatrix([[x[k] for x in row] for row in rows]) for k in (2, 1, 0)]
-    P = parts[0] * S**2 + parts[1] * S + parts[2]
-    # a speed that is no rate of what occurs has its own column, of one power less
+    M, D, K = (sp.ImmutableMatrix([[x[k] for x in row] for row in rows]) for k in (2, 1, 0))
+    P = M * S**2 + D * S + K  # a speed that is no rate of what occurs has one power less
     whole = sp.Poly(sp.expand(determinant(P.tolist())), S)
     found = [tidy(c) for c in whole.all_coeffs()]
     while found and found[0] == 0:
@@ -188,7 +187,7 @@ def linearised(about: SteadyMotion) -> Linearised:
         found.pop()
         zeros += 1
     monic = tuple(tidy(c / found[0]) for c in found)
-    return Linearised(about, tuple(columns), *parts, monic, zeros)
+    return Linearised(about, tuple(columns), M, D, K, monic, zeros)
 
 
 def _mass_rows(given: Equations) -> list[dict[Expr, Expr]]:

@@ -108,7 +108,7 @@ def _sign(e: Expr) -> int:
 
 
 def condition(given: Expr) -> Expr | bool:
-    """Return what must be positive for ``given`` to be so, in short; or whether it is, where that is known."""
+    """Return what must be positive for ``given`` to be so, in short; a truth where that is known."""
     factors = signed_factors(tidy(given))
     if isinstance(factors, int):
         return factors > 0
