@@ -39,6 +39,8 @@ INNER = frozenset(
         "codegen.ensembles.statistics.Moments",
         "eom.exercises.slips.Around",
         "eom.typeset.letters.Notation",
+        "eom.multibody.closed.bonds.Bonds",
+        "eom.multibody.closed.mechanism.Mechanism",
         "eom.multibody.closed.readable.Writer",
         "eom.multibody.constrained.dependence.Sample",
         "eom.multibody.model.joints.Kind",
@@ -291,8 +293,8 @@ FACTS = {
     ),
     "eom.multibody.linearised": (
         NONE,
-        "signs are those of the source",
-        "signs are those of the source",
+        "SI units, or those of the source",
+        "signs are",
         "Greenwood, Advanced Dynamics (2003)",
     ),
     "eom.multibody.routh": (

@@ -247,6 +247,7 @@ def _multibody():
     ends = {"first": "ground", "second": "bob"}
     wishes = {"coordinates": None, "names": None, "independent": ()}
     energies = m.Lagrangian("o", {y: v}, v**2 / 2, y**2 / 2)
+    left = m.Lagrangian("k", {y: v, k: M}, v**2 / 2 + y**2 * M**2 / 2)
     steady = m.steady_motion(energies, {"y": 0})
     return {
         **{f: (getattr(m, f), {"tree": tree}) for f in (
@@ -331,7 +332,7 @@ def _multibody():
         "equations_of": (m.equations_of, {"source": energies}),
         "lagrangian": (m.lagrangian, {"tree": tree, "names": None}),
         "linearised": (m.linearised, {"about": steady}),
-        "routh": (m.routh, {"of": energies, "coordinates": None}),
+        "routh": (m.routh, {"of": left, "coordinates": None}),
         "small_motion": (m.small_motion, {"source": energies, "order": 1, "about": None}),
         "stability": (m.stability, {"of": m.linearised(steady)}),
         "steady_motion": (m.steady_motion, {"source": energies, "values": None}),

@@ -1,8 +1,8 @@
 """Symbolic analysis: what is cyclic, steady, stable, small and conserved, as formulas.
 
 In: a closed form, or kinetic and potential energy by hand. Out: formulas that were proved.
-Imports: `eom.derivations`, `eom.errors`, `eom.exact`, `eom.fields`, `eom.multibody.closed`,
-`eom.multibody.model`, `eom.quantities`, `eom.system`, `eom.typeset`.
+Imports: `eom.derivations`, `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`,
+`eom.multibody.closed`, `eom.multibody.model`, `eom.quantities`, `eom.typeset`.
 """
 
 from eom.multibody.analysis.conserved import Conserved, conserved_quantities

@@ -30,6 +30,8 @@ from eom.multibody.closed.forms import ClosedForm
 Expr = Any
 MOST = 400
 """Functions of an ansatz."""
+LARGEST = 12
+"""Degree in speeds, sines and cosines, and coordinates."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +52,12 @@ def conserved_quantities(
 ) -> tuple[Conserved, ...]:
     """Return constants of the motion of a stated form, each proved; none of other forms are seen.
 
-    ``rates``: largest degree in the speeds; ``harmonics``: in sines and cosines of coordinates;
-    ``powers``: in coordinates that stand in no sine or cosine. Over the coordinates that occur in the
-    equations and their rates. Products and sums of those found are left out. Raises `InputError` for
-    degrees that are no whole numbers from 0 on, an ansatz too large, and equations that are no
-    quotients of polynomials. Units are those that follow from the source.
-    Source: Whittaker, Analytical Dynamics (1937), ch. XII.
+    ``source``: a closed form, a Lagrangian or equations. ``rates``: largest degree in the speeds;
+    ``harmonics``: in sines and cosines of coordinates; ``powers``: in coordinates that stand in no sine or
+    cosine. Over the coordinates that occur in the equations and their rates. Products and sums of those
+    found are left out. Raises `InputError` for degrees that are no whole numbers from 0 to 12, an ansatz
+    too large, and equations that are no quotients of polynomials; `DerivationError` if a proof failed.
+    Units are those that follow from the source. Source: Whittaker, Analytical Dynamics (1937), ch. XII.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
@@ -66,8 +68,10 @@ def conserved_quantities(
     given = equations_of(source)
     sizes = {"rates": rates, "harmonics": harmonics, "powers": powers}
     for name, n in sizes.items():
-        if isinstance(n, bool) or not isinstance(n, int) or n < 0:
-            raise InputError(f"{name} is no whole number from 0 on", where=given.name, got=shown(n))
+        if isinstance(n, bool) or not isinstance(n, int) or not 0 <= n <= LARGEST:
+            raise InputError(
+                f"{name} is no whole number from 0 to {LARGEST}", where=given.name, got=shown(n)
+            )
     ring = _Ring(given)
     ansatz = [list(islice(ring.functions(n, harmonics, powers), MOST)) for n in range(rates + 1)]
     if sum(map(len, ansatz)) > MOST:

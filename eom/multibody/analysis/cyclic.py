@@ -26,9 +26,10 @@ Expr = Any
 
 @dataclass(frozen=True)
 class Cyclic:
-    """A coordinate that L does not depend on, and its momentum dL/dq' (kg m/s, or kg m^2/s of an angle).
+    """A coordinate that L does not depend on, and its momentum.
 
-    ``rate``: of the momentum; ``reason``: why it is constant, or what changes it.
+    ``coordinate``: its symbol; ``momentum``: dL/dq' (kg m/s, or kg m^2/s of an angle); ``rate``: of
+    the momentum; ``reason``: why it is constant, or what changes it.
     """
 
     coordinate: Expr
@@ -44,10 +45,11 @@ class Cyclic:
 
 @typed
 def cyclic_coordinates(of: Lagrangian) -> tuple[Cyclic, ...]:
-    """Return the cyclic coordinates with their momenta, proved by the derivatives of L.
+    """Return the cyclic coordinates ``of`` a system with their momenta, proved by the derivatives of L.
 
-    Where a damper or another force acts along one, its momentum changes, and that is told. Units and
-    signs are those of the Lagrangian. Source: Goldstein, Classical Mechanics (2002), sec. 2.6.
+    Where a damper or another force acts along one, its momentum changes, and that is told. Raises
+    `DerivationError` if a rearranged formula were not equal. Units and signs are those of the Lagrangian.
+    Source: Goldstein, Classical Mechanics (2002), sec. 2.6.
 
     >>> x, u = sp.symbols("x u", real=True)
     >>> m = sp.Symbol("m", positive=True)
@@ -92,11 +94,12 @@ class Routhian:
 
 @typed
 def routh(of: Lagrangian, coordinates: Sequence[str] | None = None) -> Routhian:
-    """Return Routh's reduction of a system by cyclic coordinates whose momenta are constant.
+    """Return Routh's reduction ``of`` a system by cyclic coordinates whose momenta are constant.
 
     ``coordinates``: their names, by default all; momenta are called ``p_<coordinate>``. That the
     equations of the others are those of the whole system is proved. Raises `InputError` for
-    coordinates that are not cyclic or not conserved, and for none. Units and signs are those of the
+    coordinates that are not cyclic or not conserved, and for none; `DerivationError` if the proof failed.
+    Units and signs are those of the
     Lagrangian. Source: Goldstein, Classical Mechanics (2002), sec. 8.3.
 
     >>> r, u, phi, w = sp.symbols("r u phi w", real=True)

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from eom.derivations.verification import DerivationError
-from eom.errors import InputError, shown, typed
+from eom.errors import InputError, shown, typed, typed_fields
 from eom.exact.identity import equal, vanishes
 from eom.expressions import as_expression
 from eom.multibody.analysis.tidy import tidy
@@ -76,18 +76,18 @@ class Equations:
             seen = [self.rate(q) for q in new]
 
     def rate(self, q: Expr) -> Expr:
-        """Return the rate of a coordinate."""
+        """Return the rate of a coordinate ``q``."""
         return self.kinematics[self.coordinates.index(q)]
 
     def with_symbols(self, known: Mapping[Expr, Expr]) -> Equations:
-        """Return the same over other symbols."""
+        """Return the same over other symbols, ``known`` by those in whose place they are."""
         names = "coordinates", "kinematics", "speeds", "accelerations", "rest", "closures"
         put = dict(known)
         made: dict[str, Any] = {n: tuple(e.xreplace(put) for e in getattr(self, n)) for n in names}
         return replace(self, mass=sp.ImmutableMatrix(self.mass.xreplace(put)), **made)
 
     def symbol(self, name: Any) -> Expr:
-        """Return a coordinate or speed by its name. Raises `InputError` for others."""
+        """Return a coordinate or speed by its ``name``. Raises `InputError` for others."""
         known = {s.name: s for s in (*self.coordinates, *self.speeds)}
         if str(name) not in known:
             raise InputError(
@@ -104,6 +104,7 @@ def depends(e: Expr, symbol: Expr) -> bool:
     return symbol in e.free_symbols and not vanishes(sp.diff(e, symbol))
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Lagrangian:
     """A system by its energies: L = T - V, Rayleigh's function R, and other generalised forces.
@@ -131,12 +132,12 @@ class Lagrangian:
     def __post_init__(self) -> None:
         where = f"Lagrangian {self.name!r}"
         for name in ("kinetic", "potential", "dissipation"):
-            object.__setattr__(self, name, as_expression(getattr(self, name)))
+            object.__setattr__(self, name, _scalar(getattr(self, name), f"{where}: {name}"))
         for name in ("rates", "forces"):
             given = getattr(self, name)
             if not isinstance(given, Mapping):
                 raise InputError(f"{name} are by coordinate", where=where, got=shown(given))
-            made = {as_expression(k): as_expression(v) for k, v in given.items()}
+            made = {as_expression(k): _scalar(v, f"{where}: {name}") for k, v in given.items()}
             object.__setattr__(self, name, made)
         symbols = [*self.rates.keys(), *self.rates.values()]
         if not symbols or len(set(symbols)) < len(symbols) or not all(s.is_Symbol for s in symbols):
@@ -158,7 +159,10 @@ class Lagrangian:
             )  # fmt: skip
 
     def with_symbols(self, known: Mapping[Expr, Expr]) -> Lagrangian:
-        """Return the same over other symbols."""
+        """Return the same over other symbols, ``known`` by those in whose place they are.
+
+        Raises `InputError` where two become one.
+        """
         put = dict(known)
         return Lagrangian(
             self.name,
@@ -186,18 +190,24 @@ class Lagrangian:
 
     @cached_property
     def momenta(self) -> tuple[Expr, ...]:
-        """The conjugate momenta dL/dq'."""
+        """The conjugate momenta dL/dq'. Raises `DerivationError` if one were not written equal."""
         return tuple(tidy(sp.diff(self.expression, u)) for u in self.speeds)
 
     @cached_property
     def energy(self) -> Expr:
-        """Jacobi's integral: the sum of q' dL/dq', less L; T + V where T is quadratic."""
+        """Jacobi's integral: the sum of q' dL/dq', less L; T + V where T is quadratic.
+
+        Raises `DerivationError` if it were not written equal.
+        """
         moved = sum(u * p for u, p in zip(self.speeds, self.momenta, strict=True))
         return tidy(moved - self.expression)
 
     @cached_property
     def equations(self) -> Equations:
-        """d/dt dL/dq' - dL/dq + dR/dq' = Q."""
+        """d/dt dL/dq' - dL/dq + dR/dq' = Q.
+
+        Raises `InputError` where time enters, `DerivationError` if one were not written equal.
+        """
         L = self.expression
         rest = []
         for q, u, p in zip(self.coordinates, self.speeds, self.momenta, strict=True):
@@ -213,11 +223,24 @@ class Lagrangian:
         )
 
 
+def _scalar(given: Any, where: str) -> Expr:
+    """Return an expression. Raises `InputError` for matrices, lists and what is none."""
+    found = as_expression(given)
+    if (
+        not isinstance(found, sp.Expr)
+        or found.is_commutative is False
+        or isinstance(given, list | tuple)
+    ):
+        raise InputError("not an expression", where=where, got=shown(given))
+    return found
+
+
 @typed
 def equations_of(source: ClosedForm | Lagrangian | Equations) -> Equations:
-    """Return the equations of motion of a closed form or Lagrangian.
+    """Return the equations of motion of a ``source``: a closed form or Lagrangian.
 
-    Raises `InputError` where time or inputs drive it. Units and signs are those of the source.
+    Raises `InputError` where time or inputs drive it, `DerivationError` if one were not written equal.
+    Units and signs are those of the source.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> equations_of(Lagrangian("free", {q: u}, u**2 / 2)).mass
@@ -268,7 +291,8 @@ def lagrangian(tree: Tree, *, names: Mapping[str, str] | None = None) -> Lagrang
 
     ``names``: as of `closed_form`. Constraints are allowed that give coordinates outright, such as
     q = R. Raises `InputError` for speeds that are no rates of coordinates, other constraints, and
-    what `closed_form` refuses. Units, frames and signs are those of `closed_form`, as are sources.
+    what `closed_form` refuses; `DerivationError` if the energies gave other equations than the closed
+    form. Units, frames and signs are those of `closed_form`, as are sources.
 
     >>> from eom.multibody import Body, Joint
     >>> m, l, g = sp.symbols("m l g", positive=True)

@@ -43,7 +43,7 @@ def analysis_page(
     harmonics: int = 2,
     positive: Sequence[str] = (),
 ) -> str:
-    """Return what analysis finds of a tree or Lagrangian as a page.
+    """Return what analysis finds of a tree or Lagrangian, the ``source``, as a page.
 
     ``style``: a format of `eom.derivations.derived.FORMATS`. ``names``: as of `closed_form`.
     ``values``: of a steady motion, as of `steady_motion`; ``solve``: symbols that its conditions are

@@ -29,6 +29,8 @@ from eom.multibody.closed.forms import ClosedForm
 Expr = Any
 S = sp.Symbol("s")
 """The variable of characteristic polynomials (1/s)."""
+LARGEST = 20
+"""Order in small changes."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class SteadyMotion:
         """Return it with one of its symbols found from a condition that is linear in it.
 
         ``name``: of a coordinate's or speed's value, or of a parameter. Raises `InputError` where none
-        is linear in it.
+        is linear in it, `DerivationError` if a formula were not written equal.
         """
         for k, c in enumerate(self.conditions):
             for symbol in (s for s in c.free_symbols if s.name == name):
@@ -69,7 +71,7 @@ class SteadyMotion:
 def steady_motion(
     source: ClosedForm | Lagrangian | Equations, values: Mapping[str, Any] | None = None
 ) -> SteadyMotion:
-    """Return the steady motions of a system as equations between what is constant.
+    """Return the steady motions of a ``source`` as equations between what is constant.
 
     ``values``: numbers or expressions by name of coordinates or speeds; a speed that is the rate of a
     coordinate that occurs is zero. Conditions that hold by themselves are left out. Raises `InputError`
@@ -125,8 +127,8 @@ def _factored(e: Expr) -> Expr:
 class Linearised:
     """Linear motion about a steady motion: P(d/dt) z = 0 for small changes z of ``variables``.
 
-    ``variables``: coordinates that occur, and speeds that are not their rates. ``mass``, ``damping``,
-    ``stiffness``: P(s) = mass s^2 + damping s + stiffness; damping holds gyroscopic terms, too.
+    ``about``: the steady motion. ``variables``: coordinates that occur, and speeds that are not their
+    rates. ``mass``, ``damping``, ``stiffness``: P(s) = mass s^2 + damping s + stiffness; damping holds gyroscopic terms, too.
     ``coefficients``: of the characteristic polynomial, the leading one 1, zero roots put aside;
     ``zeros``: how many these are.
     """
@@ -153,11 +155,12 @@ class Linearised:
 
 @typed
 def linearised(about: SteadyMotion) -> Linearised:
-    """Return the linear motion about a steady motion, in symbols.
+    """Return the linear motion ``about`` a steady motion, in symbols.
 
     Conditions of the steady motion that are not solved (`SteadyMotion.solved`) are left as they are: the
-    formulas hold where they do. Raises `InputError` where the mass matrix is singular there. Units and
-    signs are those of the source. Source: Greenwood, Advanced Dynamics (2003), sec. 1.8.
+    formulas hold where they do. Raises `InputError` where the mass matrix is singular there,
+    `DerivationError` if a formula were not written equal. SI units, or those of the source; signs are
+    those of the source. Source: Greenwood, Advanced Dynamics (2003), sec. 1.8.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
@@ -232,7 +235,7 @@ class Stability:
 
 @typed
 def stability(of: Linearised) -> Stability:
-    """Return the conditions of stability of a linear motion as expressions that must be positive.
+    """Return the conditions of stability ``of`` a linear motion as expressions that must be positive.
 
     Factors that are positive by what is known of their symbols are left out, and conditions that hold
     by themselves. Units follow from the coefficients. Source: Hurwitz's determinants, Gantmacher, The
@@ -297,11 +300,11 @@ def small_motion(
     order: int = 1,
     about: Mapping[str, Any] | None = None,
 ) -> SmallMotion:
-    """Return the equations of motion for small coordinates and speeds, to a stated order.
+    """Return the equations of motion of a ``source`` for small coordinates and speeds, to an order.
 
     Coordinates that occur, speeds and accelerations are small of the first order; ``about``: values that
     they are near to, by name, 0 if left out. Every product of up to ``order`` of them is kept: Taylor's
-    series of the equations. Raises `InputError` for an order below one, unknown names, and where
+    series of the equations. Raises `InputError` for an order below one or above 20, unknown names, and where
     the equations have no series. Units and signs are those of the source.
 
     >>> q, u = sp.symbols("q u", real=True)
@@ -310,9 +313,9 @@ def small_motion(
     (-q**3/6 + q + u_dot,)
     """
     given = equations_of(source)
-    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
+    if isinstance(order, bool) or not isinstance(order, int) or not 1 <= order <= LARGEST:
         raise InputError(
-            "the order is no whole number from 1 on", where=given.name, got=shown(order)
+            f"the order is no whole number from 1 to {LARGEST}", where=given.name, got=shown(order)
         )
     near = {given.symbol(n): as_expression(x) for n, x in dict(about or {}).items()}
     scale = sp.Dummy("scale")

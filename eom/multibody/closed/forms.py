@@ -154,7 +154,10 @@ class ClosedForm:
 
     @cached_property
     def reactions(self) -> tuple[Definition, ...]:
-        """The multipliers with the accelerations put in: forces and torques by the state alone."""
+        """The multipliers with the accelerations put in: forces and torques by the state alone.
+
+        Raises `InputError` where one is no expression, as its mass matrix is singular everywhere.
+        """
         known = dict(zip(self.accelerations, self.solved, strict=True))
         return tuple(
             Definition(d.quantity, sp.factor_terms(d.expression.xreplace(known)))
