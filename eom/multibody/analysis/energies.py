@@ -135,8 +135,6 @@ class Lagrangian:
             object.__setattr__(self, name, _scalar(getattr(self, name), f"{where}: {name}"))
         for name in ("rates", "forces"):
             given = getattr(self, name)
-            if not isinstance(given, Mapping):
-                raise InputError(f"{name} are by coordinate", where=where, got=shown(given))
             made = {as_expression(k): _scalar(v, f"{where}: {name}") for k, v in given.items()}
             object.__setattr__(self, name, made)
         symbols = [*self.rates.keys(), *self.rates.values()]

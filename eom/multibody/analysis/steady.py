@@ -128,7 +128,8 @@ class Linearised:
     """Linear motion about a steady motion: P(d/dt) z = 0 for small changes z of ``variables``.
 
     ``about``: the steady motion. ``variables``: coordinates that occur, and speeds that are not their
-    rates. ``mass``, ``damping``, ``stiffness``: P(s) = mass s^2 + damping s + stiffness; damping holds gyroscopic terms, too.
+    rates. ``mass``, ``damping``, ``stiffness``: P(s) = mass s^2 + damping s + stiffness; damping holds
+    gyroscopic terms, too.
     ``coefficients``: of the characteristic polynomial, the leading one 1, zero roots put aside;
     ``zeros``: how many these are.
     """
@@ -304,7 +305,7 @@ def small_motion(
 
     Coordinates that occur, speeds and accelerations are small of the first order; ``about``: values that
     they are near to, by name, 0 if left out. Every product of up to ``order`` of them is kept: Taylor's
-    series of the equations. Raises `InputError` for an order below one or above 20, unknown names, and where
+    series of the equations. Raises `InputError` for an order below 1 or above 20, unknown names, and where
     the equations have no series. Units and signs are those of the source.
 
     >>> q, u = sp.symbols("q u", real=True)
