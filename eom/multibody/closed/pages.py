@@ -61,20 +61,9 @@ from eom.typeset.boxes import (
     symbol,
 )
 from eom.typeset.markup import render
-from eom.typeset.writing import expression_pieces, in_decimals
+from eom.typeset.writing import Names, expression_pieces
 
 Expr = Any
-
-
-class Names(dict[Expr, Expr]):
-    """How symbols are shown, and whether numbers are shown as decimals."""
-
-    decimals = False
-
-    def of(self, value: Expr) -> Expr:
-        """Return an expression, or a matrix, as it is shown."""
-        found = value.xreplace(self)
-        return in_decimals(found) if self.decimals else found
 
 
 @shown.register(ClosedForm)
@@ -196,8 +185,7 @@ def _remarks(form: ClosedForm) -> Iterator[Block]:
     ]
     items += [(Formula(names.of(x)), "taken to be positive") for x in held.positive]
     items += [
-        (Formula(names.of(x)), "must not be zero: there other speeds follow")
-        for x in held.divisors
+        (Formula(names.of(x)), "must not be zero: there other speeds follow") for x in held.divisors
     ]
     items += [(Words(name), "holds by itself, or by the others") for name in held.idle]
     items += [(Formula(d.symbol), f"{d.quantity.meaning} ({d.quantity.unit or 'its own unit'})")
@@ -682,7 +670,9 @@ def _with_multipliers(steps: Bound, pen: _Pen) -> Stage:
         left = sp.Add(
             *(f * pen(b.row[k]) for f, b in zip(forces, held.kept, strict=True) if k in b.row)
         )
-        lines.append((row(*expression_pieces(left)), pen(steps.needed(k))))
+        lines.append(
+            (row(*expression_pieces(display_names(pen.form).of(left))), pen(steps.needed(k)))
+        )
     return Stage(
         "Lagrange's equations with multipliers: forces of constraints along each speed are inertia and "
         "what else resists, less what is applied",
