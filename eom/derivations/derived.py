@@ -259,7 +259,8 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
     sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
     found = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
     seen: set[tuple[str, str]] = set()
-    items = [_quantity(n, notation) for n in found if n.head == "atom"]
+    own = {t for t in derivation.scalars.values() if t.data and t.data[0] in _ANY}
+    items = [_quantity(n, notation) for n in found if n.head == "atom" and n not in own]
     items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
     items += list(_operations(found, notation))
     for box, meaning in items:
@@ -267,6 +268,10 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
         if key not in seen:
             seen.add(key)
             yield box, meaning
+
+
+_ANY = frozenset({"scalar", "coordinate"})
+"""Quantities that are any: of those with a symbol it is said what this is."""
 
 
 def _quantity(term: Term, notation: Notation) -> tuple[Box, str]:
