@@ -8,9 +8,8 @@ nothing can decide, raises `DerivationError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence, Sized
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -18,7 +17,7 @@ import sympy as sp
 from eom.derivations.derived import Derived, Step
 from eom.derivations.refuted import disagreement
 from eom.derivations.verification import FALSE, DerivationError, verify
-from eom.errors import InputError, typed_fields
+from eom.errors import InputError, typed, typed_fields
 from eom.expressions import as_expression
 from eom.terms import rules
 from eom.terms.own import Law, Own, OwnBody, OwnFrame
@@ -40,7 +39,7 @@ from eom.terms.terms import (
 from eom.terms.vocabulary import definition, omega, position, quantity, velocity
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import worlds
-from eom.worlds.own import drawn_with
+from eom.worlds.own import Furnished
 from eom.worlds.worlds import closure
 
 
@@ -130,10 +129,12 @@ class Derivation:
     scalars: dict[Any, Term] = field(default_factory=dict, init=False)
     steps: list[Step] = field(default_factory=list, init=False)
     own: Own = field(default_factory=Own, init=False)
+    _drawn: tuple[tuple[int, ...], Furnished] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         self.only(*self.assumed)
 
+    @typed
     def constants(self, **meanings: str) -> list[Any]:
         """Return new symbols for numbers that do not change, by their names, with what they are in words.
 
@@ -141,6 +142,7 @@ class Derivation:
         """
         return [self._named(n, quantity("scalar", n), words) for n, words in meanings.items()]
 
+    @typed
     def coordinate(self, name: str, words: str, rates: int = 2) -> tuple[Any, ...]:
         """Return a new symbol for what changes with time, and those of its first ``rates`` rates.
 
@@ -159,6 +161,7 @@ class Derivation:
         self.name_scalar(symbol, meaning, words)
         return symbol
 
+    @typed
     def let(self, name: str, value: Any, words: str) -> Any:
         """Return a new symbol that stands for a scalar made of what is known.
 
@@ -167,6 +170,7 @@ class Derivation:
         """
         return self._named(name, as_term(value), words)
 
+    @typed
     def frame(self, name: str, angle: Any, axis: int = 3, base: str = "I") -> None:
         """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad).
 
@@ -179,13 +183,14 @@ class Derivation:
         words = f"frame {name} is turned from {base} about axis {axis} through {row.angle}"
         self._defined(quantity("angular_velocity", name, base), words)
 
+    @typed
     def point(self, name: str, place: Term) -> None:
         """Let a new point have the position ``place`` from the inertial origin.
 
         Raises `DerivationError` for a name that is taken, and for a place that is no vector.
         """
         self._new(name, {*self.own.points, *"OCP", "OI", "OA", "OB", "open", "body", "system"})
-        if as_term(place).kind != VECTOR:
+        if place.kind != VECTOR:
             raise DerivationError("the place of a point is a vector", where=name, got=place.kind)
         self.own.points[name] = place
         self._defined(position(name), f"where {name} is")
@@ -193,7 +198,7 @@ class Derivation:
     def _defined(self, named: Term, words: str) -> None:
         """State what a new quantity is; nothing of it is kept where it has no value."""
         try:
-            for world in drawn_with(self.own, self._carried_scalars(), self.assumed, 1):
+            for world in self._worlds()(self.assumed, 1):
                 Evaluator(world, self.scalars).value(named)
             self.define(named, words)
         except InputError:
@@ -201,6 +206,7 @@ class Derivation:
                 known.pop(named.data[1], None)
             raise
 
+    @typed
     def body(
         self, name: str, mass: Any, place: Term, frame: str = "", moments: Sequence[Any] = ()
     ) -> None:
@@ -224,6 +230,7 @@ class Derivation:
         if name in taken or name in INDICES or not name.isidentifier():
             raise DerivationError("this name is taken, or is none", where=self.name, got=name)
 
+    @typed
     def determine(
         self, equation: Equation, *unknowns: Any, reason: str = "law of the motion"
     ) -> Chain:
@@ -247,6 +254,7 @@ class Derivation:
             self.own.laws.pop()
             raise
 
+    @typed
     def rolls(self, body: str, contact: Term, *unknowns: Any, reason: str = "") -> Chain:
         """Let a body roll on what is at rest: where it touches, it does not move.
 
@@ -267,38 +275,48 @@ class Derivation:
     def _carried(self, equation: Equation) -> Equation:
         return replace(equation, left=self._carry(equation.left), right=self._carry(equation.right))
 
-    def _carried_scalars(self) -> dict[Any, Term]:
-        return {s: self._carry(t) for s, t in self.scalars.items()}
+    def _worlds(self) -> Furnished:
+        """Return worlds with what stands so far: the same as long as nothing new is said."""
+        own = self.own
+        parts: list[Sized] = [self.scalars, own.frames, own.points, own.bodies, own.laws]
+        key = tuple(map(len, parts))
+        if self._drawn is None or self._drawn[0] != key:
+            scalars = {s: self._carry(t) for s, t in self.scalars.items()}
+            self._drawn = key, Furnished(own, scalars)
+        return self._drawn[1]
 
     def _verified(self, equation: Equation, reason: str) -> str:
         where = f"{self.name}: {reason}"
         if equation.relation == ":=" and self.own.meaning(equation.left) == equation.right:
             return "definition"
         defines = equation.relation == ":="
-        scalars = self._carried_scalars()
         shown = equation if defines else self._carried(equation)
-        drawn = partial(drawn_with, self.own, scalars) if self.own else worlds
-        known = self.scalars if defines else scalars
+        drawn = self._worlds()
+        known = self.scalars if defines else drawn.scalars
         try:
-            return verify(shown, self.assumed, known, where=where, drawn=drawn)
+            with_own = drawn if self.own else worlds
+            return verify(shown, self.assumed, known, where=where, drawn=with_own)
         except DerivationError as error:
             if error.what != FALSE:
                 raise
-            why = disagreement(shown, known, self.own, self.assumed)
+            why = disagreement(shown, drawn, self.assumed)
             raise DerivationError(
                 FALSE, where=where, got=error.got, expected=error.expected, hint=why
             ) from None
 
+    @typed
     def assume(self, *names: str) -> None:
         """From here on, take ``names`` for granted. Raises `InputError` for conflicts."""
         closure((*self.assumed, *names))
         self.assumed = tuple(dict.fromkeys((*self.assumed, *names)))
 
+    @typed
     def only(self, *names: str) -> None:
         """From here on, take ``names`` for granted and nothing else."""
         self.assumed = ()
         self.assume(*names)
 
+    @typed
     def define(
         self, named: Term, reason: str, *, label: str = "", states: Iterable[str] = ()
     ) -> Chain:
@@ -315,6 +333,7 @@ class Derivation:
             Equation(named, meaning, ":="), reason, "definition", label=label, states=states
         )
 
+    @typed
     def name_scalar(self, symbol: Any, meaning: Term, reason: str, **options: Any) -> Chain:
         """Let a SymPy symbol stand for a scalar.
 
@@ -331,6 +350,7 @@ class Derivation:
         self.scalars[symbol] = meaning
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
+    @typed
     def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
         """State a law or the meaning of an assumption; it, too, has to hold in the worlds.
 
@@ -338,6 +358,7 @@ class Derivation:
         """
         return self.state(equation, reason, "law", **options)
 
+    @typed
     def state(
         self,
         equation: Equation,
@@ -368,10 +389,12 @@ class Derivation:
         self.steps.append(step)
         return Chain(self, step)
 
+    @typed
     def start(self, term: Term) -> Chain:
         """Return a chain that transforms ``term``; it states nothing yet."""
         return Chain(self, Step("", Equation(term, term), ""))
 
+    @typed
     def recall(self, label: str) -> Chain:
         """Return the chain of a step before by its ``label``. Raises `DerivationError` for unknown ones."""
         for step in self.steps:
@@ -389,6 +412,7 @@ class Derivation:
         inwards = rules.components(frame)
         return chain.both(reason, lambda t: inwards(column(t, frame)), inwards, *applied, **options)
 
+    @typed
     def check(self, equation: Equation, reason: str) -> None:
         """Verify a statement without adding it: that a result is what the steps lead to.
 

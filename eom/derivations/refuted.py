@@ -19,7 +19,7 @@ from eom.terms.own import Own
 from eom.terms.terms import SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import definition
 from eom.worlds.evaluate import Evaluator, flat
-from eom.worlds.own import drawn_with
+from eom.worlds.own import Furnished
 
 Scalars = Mapping[Any, Term]
 Value = Any
@@ -37,12 +37,15 @@ RATES = 2
 """How often laws are differentiated for what is left over."""
 
 
-def disagreement(equation: Equation, scalars: Scalars, own: Own, assumptions: Iterable[str]) -> str:
-    """Return what disagrees in an equation that is false, "" where nothing can be told of it."""
-    shown = _counterexample(equation, scalars, own, tuple(assumptions))
+def disagreement(equation: Equation, drawn: Furnished, assumptions: Iterable[str]) -> str:
+    """Return what disagrees in an equation that is false, "" where nothing can be told of it.
+
+    ``drawn``: worlds with what it is about; ``assumptions``: that are made.
+    """
+    shown = _counterexample(equation, drawn, tuple(assumptions))
     if shown is None:
         return ""
-    rest = _left_over(equation, scalars, own)
+    rest = _left_over(equation, drawn.scalars, drawn.own)
     if rest is None or not _agrees(rest, shown):
         return shown.words([])
     free = set().union(*(e.free_symbols for e in _entries(rest)))
@@ -81,12 +84,12 @@ class _Failing:
 
 
 def _counterexample(
-    equation: Equation, scalars: Scalars, own: Own, assumed: tuple[str, ...]
+    equation: Equation, drawn: Furnished, assumed: tuple[str, ...]
 ) -> _Failing | None:
     """Return a world of real numbers where the sides differ, None where none is found."""
     first = None
     try:
-        for found in _failing(equation, scalars, own, assumed):
+        for found in _failing(equation, drawn, assumed):
             if found.is_plain:
                 return found
             first = first or found
@@ -95,13 +98,12 @@ def _counterexample(
     return first
 
 
-def _failing(
-    equation: Equation, scalars: Scalars, own: Own, assumed: tuple[str, ...]
-) -> Iterator[_Failing]:
+def _failing(equation: Equation, drawn: Furnished, assumed: tuple[str, ...]) -> Iterator[_Failing]:
+    scalars = drawn.scalars
     terms = (equation.left, equation.right)
     used = {s for t in terms for n in nodes(t) if n.head == "expr" for s in n.data[0].free_symbols}
     symbols = tuple(sorted(used & set(scalars), key=sp.default_sort_key))
-    for world in drawn_with(own, scalars, assumed, DRAWS, SIGNED):
+    for world in drawn(assumed, DRAWS, SIGNED):
         evaluator = Evaluator(world, scalars)
         try:
             env = next(evaluator.numberings(frozenset().union(*map(evaluator.labels, terms))))
@@ -219,11 +221,11 @@ class _Written:
         if len(found) != 1:
             raise InputError("this law is not solved", got=highest)
         motions = dict(found[0])
-        for symbol in highest:
+        for lowest in highest:
+            symbol = lowest
             for _ in range(RATES):
-                above = self.rate_of(symbol)
-                motions[above] = self.rate(motions[symbol]).xreplace(motions)
-                symbol = above
+                below, symbol = symbol, self.rate_of(symbol)
+                motions[symbol] = self.rate(motions[below]).xreplace(motions)
         self.motions |= motions
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from typing import Any
 
 import sympy as sp
@@ -42,13 +41,35 @@ def furnished(world: World, own: Own, scalars: Scalars) -> World:
     return _with(world, own, scalars, motions)
 
 
-def drawn_with(
-    own: Own, scalars: Scalars, assumptions: Iterable[str], count: int, field: Field = RESIDUES
-) -> Iterator[World]:
-    """Yield worlds under ``assumptions``, furnished, without those in which a law determines nothing."""
-    for world in worlds(assumptions, count, field):
-        with suppress(Singular):
-            yield furnished(world, own, scalars)
+@dataclasses.dataclass
+class Furnished:
+    """Worlds under assumptions, furnished, each of them made once: what `eom.worlds.generators.worlds` is.
+
+    Those in which a law determines nothing are left out. ``own`` and ``scalars`` are not to change.
+    """
+
+    own: Own
+    scalars: Scalars
+    known: dict[tuple[Any, ...], World | None] = dataclasses.field(default_factory=dict)
+
+    def __call__(
+        self, assumptions: Iterable[str], count: int, field: Field = RESIDUES
+    ) -> Iterator[World]:
+        """Yield at most ``count`` worlds."""
+        assumed = tuple(assumptions)
+        for seed, plain in enumerate(worlds(assumed, count, field)):
+            key = (assumed, seed, field)
+            if key not in self.known:
+                self.known[key] = self._furnished(plain)
+            world = self.known[key]
+            if world is not None:
+                yield world
+
+    def _furnished(self, plain: World) -> World | None:
+        try:
+            return furnished(plain, self.own, self.scalars)
+        except Singular:
+            return None
 
 
 def _with(world: World, own: Own, scalars: Scalars, motions: Motions) -> World:
@@ -170,10 +191,11 @@ def _offsets(names: Sequence[Sequence[str]], orders: Sequence[Mapping[str, int]]
                 raise InputError("a law has to contain what it determines", got=name)
     found = [0] * len(names)
     for _ in range(len(names) * (HIGHEST + 1) + 1):
+        rows = list(zip(found, orders, strict=True))
         wanted = [
-            max(found[k] + orders[k][n] - orders[i][n] for n in own for k in range(len(names)) if orders[k][n] >= 0)
+            max(c + order[n] - orders[i][n] for n in own for c, order in rows if order[n] >= 0)
             for i, own in enumerate(names)
-        ]  # fmt: skip
+        ]
         if wanted == found:
             return found
         found = wanted

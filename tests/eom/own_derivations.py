@@ -1,4 +1,4 @@
-"""Derivations as a user writes them, each in at most 30 lines: by Lagrange, Kane, Newton-Euler, Hamilton."""
+"""Derivations as users write them, each in at most 30 lines: Lagrange, Kane, Newton-Euler, Hamilton."""
 
 from sympy import Rational, cos, pi, sin
 
