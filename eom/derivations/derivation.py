@@ -423,5 +423,11 @@ class Derivation:
     def finish(self, **result: Any) -> Derived:
         """Return the derivation, finished; ``result``: what it gives by name, such as a system."""
         return Derived(
-            self.name, self.title, self.group, tuple(self.steps), dict(self.scalars), result
+            self.name,
+            self.title,
+            self.group,
+            tuple(self.steps),
+            dict(self.scalars),
+            result,
+            self.own.copy(),
         )

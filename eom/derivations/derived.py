@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 from types import EllipsisType
 from typing import Any
@@ -22,6 +22,7 @@ import sympy as sp
 from eom.derivations.verification import Scalars
 from eom.errors import unknown_name
 from eom.system import System
+from eom.terms.own import Own
 from eom.terms.terms import (
     DYADIC,
     SCALAR,
@@ -92,8 +93,8 @@ class Derived:
     """A derivation with its verified steps and its result as SymPy objects by name.
 
     ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
-    mechanics. ``result``: expressions, matrices and systems by name, in SI units. In a notebook it shows
-    itself as a page.
+    mechanics. ``result``: expressions, matrices and systems by name, in SI units. ``own``: frames, points,
+    bodies and laws that it defines. In a notebook it shows itself as a page.
     """
 
     name: str
@@ -102,6 +103,7 @@ class Derived:
     steps: tuple[Step, ...]
     scalars: Scalars
     result: Mapping[str, Any]
+    own: Own = field(default_factory=Own, repr=False)
 
     def __getitem__(self, label: str) -> Step:
         """Return the step with a ``label``. Raises `KeyError`."""
@@ -127,6 +129,16 @@ class Derived:
         `eom.typeset.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
         """
         return Excerpt(self, chosen(self, labels), notation)
+
+    def page(self, style: str = "text", notation: str = "arrow", steps: bool = True) -> str:
+        """Return the derivation as one document.
+
+        ``style``: "text", "latex", "markdown" or "html"; ``notation``: one of
+        `eom.typeset.notation.NOTATIONS` or its aliases, by which frames and vectors are written; ``steps``:
+        whether every step is shown, or the last statement of each chain alone. Raises `InputError` for
+        other styles and notations.
+        """
+        return show_derivation(self, style, notation, steps)
 
     def _repr_markdown_(self) -> str:
 

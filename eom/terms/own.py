@@ -102,6 +102,10 @@ class Own:
     bodies: dict[str, OwnBody] = field(default_factory=dict)
     laws: list[Law] = field(default_factory=list)
 
+    def copy(self) -> Own:
+        """Return the same, apart."""
+        return Own(dict(self.frames), dict(self.points), dict(self.bodies), list(self.laws))
+
     def __bool__(self) -> bool:
         return bool(self.frames or self.points or self.laws)
 
