@@ -78,7 +78,7 @@ class Chain:
         """State ``left = right``, the next member of the chain.
 
         ``right``: a term or SymPy expression; ``reason``: why, in words; ``label``, ``states``: see `then`.
-        Raises `DerivationError` as `then` does.
+        Raises `InputError` for what is neither, `DerivationError` as `then` does.
         """
         return self.then(reason, lambda _: as_term(right), label=label, states=states)
 
@@ -138,7 +138,7 @@ class Derivation:
     def constants(self, **meanings: str) -> list[Any]:
         """Return new symbols for numbers that do not change, by their names, with what they are in words.
 
-        Raises `DerivationError` for a name that has another meaning.
+        ``meanings``: words by name. Raises `InputError` for a name that has another meaning.
         """
         return [self._named(n, quantity("scalar", n), words) for n, words in meanings.items()]
 
@@ -147,7 +147,7 @@ class Derivation:
         """Return a new symbol for what changes with time, and those of its first ``rates`` rates.
 
         ``name``: of the symbol; rates are called name_dot, name_ddot; ``words``: what it is. Raises
-        `DerivationError` for a name that has another meaning.
+        `InputError` for a name that has another meaning.
         """
         found = [self._named(name, quantity("coordinate", name), words)]
         for k in range(1, rates + 1):
@@ -166,7 +166,7 @@ class Derivation:
         """Return a new symbol that stands for a scalar made of what is known.
 
         ``name``: of the symbol; ``value``: a term or SymPy expression, such as a partial derivative;
-        ``words``: what it is. Raises `DerivationError` for a name that has another meaning.
+        ``words``: what it is. Raises `InputError` for a name that has another meaning.
         """
         return self._named(name, as_term(value), words)
 
@@ -174,7 +174,7 @@ class Derivation:
     def frame(self, name: str, angle: Any, axis: int = 3, base: str = "I") -> None:
         """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad).
 
-        Raises `DerivationError` for a name that is taken, and for an axis other than 1, 2, 3.
+        Raises `InputError`, a `DerivationError`, for a name that is taken or an axis other than 1, 2, 3.
         """
         self._new(name, {*self.own.frames, *"IABCS"})
         if axis not in {1, 2, 3}:
@@ -187,7 +187,7 @@ class Derivation:
     def point(self, name: str, place: Term) -> None:
         """Let a new point have the position ``place`` from the inertial origin.
 
-        Raises `DerivationError` for a name that is taken, and for a place that is no vector.
+        Raises `InputError`, a `DerivationError`, for a name that is taken or a place that is no vector.
         """
         self._new(name, {*self.own.points, *"OCP", "OI", "OA", "OB", "open", "body", "system"})
         if place.kind != VECTOR:
@@ -216,7 +216,8 @@ class Derivation:
         principal ones, ``moments``: those of inertia about them through the centre of mass, three; both
         are left out for a point mass. Its ``mass``, ``linear_momentum``, ``angular_momentum``,
         ``kinetic_energy`` and what `eom.terms.own.OF_BODIES` lists besides are quantities from here on.
-        Raises `DerivationError` for a name that is taken, and where frame and moments do not fit.
+        Raises `InputError`, a `DerivationError`, for a name that is taken, and where frame and moments do
+        not fit.
         """
         if len(moments) != 3 * bool(frame):
             expected = "three moments of inertia with a frame, none without"
@@ -259,7 +260,8 @@ class Derivation:
         """Let a body roll on what is at rest: where it touches, it does not move.
 
         ``body``: its name; ``contact``: the vector from its centre of mass to where it touches;
-        ``unknowns``, errors: see `determine`; ``reason``: in words.
+        ``unknowns``: see `determine`; ``reason``: in words. Raises `InputError` as that does, and for
+        what is no body that turns.
         """
         row = self.own.bodies.get(body)
         if row is None or not row.frame:

@@ -55,7 +55,7 @@ class OwnBody:
         return number(1, 2) * dot(omega(self.frame), self.spin) if self.moments else zero("scalar")
 
     def momentum_about(self, point: str, speed: Term) -> Term:
-        """Return the angular momentum about a point where the centre of mass has a ``speed``."""
+        """Return the angular momentum about ``point`` where the centre of mass has a ``speed``."""
         if point == self.name:
             return self.spin
         return add(cross(position(self.name, point), mul(self.mass, speed)), self.spin)

@@ -294,8 +294,28 @@ def _strict(head: str) -> Callable[[Term, Term], Term]:
     return build
 
 
-dot = _strict("dot")
-cross = _strict("cross")
+def dot(a: Term, b: Term) -> Term:
+    """Return the product of vectors and dyadics ``a`` and ``b`` that is written with a point.
+
+    Of two vectors a scalar. Raises `InputError` for terms of other kinds.
+
+    >>> dot(atom("unit", "I", "1", kind=VECTOR), zero(VECTOR)).is_zero
+    True
+    """
+    return _dot(a, b)
+
+
+def cross(a: Term, b: Term) -> Term:
+    """Return the right-handed vector product of ``a`` and ``b``. Raises `InputError` for other kinds.
+
+    >>> cross(atom("unit", "I", "1", kind=VECTOR), zero(VECTOR)).is_zero
+    True
+    """
+    return _cross(a, b)
+
+
+_dot = _strict("dot")
+_cross = _strict("cross")
 outer = _strict("outer")
 matmul = _strict("matmul")
 inner = _strict("inner")
@@ -308,7 +328,14 @@ def _linear(head: str, term: Term, data: tuple[Any, ...] = ()) -> Term:
 
 
 def der(term: Term | Expr, frame: str = INERTIAL, times: int = 1) -> Term:
-    """Return the time derivative as seen from ``frame``; of scalars, columns, matrices: the plain one."""
+    """Return the time derivative of ``term``, a term or SymPy expression, ``times`` over (in SI units).
+
+    ``frame``: from which it is seen, the inertial one unless another is given; of scalars, columns and
+    matrices it is the plain one. Raises `InputError` for what is no term.
+
+    >>> der(sp.Symbol("q")).head
+    'der'
+    """
     term = as_term(term)
     for _ in range(times):
         term = _linear("der", term, (frame if term.kind in {VECTOR, DYADIC} else "",))
@@ -331,12 +358,22 @@ def since(term: Term) -> Term:
 
 
 def partial(term: Term | Expr, variable: Term | Expr) -> Term:
-    """Return the partial derivative of ``term``, a function of coordinates and rates, by one of them."""
+    """Return the partial derivative of ``term``, a function of coordinates and rates, by one of them.
+
+    ``variable``: a symbol; in SI units. Raises `InputError` for what is no scalar.
+
+    >>> partial(sp.Symbol("L"), sp.Symbol("q")).head
+    'partial'
+    """
     return make("partial", (as_term(term), as_term(variable)))
 
 
 def total(term: Term, index: str = "i", over: str = "particles") -> Term:
-    """Return the sum over all particles (or rotors) of a term with the label ``index``."""
+    """Return the sum over all particles (or rotors, ``over``) of a ``term`` with the label ``index``.
+
+    >>> total(atom("mass", "i", kind=SCALAR)).head
+    'sum'
+    """
     return _linear("sum", term, (index, over))
 
 

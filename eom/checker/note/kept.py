@@ -43,12 +43,16 @@ _MARKS = re.compile(r"\*\*\d+\.\*\*|<small>.*?</small>|[*_#]+|\s*—\s*$")
 
 @typed
 def to_note(derivation: Derived, notation: str = "arrow") -> str:
-    """Return a derivation as a note in Markdown, with front matter that says what its symbols mean.
+    """Return a ``derivation`` as a note in Markdown, with front matter that says what its symbols mean.
 
     ``notation``: one of `eom.typeset.notation.NOTATIONS` or its aliases. `eom check` judges the lines of it
     true that its reader knows; results that are no steps, such as a system, are left out. Raises
     `InputError` for other notations, and for a derivation with frames or laws of its own, which no lexicon
     says.
+
+    >>> from eom import derive
+    >>> to_note(derive("tilde-identities")).splitlines()[1]
+    '[check]'
     """
     own = derivation.own
     if own.frames or own.laws:
@@ -71,12 +75,16 @@ def from_note(
     given: Iterable[str] = GIVEN,
     name: str = "",
 ) -> Derived:
-    """Return a note that is judged true as a derivation, each line of it verified again.
+    r"""Return a note that is judged true as a derivation, each line of it verified again.
 
     ``note``, ``notation``, ``lexicon``, ``given``: see `eom.check`; ``name``: of the derivation, the first
     heading as it is spelt in file names where it is left out. Lines that only give a letter a meaning are
     no steps: where the letter stands, what it means is shown. Raises `InputError` for a note with a line
     that is not judged true, or that cannot be verified without the note.
+
+    >>> note = r"# Doubled" + "\n\n" + r"$$ \vec H_C + \vec H_C = 2 \vec H_C $$"
+    >>> from_note(note, notation="arrow-tilde").steps[0].evidence
+    'held in 3 random worlds'
     """
     settings = Settings(notation, str(lexicon), tuple(given))
     whole = judged_note(note_of(note), settings)

@@ -86,7 +86,7 @@ def test_steps_have_reasons_lines_and_assumptions():
     assert {"newton_2", "constant_mass"} <= set(first.assumptions)
     assert first.evidence == "held in 3 random worlds"
     assert "A particle" in d.page("html")
-    assert d.steps[1].reason == "line 24 of the note"
+    assert d.steps[1].reason == "line 23 of the note"
 
 
 CHAIN = r"""$$\begin{aligned}
