@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from eom.checker.infer.books import candidates
 from eom.checker.infer.draft import BOOKS, GUESSED, Proposal, operands_of, symbols_in
+from eom.checker.infer.systems import USUAL
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
 from eom.checker.read.statements import Formula
@@ -46,12 +47,16 @@ def doubts(
         if d.words not in GUESSED
     }
     guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}
+    ties = [t for one in draft.systems for t in one.ties]
+    guessed |= {t.latex: t.words for t in ties if t.words == USUAL}
+    said_of = {t.latex for t in ties if t.words != USUAL}
     used = [dict(_used(f, lexicon)) for f in formulas]
     count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
     every = {p for u in used for p in u}
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     firm = {
         *said,
+        *said_of,
         *draft.confirmed,
         *(own if sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every) else ()),
     }

@@ -102,13 +102,16 @@ def prose(document: Document) -> Prose:
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
             text.append(_marks(formula, mentions, [] if CASE.search(lead) else formulas))
-    whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", "".join(text))
+    whole = _LISTED.sub(r"\1\2 is the ", "".join(text))
+    whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
     sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
     return Prose(
         sentences, tuple(mentions), tuple(s for s, _ in formulas), tuple(n for _, n in formulas)
     )
 
 
+_LISTED = re.compile(rf"((?:^|[.;,:\n]|- )\s*)({LIST})\s*:\s+(?:the |an? )?(?=[a-z])")
+"""A letter in a list of such, with what it is behind a colon."""
 CASE = re.compile(
     r"^(?:finally|for a|in the case)\b|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
     re.IGNORECASE,

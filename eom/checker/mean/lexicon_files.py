@@ -352,6 +352,8 @@ def _entries_of(
     from eom.checker.mean.described import symbols_in
 
     own, usual = symbols_in(given, model, where)
+    if isinstance(given, Mapping) and not given.get("usual", True):
+        usual = [row for row in usual if SLOT.search(row[0])]
     entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
     known = {e.look for e in entries}
     spelt: list[Entry] = []
@@ -370,16 +372,18 @@ def about(
     symbols: Mapping[str, str] | None = None,
     *,
     first: bool = False,
+    usual: bool = True,
 ) -> Lexicon:
     """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
 
     ``system``: the name of one, a scene file, or an object; ``first``: whether its letters go before the
-    entries of the lexicon, as where those are only a draft. Raises `InputError` for systems that are not
-    known and for names that the system has not.
+    entries of the lexicon, as where those are only a draft; ``usual``: whether quantities have their usual
+    letters besides. Raises `InputError` for systems that are not known and for names that the system has
+    not.
     """
     from eom.checker.mean.model import model_from
 
-    given = {"symbols": dict(symbols or {})}
+    given = {"symbols": dict(symbols or {}), "usual": usual}
     model, spelt = _entries_of(model_from(system), given, lexicon.notation, "symbols")
     plain = lexicon.without_system()
     own = 0 if first else 1

@@ -48,6 +48,8 @@ _PLACED = re.compile("centre of mass|origin|^[A-Z] = [A-Z]$")
 """A special case that makes points coincide, which a draft may have taken for each other."""
 MAX_READINGS = 12
 """Other meanings under which a wrong line of a draft is judged again."""
+CREDIBLE = 2
+"""Lines that hold with a system of the draft, by which it is sure."""
 SHOWN = 3
 """Meanings that a verdict rests on and that are told."""
 MAX_SETS = 24
@@ -202,11 +204,17 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         return
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
-    for one, doubted in zip(found, doubts(formulas, hold, known.lexicon, known.draft), strict=True):
-        if one.finding.verdict != WRONG or all(map(_apart, one.verdict.claims)):
+    about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
+    lines = sum(h and a for h, a in zip(hold, about, strict=True))
+    named = settings.system is not None
+    doubted = doubts(formulas, hold, known.lexicon, known.draft)
+    for one, guessed, system in zip(found, doubted, about, strict=True):
+        if one.finding.verdict != WRONG or all(_apart(j, named) for j in one.verdict.claims):
             yield one
             continue
-        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in doubted[:SHOWN]]
+        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
+        if system and not named and lines < CREDIBLE:
+            taken += [f"the note is about {s.name}" for s in known.draft.systems[:1]]
         if _PLACED.search(one.finding.special):
             taken += ["points and frames are as drafted"]
         why = ", ".join(taken) or _excused(one, known.draft, settings)
@@ -215,9 +223,10 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         yield replace(one, finding=unsure) if why else one
 
 
-def _apart(judged: Judged) -> bool:
+def _apart(judged: Judged, named: bool) -> bool:
     """Return whether a verdict rests on no draft: on a system that is named, or on numbers alone."""
-    return covered(judged.claim) or any(f.what == ANOTHER for f in judged.claim.findings)
+    own = named and covered(judged.claim)
+    return own or any(f.what == ANOTHER for f in judged.claim.findings)
 
 
 def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
