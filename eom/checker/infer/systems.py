@@ -235,7 +235,7 @@ def _sized(table: Mapping[str, Any], row: Row, words: str) -> Iterator[Mapping[s
     shapes = [bool(s) and re.search(s, words, re.IGNORECASE) is not None for s in row.shapes]
     order = sorted(range(len(others)), key=lambda k: not shapes[k])
     for k in order:
-        if shapes[k] or not row.shapes[k]:
+        if shapes[k] or not row.shapes[k] or not words.strip():
             yield table if others[k] == name else _replaced(table, name, others[k])
 
 

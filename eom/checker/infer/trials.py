@@ -25,7 +25,7 @@ from eom.checker.infer.systems import (
     spoken,
 )
 from eom.checker.judge.coordinates import covered
-from eom.checker.judge.judge import is_nearly
+from eom.checker.judge.judge import HOLDS, UNDER, WRONG, is_nearly, judge
 from eom.checker.judge.members import of_members
 from eom.checker.judge.systems import LEVELS, agreeing, levelled
 from eom.checker.judge.verdicts import GRAVE
@@ -69,7 +69,7 @@ class Part:
     @cached_property
     def lines(self) -> tuple[tuple[Statement, ...], ...]:
         """Its displays, each as statements."""
-        displays = (f for f in read(self.document) if f.piece.kind == "display")
+        displays = (f for f in read(self.document) if f.piece.kind == "display" and f.relational)
         return tuple(tuple(s for s in f.statements if s.relational) for f in displays)
 
     @cached_property
@@ -162,6 +162,22 @@ class Trials:
         rivals = tuple(t.guess for t in whole if t.held >= best.held)
         return replace(best, guess=replace(best.guess, rivals=rivals))
 
+    def alone(self) -> Trial | None:
+        """Return the system under which lines without words hold, by letters that are usual for it.
+
+        Where they hold under none: the first under which nothing but that can be said of them.
+        """
+        count, lines = self.part.looks
+        failed: Trial | None = None
+        for row, tied, _ in candidates("", (), count, lines):
+            for letters in choices(row, tied):
+                for guess in guesses(row, letters, "", ""):
+                    new = self.trial(guess, deep=True)
+                    if new is not None and new.held == len(self.part.lines):
+                        return new
+                    failed = failed or (new if new is not None and new.failed else None)
+        return failed
+
     def _of_row(self, row: Row, tied: tuple[Tie, ...], name: str) -> Trial | None:
         """Return the best trial of a row: first its letters, then its sizes and how angles are counted.
 
@@ -180,20 +196,30 @@ class Trials:
             best = best if other is None else min(best, other, key=lambda t: t.cost)
         return best
 
-    def trial(self, guess: Guess, lines: frozenset[int] | None = None) -> Trial | None:
-        """Return what holds under a system, of some lines or all; None where it cannot be used."""
+    def trial(
+        self, guess: Guess, lines: frozenset[int] | None = None, *, deep: bool = False
+    ) -> Trial | None:
+        """Return what holds under a system, of some lines or all; None where it cannot be used.
+
+        ``deep``: whether lines on what is derived of the system are judged, too.
+        """
         key = repr((guess.table, guess.ties, lines and sorted(lines)))
         if key not in self.done:
             try:
                 lexicon = guess.added(self.lexicon)
             except InputError:
                 return None
-            self.done[key] = trial(guess, self.part, lexicon, lines)
+            self.done[key] = trial(guess, self.part, lexicon, lines, deep=deep)
         return self.done[key]
 
 
 def trial(
-    guess: Guess, part: Part, lexicon: Lexicon, lines: frozenset[int] | None = None
+    guess: Guess,
+    part: Part,
+    lexicon: Lexicon,
+    lines: frozenset[int] | None = None,
+    *,
+    deep: bool = False,
 ) -> Trial:
     """Return how many lines hold, which fail, how many are left under a system."""
     found: dict[str, set[int]] = {v: set() for v in ("held", "failed", "open")}
@@ -206,25 +232,26 @@ def trial(
             new = claims(statement, lexicon, known)
             known |= defined(new)
             rows += [c for c in new if c.kind == STATEMENT]
-        found[_verdict(rows)].add(number)
+        found[_verdict(rows, deep)].add(number)
     return Trial(guess, len(found["held"]), frozenset(found["failed"]), len(found["open"]), lines)
 
 
-def _verdict(rows: Sequence[Claim]) -> str:
+def _verdict(rows: Sequence[Claim], deep: bool) -> str:
     """Return what is to be said of the claims of a line about a system."""
     about = [c for c in rows if covered(c)]
     if not about:
         return "open"
-    verdicts = {_held(c) for c in about}
+    verdicts = {_held(c, deep) for c in about}
     return next(v for v in ("failed", "open", "held") if v in verdicts)
 
 
-def _held(claim: Claim) -> str:
+def _held(claim: Claim, deep: bool = False) -> str:
     """Return whether a claim holds at a random point of the system's motion, or with another zero of V."""
     if claim.findings:
         return "failed" if claim.verdict in GRAVE else "open"
     if of_members(claim) or is_nearly(claim) or not EQUALITIES.issuperset(claim.relations):
-        return "open"
+        verdict = judge(claim).verdict if deep else ""
+        return {HOLDS: "held", UNDER: "held", WRONG: "failed"}.get(verdict, "open")
     if agreeing(claim) == len(claim.members) - 1:
         return "held"
     other = levelled(claim) if _of_energy(claim) else None
@@ -241,6 +268,9 @@ def _of_energy(claim: Claim) -> bool:
 def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
     """Return the systems that a note is about: of the whole, then of parts that are about another."""
     whole = Trials(Part((), document), lexicon)
+    if not whole.part.words.strip():
+        alone = whole.alone()
+        return (alone.guess,) if alone is not None else ()
     first = whole.best()
     found = [first.guess] if first is not None and _enough(first) else []
     for part in parts(document):
