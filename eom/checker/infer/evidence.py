@@ -7,18 +7,22 @@ lines of a note are right, and a meaning that is not meant makes them fail.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from eom.checker.infer.books import candidates
 from eom.checker.infer.draft import BOOKS, GUESSED, Proposal, operands_of, symbols_in
 from eom.checker.infer.systems import USUAL
+from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
 from eom.checker.read.syntax import Marks
 from eom.checker.read.writing import latex_of
+from eom.terms.terms import Term
+from eom.worlds.solutions import rate
 
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
@@ -63,6 +67,38 @@ def doubts(
     for found, held in zip(used, hold, strict=True):
         unsure = [(p, f) for p, f in found.items() if p not in firm and count[p] - held < LINES]
         yield tuple(Doubt(*f, guessed.get(p, f"preset {draft.preset}")) for p, f in unsure)
+
+
+def uncounted(claim: Claim) -> Iterator[str]:
+    """Yield coordinates that stand in a claim while no law of their system says where they are zero."""
+    model = claim.model
+    if model is None:
+        return
+    laws = frozenset[Any]().union(*(r.free_symbols for r in model.system.rates))
+    bare = {a.data[1] for m in claim.members for a in _bare(m.term, claim.scalars)}
+    for name in model.free_coordinates:
+        if name in bare and model.symbol(name) not in laws:
+            yield name
+
+
+def _bare(term: Term, scalars: Mapping[Any, Term]) -> Iterator[Term]:
+    """Yield the quantities of a system in a term that stand there themselves, not their rates."""
+    if term.head == "atom" and term.data[0] == "system":
+        yield term
+    elif term.head == "expr":
+        for symbol in _outside_rates(term.data[0]):
+            yield from _bare(scalars[symbol], scalars) if symbol in scalars else ()
+    elif term.head != "der":
+        for inside in term.args:
+            yield from _bare(inside, scalars)
+
+
+def _outside_rates(expression: Any) -> Iterator[Any]:
+    if expression.is_Symbol:
+        yield expression
+    elif not isinstance(expression, rate):
+        for inside in expression.args:
+            yield from _outside_rates(inside)
 
 
 def readings(

@@ -53,6 +53,7 @@ class Row:
     words: re.Pattern[str]
     unless: re.Pattern[str] | None
     bare: bool
+    needs: frozenset[str]
     angles: tuple[str, ...]
     optional: frozenset[str]
     sizes: tuple[str, ...]
@@ -148,6 +149,7 @@ def _row(data: Mapping[str, Any], energies: Mapping[str, Any]) -> Row:
         re.compile(data["words"], re.IGNORECASE),
         re.compile(data["unless"], re.IGNORECASE) if "unless" in data else None,
         data.get("bare", False),
+        frozenset(data.get("needs", ())),
         tuple(data.get("angles", ())),
         frozenset(data.get("optional", ())),
         tuple(data.get("sizes", ())),
@@ -376,14 +378,19 @@ def candidates(
             continue
         tied = ties(row, said, lines)
         known = {t.look for t in tied}
+        if match is None and not row.needs <= {t.means for t in tied}:
+            continue
         share = sum(n for k, n in looks.items() if k in known) / max(1, sum(looks.values()))
         if share >= (0.5 if words.strip() else 1):
             found.append((-share, number, row, tied, "" if match is None else match[0]))
     return [(row, tied, name) for *_, row, tied, name in sorted(found, key=lambda f: f[:2])]
 
 
-def guesses(row: Row, tied: tuple[Tie, ...], words: str, name: str) -> Iterator[Guess]:
-    """Yield systems of a row with letters, the likeliest first."""
-    for table in descriptions(row, {t.means for t in tied}, words):
+def guesses(
+    row: Row, tied: tuple[Tie, ...], words: str, name: str, *, turned: bool = True
+) -> Iterator[Guess]:
+    """Yield systems of a row with letters, the likeliest first; ``turned``: with angles either way."""
+    plain = row if turned else replace(row, angles=())
+    for table in descriptions(plain, {t.means for t in tied}, words):
         _TABLES[_key(table)] = table
         yield Guess(row.name, table, tied, name)

@@ -25,7 +25,7 @@ from eom.checker.infer.systems import (
     spoken,
 )
 from eom.checker.judge.coordinates import covered
-from eom.checker.judge.judge import HOLDS, UNDER, WRONG, is_nearly, judge
+from eom.checker.judge.judge import Search, is_nearly, models_of
 from eom.checker.judge.members import of_members
 from eom.checker.judge.systems import LEVELS, agreeing, levelled
 from eom.checker.judge.verdicts import GRAVE
@@ -171,7 +171,7 @@ class Trials:
         failed: Trial | None = None
         for row, tied, _ in candidates("", (), count, lines):
             for letters in choices(row, tied):
-                for guess in guesses(row, letters, "", ""):
+                for guess in guesses(row, letters, "", "", turned=False):
                     new = self.trial(guess, deep=True)
                     if new is not None and new.held == len(self.part.lines):
                         return new
@@ -250,13 +250,23 @@ def _held(claim: Claim, deep: bool = False) -> str:
     if claim.findings:
         return "failed" if claim.verdict in GRAVE else "open"
     if of_members(claim) or is_nearly(claim) or not EQUALITIES.issuperset(claim.relations):
-        verdict = judge(claim).verdict if deep else ""
-        return {HOLDS: "held", UNDER: "held", WRONG: "failed"}.get(verdict, "open")
+        return _at_once(claim) if deep else "open"
     if agreeing(claim) == len(claim.members) - 1:
         return "held"
     other = levelled(claim) if _of_energy(claim) else None
     moved = other is not None and agreeing(replace(claim, model=other)) == len(claim.members) - 1
     return "held" if moved else "failed"
+
+
+def _at_once(claim: Claim) -> str:
+    """Return whether a claim holds without any condition."""
+    try:
+        search = Search(models_of(claim))
+        _, base = search.base
+        said = bool(search.models.said) and not is_nearly(claim)
+        return "held" if said and search.holds(base) else "failed" if said else "open"
+    except InputError:
+        return "open"
 
 
 def _of_energy(claim: Claim) -> bool:

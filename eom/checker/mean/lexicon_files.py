@@ -576,6 +576,7 @@ def slotted(latex: str, where: str) -> str:
     return SLOT.sub(lambda m: rf"\mathtt{{{m[1]}}}", latex)
 
 
+@lru_cache(maxsize=4096)
 def look_of(latex: str, where: str = "") -> Look:
     """Return the look of a pattern. Raises `InputError` for what is not one symbol."""
     tree = read_formula(slotted(latex, where)).tree

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import doubts, readings
+from eom.checker.infer.evidence import doubts, readings, uncounted
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.notes import Understood, reread, understand
@@ -215,6 +215,9 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
         if system and not named and lines < CREDIBLE:
             taken += [f"the note is about {s.name}" for s in known.draft.systems[:1]]
+        if system and not named:
+            free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
+            taken += [f"{n} is counted from where the line needs it" for n in free]
         if _PLACED.search(one.finding.special):
             taken += ["points and frames are as drafted"]
         why = ", ".join(taken) or _excused(one, known.draft, settings)
