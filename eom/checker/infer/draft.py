@@ -141,11 +141,15 @@ def _described(one: Guess) -> Iterator[str]:
 def _inline(value: Any) -> str:
     """Return a value of a description as TOML in one line."""
     if isinstance(value, Mapping):
-        rows = ", ".join(f"{json.dumps(k)} = {_inline(v)}" for k, v in value.items())
+        rows = ", ".join(f"{_key(k)} = {_inline(v)}" for k, v in value.items())
         return f"{{ {rows} }}"
     if isinstance(value, list):
         return f"[{', '.join(map(_inline, value))}]"
     return json.dumps(value)
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name)
 
 
 def _row(draft: Draft) -> str:
@@ -153,7 +157,8 @@ def _row(draft: Draft) -> str:
     words, meaning = printable(draft.words), json.dumps(draft.meaning)
     plain = draft.latex.isprintable() and "'" not in draft.latex
     pattern = f"'{draft.latex}'" if plain else json.dumps(draft.latex)
-    return f"{pattern} = {meaning}  # line {draft.line}: {words}"
+    where = f"line {draft.line}: " if draft.line else ""
+    return f"{pattern} = {meaning}  # {where}{words}"
 
 
 def propose(document: Document) -> Proposal:

@@ -10,8 +10,10 @@ from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import doubts, readings, uncounted
+from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.notes import Understood, reread, understand
@@ -36,6 +38,7 @@ from eom.checker.report.findings import (
     Settings,
     decided_by,
 )
+from eom.checker.report.questions import Question
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds.worlds import closure
@@ -113,7 +116,21 @@ def check_note(note: Note, settings: Settings) -> Report:
         found = found if settings.strict else tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
-    return _report(document, known, settings, [*(f.finding for f in found), *words])
+        open_ = _questions(found, known)
+    report = _report(document, known, settings, [*(f.finding for f in found), *words])
+    return replace(report, questions=open_)
+
+
+def _questions(found: Sequence[Found], known: Meanings) -> tuple[Question, ...]:
+    """Return what may be asked so that more lines are decided; nothing where a lexicon was given."""
+    if known.draft is None:
+        return ()
+    lines = [
+        (f.understood.formula, f.understood.lexicon, f.finding.verdict == UNSURE)
+        for f in found
+        if f.finding.verdict in {UNDECIDED, UNSURE} and f.finding.kind == "display"
+    ]
+    return questions(lines, known.draft)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
@@ -341,6 +358,15 @@ def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
     return NOWHERE
 
 
+def _drafts(draft: Proposal) -> Iterator[str]:
+    """Yield the meanings that were taken, with the words or the custom that they come from."""
+    for one in draft.systems:
+        where = f", under {' and '.join(one.headings)}" if one.headings else ""
+        yield f"the note is about {one.name}{where} ({one.words or USUAL})"
+        yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
+    yield from (f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
+
+
 def _report(
     document: Document, known: Meanings, settings: Settings, found: Sequence[Finding]
 ) -> Report:
@@ -353,9 +379,7 @@ def _report(
         document.name,
         tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),
         known.origin,
-        tuple(f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
-        if draft
-        else (),
+        tuple(_drafts(draft)) if draft else (),
         tuple(latex for latex, _ in draft.unplaced) if draft else (),
         settings.given,
         tuple(Remark("not read", f.what, f.line) for f in document.findings),
