@@ -344,11 +344,13 @@ def ties(row: Row, said: Sequence[Spoken], looks: Mapping[Look, int]) -> tuple[T
 def _momenta(row: Row, found: Mapping[str, Tie], looks: Mapping[Look, int]) -> Iterator[Tie]:
     """Yield momenta and generalised forces with the letter of a coordinate below."""
     taken = {t.look for t in found.values()}
+    alone = len(row.table["coordinates"]) == 1
     for name in row.table["coordinates"]:
         for letter in "pQ" if name in found else "":
-            look = _look(f"{letter}_{{{found[name].latex}}}")
-            if look in looks and look not in taken:
-                yield Tie(look, f"{letter}_{name}", USUAL, looks[look])
+            below = _look(f"{letter}_{{{found[name].latex}}}")
+            written = [k for k in (below, Look(letter)) if k in looks and k not in taken]
+            if written and (alone or written[0] == below):
+                yield Tie(written[0], f"{letter}_{name}", USUAL, looks[written[0]])
 
 
 def choices(row: Row, first: tuple[Tie, ...]) -> Iterator[tuple[Tie, ...]]:

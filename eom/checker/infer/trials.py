@@ -39,7 +39,7 @@ from eom.checker.read.syntax import Node, Number, children
 from eom.errors import InputError
 
 ENOUGH = 2
-"""Lines that have to hold for a system to be taken; one, where there are no more than two."""
+"""Lines that have to hold for a system to be taken; one, where fewer fail."""
 SILENT = frozenset({"t", "d", "pi", "infty"})
 
 
@@ -295,5 +295,4 @@ def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
 
 def _enough(one: Trial) -> bool:
     """Return whether lines hold that make a system credible."""
-    lines = one.held + len(one.failed) + one.open
-    return one.held >= min(ENOUGH, max(1, lines - 1))
+    return one.held >= (1 if one.held > len(one.failed) else ENOUGH)
