@@ -298,12 +298,22 @@ def spoken(text: Prose, sayings: Iterable[Said]) -> tuple[Spoken, ...]:
             noun = words = re.split(r"[;(]|, (?=⟦)", one.words)[0]
         words = _BOTH.sub(r"\1 energy and \2 energy", words)
         each = re.split(r",? and |, ", words) if len(one.of) > 1 else [words]
-        each = each if len(each) == len(one.of) else [words] * len(one.of)
+        each = list(_whole(each)) if len(each) == len(one.of) else [words] * len(one.of)
         for mention, own in zip(one.of, each, strict=True):
             shown = text.shown(own)
             near = text.shown(noun) if one.before else shown[:HEAD]
             found.append(Spoken(mention.look, shown, mention.line, not one.before, near))
     return tuple(found)
+
+
+_OF = re.compile(r"\s*(?:about|of|in|on|from|at|along|after|before|to)\b")
+
+
+def _whole(each: Sequence[str]) -> Iterator[str]:
+    """Yield items of a list; one that begins with a preposition goes on with the noun of the first."""
+    noun = _OF.split(each[0])[0]
+    for item in each:
+        yield f"{noun} {item}" if _OF.match(item) else item
 
 
 def _rate(letter: Letter, one: Spoken) -> float:

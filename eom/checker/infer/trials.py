@@ -40,7 +40,8 @@ from eom.errors import InputError
 
 ENOUGH = 2
 """Lines that have to hold for a system to be taken; one, where fewer fail."""
-SILENT = frozenset({"t", "d", "pi", "infty"})
+SILENT = frozenset({"t", "pi", "infty"})
+"""Letters that mean the same everywhere."""
 
 
 @dataclass(frozen=True)
