@@ -173,8 +173,16 @@ def _look(latex: str) -> Look:
 
 _OPEN = frozenset("gravity potential forces bodies springs reactions values motions".split())
 """Keys under which names stand in formulas."""
-_TURNS = ("{0}", "{0} + pi", "pi/2 - {0}", "{0} + pi/2")
-"""An angle from the downward vertical, the upward one, the horizontal from above and from below."""
+_TURNS = (
+    ("{0}", "{1}", "{2}", ""),
+    ("({0} + pi)", "(-{1})", "(-{2})", ""),
+    ("(pi/2 - {0})", "{2}", "{1}", "-"),
+    ("({0} + pi/2)", "{2}", "(-{1})", ""),
+)
+"""An angle counted from the downward vertical, the upward one, up and down from the horizontal.
+
+Itself, its sine, its cosine, the sign of its rate; by the angle, its sine and its cosine.
+"""
 
 
 def _key(table: Mapping[str, Any]) -> str:
@@ -245,16 +253,27 @@ def _turned(table: Mapping[str, Any], angles: Sequence[str]) -> Iterator[Mapping
     if not angles:
         yield table
         return
-    for sign, turn in product(("", "-"), _TURNS):
-        found = dict(table)
+    for turn, back in product(_TURNS, (False, True)):
+        found: Any = {k: v for k, v in table.items() if k in _OPEN}
         for name in angles:
-            if sign:
-                found = _replaced(found, f"{name}_dot", f"-{name}_dot")
-            if sign or turn != "{0}":
-                found = _replaced(found, name, turn.format(f"({sign}{name})"))
-            if "- {0}" in turn:
-                found = _replaced(found, f"{name}_dot", f"-{name}_dot")
-        yield found
+            found = _by_angle(found, name, turn, "-" if back else "")
+        yield {**table, **found}
+
+
+def _by_angle(value: Any, name: str, turn: tuple[str, ...], back: str) -> Any:
+    """Return a description with an angle counted in another way; ``back``: "-" for the other sense."""
+    given = (f"({back}{name})", f"({back}sin({name}))", f"cos({name})")
+    angle, sine, cosine = (t.format(*given) for t in turn[:3])
+    rate = f"({turn[3]}{back}{name}_dot)".replace("--", "")
+    by = {f"sin({name})": sine, f"cos({name})": cosine, f"{name}_dot": rate, name: angle}
+    pattern = rf"\b(?:sin\({name}\)|cos\({name}\)|{name}(?:_dot)?\b(?!_))"
+    if isinstance(value, str):
+        return re.sub(pattern, lambda m: by[m[0]], value)
+    if isinstance(value, list):
+        return [_by_angle(v, name, turn, back) for v in value]
+    if isinstance(value, Mapping):
+        return {k: _by_angle(v, name, turn, back) for k, v in value.items()}
+    return value
 
 
 # -- letters -------------------------------------------------------------------------------------

@@ -184,7 +184,9 @@ class Trials:
 
         What else may be meant is tried on the lines that fail.
         """
-        first = next(guesses(row, tied, self.part.words, name))
+        first = next(guesses(row, tied, self.part.words, name), None)
+        if first is None:
+            return None
         letters = [self.trial(replace(first, ties=t)) for t in islice(choices(row, tied), 4)]
         best = min((t for t in letters if t is not None), key=lambda t: t.cost, default=None)
         if best is None:
