@@ -134,7 +134,7 @@ def _described(one: Guess) -> Iterator[str]:
         why = f"the note says: {printable(one.words)}" if one.words else USUAL
         yield from ("", f"[{scope}system]  # {one.name}; {why}")
         yield from (f"{k} = {_inline(v)}" for k, v in one.table.items())
-        yield from ("usual = false", f"[{scope}system.symbols]")
+        yield from ("usual = false", "first = true", f"[{scope}system.symbols]")
         yield from (_row(Draft("symbols", t.latex, t.means, t.words, t.line)) for t in one.ties)
 
 
@@ -244,11 +244,9 @@ class _Drafted:
         return with_systems(lexicon, self.systems)
 
     def by_systems(self, document: Document) -> None:
-        """Take the systems that the note is about; letters of theirs stand for nothing else."""
+        """Take the systems that the note is about; other meanings of their letters hold elsewhere."""
         self.systems = systems(document, self.lexicon)
-        looks = [t.look for one in self.systems if not one.headings for t in one.ties]
         if self.systems:
-            self.drafts = {k: d for k, d in self.drafts.items() if not _names_any(d, looks)}
             self.settle()
 
     def by_words(self) -> None:
@@ -384,14 +382,6 @@ def _reads(draft: Draft) -> bool:
     except InputError:
         return False
     return True
-
-
-def _names_any(draft: Draft, looks: Iterable[Look]) -> bool:
-    """Return whether an entry for symbols gives one of some looks a meaning."""
-    if draft.table != "symbols":
-        return False
-    own = lexicon_of({"symbols": {draft.latex: draft.meaning}}, DRAFT)[0]
-    return any(own.find(k) is not None for k in looks)
 
 
 def _by_words(text: Prose, sayings: tuple[Said, ...]) -> Iterator[Draft]:

@@ -111,7 +111,7 @@ class Guess:
     @property
     def whole(self) -> Mapping[str, Any]:
         """The table of the system as it stands in a lexicon."""
-        return {**self.table, "usual": False, "symbols": dict(self.symbols)}
+        return {**self.table, "usual": False, "first": True, "symbols": dict(self.symbols)}
 
     def model(self) -> Model:
         """Return the system."""
@@ -302,6 +302,8 @@ _NOUN = re.compile(
     re.IGNORECASE,
 )
 """What letters stand for, in general."""
+SHARE = 0.4
+"""Of the places of symbols in displays, how many a system has to know."""
 HEAD = 60
 """Characters of what is said of a letter in which the noun stands that it is."""
 
@@ -320,7 +322,7 @@ def spoken(text: Prose, sayings: Iterable[Said]) -> tuple[Spoken, ...]:
         each = list(_whole(each)) if len(each) == len(one.of) else [words] * len(one.of)
         for mention, own in zip(one.of, each, strict=True):
             shown = text.shown(own)
-            near = text.shown(noun) if one.before else shown[:HEAD]
+            near = text.shown(noun) if one.before else shown[:HEAD].split(", ")[0]
             found.append(Spoken(mention.look, shown, mention.line, not one.before, near))
     return tuple(found)
 
@@ -367,10 +369,16 @@ def ties(row: Row, said: Sequence[Spoken], looks: Mapping[Look, int]) -> tuple[T
     for *_, look, means, words, line in sorted(rated, key=lambda r: (-r[0], -r[1], r[2].text)):
         if means not in found and all(t.look != look for t in found.values()):
             found[means] = Tie(look, means, words, line)
-    return (*found.values(), *_momenta(row, found, looks))
+    return (*found.values(), *_momenta(row, found, said, looks))
 
 
-def _momenta(row: Row, found: Mapping[str, Tie], looks: Mapping[Look, int]) -> Iterator[Tie]:
+_CONJUGATE = {"p": "moment", "Q": "force"}
+"""Words beside the momentum of a coordinate, and beside its generalised force."""
+
+
+def _momenta(
+    row: Row, found: Mapping[str, Tie], said: Sequence[Spoken], looks: Mapping[Look, int]
+) -> Iterator[Tie]:
     """Yield momenta and generalised forces with the letter of a coordinate below."""
     taken = {t.look for t in found.values()}
     alone = len(row.table["coordinates"]) == 1
@@ -379,7 +387,9 @@ def _momenta(row: Row, found: Mapping[str, Tie], looks: Mapping[Look, int]) -> I
             below = _look(f"{letter}_{{{found[name].latex}}}")
             written = [k for k in (below, Look(letter)) if k in looks and k not in taken]
             if written and (alone or written[0] == below):
-                yield Tie(written[0], f"{letter}_{name}", USUAL, looks[written[0]])
+                told = (s for s in said if s.look == written[0] and _CONJUGATE[letter] in s.words)
+                own = next(((s.words, s.line) for s in told), (USUAL, looks[written[0]]))
+                yield Tie(written[0], f"{letter}_{name}", *own)
 
 
 def choices(row: Row, first: tuple[Tie, ...]) -> Iterator[tuple[Tie, ...]]:
@@ -412,7 +422,7 @@ def candidates(
         if match is None and not row.needs <= {t.means for t in tied}:
             continue
         share = sum(n for k, n in looks.items() if k in known) / max(1, sum(looks.values()))
-        if share >= (0.5 if words.strip() else 1):
+        if share >= (SHARE if words.strip() else 1):
             found.append((-share, number, row, tied, "" if match is None else match[0]))
     return [(row, tied, name) for *_, row, tied, name in sorted(found, key=lambda f: f[:2])]
 

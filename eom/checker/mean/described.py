@@ -71,7 +71,7 @@ from eom.worlds.solutions import rate
 
 _OWN: dict[str, type] = {
     "assume": list, "symbols": dict, "values": dict, "motions": dict, "functions": dict,
-    "usual": bool,
+    "usual": bool, "first": bool,
 }  # fmt: skip
 _KEYS: dict[str, type] = {"is": str, "attitude": str, "point": str, **_OWN}
 

@@ -332,11 +332,13 @@ def lexicon_of(
     notation = reader.notation(data, base.notation)
     own = tuple(reader.entries(data, notation))
     system, spelt = reader.system(data, notation, folder)
+    about = data.get("system")
+    first = isinstance(about, Mapping) and about.get("first", False)
     lexicon = Lexicon(
         notation,
         {**base.frames, **reader.names(data, "frames")},
         {**base.points, **reader.names(data, "points")},
-        (own, *spelt, *base.layers),
+        (*spelt, own, *base.layers) if first else (own, *spelt, *base.layers),
         tuple(reader.scopes(data, notation, folder)),
         system,
         reader.assumed(data),
