@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -38,6 +38,11 @@ class Letter:
     means: str
     usual: tuple[Look, ...]
     words: re.Pattern[str]
+
+    @property
+    def derived(self) -> bool:
+        """Whether it is a value in a motion of the system, which has no rate."""
+        return re.search(r" (?:at|of|before|after) ", self.means) is not None
 
     @property
     def marked(self) -> bool:
@@ -343,27 +348,32 @@ def _rate(letter: Letter, one: Spoken) -> float:
     if match is None or letter.marked != bool(one.look.accents or one.look.style):
         return 0
     rank = letter.usual.index(one.look) if one.look in letter.usual else -1
-    derived = re.search(r" (?:at|of|before|after) ", letter.means) is not None
-    if rank < 0 and (derived or letter.words.search(one.noun) is None):
+    if rank < 0 and (letter.derived or letter.words.search(one.noun) is None):
         return 0
     own = 3 - rank / 100 if rank >= 0 else 1.5 if one.told else 0.8
     return own + min(len(match[0]), 60) / 200 - match.start() / 500
 
 
-def ties(row: Row, said: Sequence[Spoken], looks: Mapping[Look, int]) -> tuple[Tie, ...]:
+def ties(
+    row: Row,
+    said: Sequence[Spoken],
+    looks: Mapping[Look, int],
+    dotted: Container[Look] = frozenset(),
+) -> tuple[Tie, ...]:
     """Return letters with the quantities of a row: by words first, then those that are usual.
 
-    A letter of which words say something else is not taken for what it usually is.
+    A letter of which words say something else is not taken for what it usually is; one with a dot
+    (``dotted``) is no value in a motion.
     """
     other = {s.look for s in said if s.told and _NOUN.search(s.noun)}
     rated: list[tuple[float, int, Look, str, str, int]] = []
     for number, letter in enumerate(row.letters):
         for one in (s for s in said if s.look in looks):
             rate = _rate(letter, one)
-            if rate > 0:
+            if rate > 0 and not (letter.derived and one.look in dotted):
                 rated.append((rate, -number, one.look, letter.means, one.words, one.line))
         for n, look in enumerate(() if letter.means in MATRICES else letter.usual):
-            if look in looks and look not in other:
+            if look in looks and look not in other and not (letter.derived and look in dotted):
                 rated.append((1 - n / 100, -number, look, letter.means, USUAL, looks[look]))
     found: dict[str, Tie] = {}
     for *_, look, means, words, line in sorted(rated, key=lambda r: (-r[0], -r[1], r[2].text)):
@@ -409,7 +419,11 @@ def choices(row: Row, first: tuple[Tie, ...]) -> Iterator[tuple[Tie, ...]]:
 
 
 def candidates(
-    words: str, said: Sequence[Spoken], looks: Counter[Look], lines: Mapping[Look, int]
+    words: str,
+    said: Sequence[Spoken],
+    looks: Counter[Look],
+    lines: Mapping[Look, int],
+    dotted: Container[Look] = frozenset(),
 ) -> list[tuple[Row, tuple[Tie, ...], str]]:
     """Return the rows that words name, with letters, those first that know most places of a note."""
     found = []
@@ -417,7 +431,7 @@ def candidates(
         match = row.named(words) if words.strip() else None
         if match is None and (words.strip() or not row.bare):
             continue
-        tied = ties(row, said, lines)
+        tied = ties(row, said, lines, dotted)
         known = {t.look for t in tied}
         if match is None and not row.needs <= {t.means for t in tied}:
             continue

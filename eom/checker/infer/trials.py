@@ -35,7 +35,7 @@ from eom.checker.mean.values import Value, atoms_in
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.statements import Statement, read
 from eom.checker.read.symbol_shape import Look, seen
-from eom.checker.read.syntax import Node, Number, children
+from eom.checker.read.syntax import Node, Number, children, walk
 from eom.errors import InputError
 
 ENOUGH = 2
@@ -72,6 +72,13 @@ class Part:
         """Its displays, each as statements."""
         displays = (f for f in read(self.document) if f.piece.kind == "display" and f.relational)
         return tuple(tuple(s for s in f.statements if s.relational) for f in displays)
+
+    @cached_property
+    def dotted(self) -> frozenset[Look]:
+        """Its symbols that stand with a dot."""
+        members = (m for line in self.lines for s in line for m in s.members)
+        found = (seen(n) for m in members for n in walk(m))
+        return frozenset(s.look for s in found if s is not None and s.dots)
 
     @cached_property
     def looks(self) -> tuple[Counter[Look], Mapping[Look, int]]:
@@ -150,7 +157,7 @@ class Trials:
         Once most lines hold under a system no other is tried.
         """
         count, lines = self.part.looks
-        found = candidates(self.part.words, self.part.said, count, lines) if count else []
+        found = self._candidates(count, lines) if count else []
         best: Trial | None = None
         for row, tied, name in found[:MAX_ROWS]:
             new = self._of_row(row, tied, name)
@@ -163,6 +170,12 @@ class Trials:
         rivals = tuple(t.guess for t in whole if t.held >= best.held)
         return replace(best, guess=replace(best.guess, rivals=rivals))
 
+    def _candidates(
+        self, count: Counter[Look], lines: Mapping[Look, int]
+    ) -> list[tuple[Row, tuple[Tie, ...], str]]:
+        part = self.part
+        return candidates(part.words, part.said, count, lines, part.dotted)
+
     def alone(self) -> Trial | None:
         """Return the system under which lines without words hold, by letters that are usual for it.
 
@@ -170,7 +183,7 @@ class Trials:
         """
         count, lines = self.part.looks
         failed: Trial | None = None
-        for row, tied, _ in candidates("", (), count, lines):
+        for row, tied, _ in candidates("", (), count, lines, self.part.dotted):
             for letters in choices(row, tied):
                 for guess in guesses(row, letters, "", "", turned=False):
                     new = self.trial(guess, deep=True)
