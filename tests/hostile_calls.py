@@ -245,6 +245,10 @@ def _multibody():
     )
     tree = m.Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -9.81))
     ends = {"first": "ground", "second": "bob"}
+    wishes = {"coordinates": None, "names": None, "independent": ()}
+    energies = m.Lagrangian("o", {y: v}, v**2 / 2, y**2 / 2)
+    left = m.Lagrangian("k", {y: v, k: M}, v**2 / 2 + y**2 * M**2 / 2)
+    steady = m.steady_motion(energies, {"y": 0})
     return {
         **{f: (getattr(m, f), {"tree": tree}) for f in (
             "mass_matrix", "inverse_dynamics", "forward_dynamics", "centre_of_mass", "energies",
@@ -314,8 +318,27 @@ def _multibody():
         "base_parameters": (m.base_parameters, {
             "tree": tree, "armature": False, "damping": False, "coulomb": False, "seed": 0,
         }),
-        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", "coordinates": None}),
-        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), "coordinates": None}),
+        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", **wishes}),
+        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), **wishes}),
+        "Lagrangian": (m.Lagrangian, {
+            "name": "o", "rates": {y: v}, "kinetic": v**2 / 2, "potential": y**2 / 2, "dissipation": 0,
+            "forces": {},
+        }),
+        "analysis_page": (m.analysis_page, {
+            "source": tree, "style": "text", "names": None, "values": None, "solve": (), "order": 3,
+            "rates": 2, "harmonics": 2, "positive": (),
+        }),
+        "conserved_quantities": (m.conserved_quantities, {
+            "source": energies, "rates": 2, "harmonics": 2, "powers": 2,
+        }),
+        "cyclic_coordinates": (m.cyclic_coordinates, {"of": energies}),
+        "equations_of": (m.equations_of, {"source": energies}),
+        "lagrangian": (m.lagrangian, {"tree": tree, "names": None}),
+        "linearised": (m.linearised, {"about": steady}),
+        "routh": (m.routh, {"of": left, "coordinates": None}),
+        "small_motion": (m.small_motion, {"source": energies, "order": 1, "about": None}),
+        "stability": (m.stability, {"of": m.linearised(steady)}),
+        "steady_motion": (m.steady_motion, {"source": energies, "values": None}),
         "derive": (m.derive, {
             "tree": tree, "outputs": (), "invariants": False, "start": None, "independent": None,
             "multipliers": None,
@@ -323,7 +346,7 @@ def _multibody():
         "examine": (m.examine, {"tree": tree, "start": None}),
         "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
-            "tree": tree, "method": "lagrange", "style": "text", "coordinates": None,
+            "tree": tree, "method": "lagrange", "style": "text", **wishes,
         }),
     }  # fmt: skip
 

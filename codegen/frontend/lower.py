@@ -26,7 +26,16 @@ from codegen.frontend import removable_singularities as removable
 from codegen.ir import compile_progress, fold
 from codegen.ir.linsolve import Shape
 from codegen.ir.passes import prune
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Builder, Name, Program
+from codegen.ir.program import (
+    INVARIANTS,
+    OUTPUTS,
+    RATES,
+    SAMPLES,
+    SINGULARITIES,
+    Builder,
+    Name,
+    Program,
+)
 from codegen.ir.residues import vanishing
 from eom.errors import InputError
 from eom.quantities import Definition
@@ -216,12 +225,16 @@ def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Progra
         INVARIANTS: [lowering.result(d, "invariant") for d in system.invariants],
         SINGULARITIES: [lowering.lower(s.expression, "singularity") for s in system.singularities],
     }
+    if system.sampled:
+        laws = [d for s in system.sampled for d in s.rows]
+        results[SAMPLES] = [lowering.lower(d.expression, f"law of {d.name}") for d in laws]
     return b.program(results)
 
 
 def nodes(system: System) -> int:
     """Return the number of different operations in the expressions of a system."""
-    named = (*system.definitions, *system.outputs, *system.invariants)
+    laws = (d for s in system.sampled for d in s.rows)
+    named = (*system.definitions, *system.outputs, *system.invariants, *laws)
     stack = [*system.right_sides, *(d.expression for d in named), *(system.mass_matrix or ())]
     stack += [s.expression for s in system.singularities]
     seen: set[Expr] = set()
