@@ -82,7 +82,9 @@ def _answered(question: Question, draft: Proposal, said: str) -> Proposal:
     latex, meaning = question.latex, said
     if said.isdecimal():
         if not 0 < int(said) <= len(question.candidates):
-            raise InputError("no such number", got=said, expected=f"1 to {len(question.candidates)}")
+            raise InputError(
+                "no such number", got=said, expected=f"1 to {len(question.candidates)}"
+            )
         chosen = question.candidates[int(said) - 1]
         latex, meaning = chosen.latex, chosen.meaning
     found = answered(draft, latex, meaning)

@@ -58,9 +58,7 @@ def _guess(look: Look, draft: Proposal) -> str:
     return next((d.meaning for d in own), "")
 
 
-def _question(
-    look: Look, lines: tuple[int, ...], draft: Proposal, lexicon: Lexicon
-) -> Question:
+def _question(look: Look, lines: tuple[int, ...], draft: Proposal, lexicon: Lexicon) -> Question:
     found = dict.fromkeys(_candidates(look, draft, lexicon))
     return Question(latex_of(look), lines, tuple(found)[:MAX_CANDIDATES], _guess(look, draft))
 

@@ -289,7 +289,9 @@ _REST = re.compile(
     r"(?:\s+(?:is|are|be|by|at))?\s*"
 )
 """What may stand between a noun and the symbol behind it."""
-_PARTLY = re.compile(r"\b(?:but|except|besides|without|other than) (?:for )?(?:the )?(?:weight|gravity)")
+_PARTLY = re.compile(
+    r"\b(?:but|except|besides|without|other than) (?:for )?(?:the )?(?:weight|gravity)"
+)
 """Words by which a force is not all of what acts."""
 _NAME = re.compile(r"[A-Z]")
 _LEADS = {

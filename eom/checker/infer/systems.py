@@ -299,7 +299,9 @@ class Spoken:
 
 
 _LAST = re.compile(r"\b(?:with|of a|whose|has|have|and|at|by|under|let|for|the other)\s+")
-_BOTH = re.compile(r"\b(kinetic|potential) and (?:the )?(kinetic|potential) energ(?:y|ies)", re.I)
+_BOTH = re.compile(
+    r"\b(kinetic|potential) and (?:the )?(kinetic|potential) energ(?:y|ies)", re.IGNORECASE
+)
 _NOUN = re.compile(
     r"\b(?:mass|length|radius|distance|height|depth|angle|azimuth|forces?|tension|torque|moment|momentum|"
     r"energ(?:y|ies)|velocity|speed|acceleration|rate|frequency|period|time|stiffness|constant|position|"
