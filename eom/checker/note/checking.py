@@ -100,8 +100,30 @@ def check(
     return check_note(note_of(note), settings)
 
 
+@dataclass(frozen=True)
+class Whole:
+    """A note with the meanings of its symbols, its formulas with verdicts, what its words claim.
+
+    ``questions``: what may be asked so that more lines are decided.
+    """
+
+    document: Document
+    known: Meanings
+    found: tuple[Found, ...]
+    words: tuple[Finding, ...]
+    questions: tuple[Question, ...]
+
+
 def check_note(note: Note, settings: Settings) -> Report:
     """Return the report on a file, a text or a formula."""
+    whole = judged_note(note, settings)
+    found = [*(f.finding for f in whole.found), *whole.words]
+    report = _report(whole.document, whole.known, settings, found)
+    return replace(report, questions=whole.questions)
+
+
+def judged_note(note: Note, settings: Settings) -> Whole:
+    """Return what is found of the formulas and the words of a file, a text or a formula."""
     closure(settings.given)
     document = document_of(note, settings.kind)
     path = note if isinstance(note, Path) else None
@@ -117,8 +139,7 @@ def check_note(note: Note, settings: Settings) -> Report:
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
         open_ = _questions(found, known)
-    report = _report(document, known, settings, [*(f.finding for f in found), *words])
-    return replace(report, questions=open_)
+    return Whole(document, known, found, words, open_)
 
 
 def _questions(found: Sequence[Found], known: Meanings) -> tuple[Question, ...]:
