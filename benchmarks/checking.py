@@ -1,4 +1,4 @@
-r"""``python -m benchmarks.checking FOLDER [--lexica FOLDER | --bare | --formulas]``: the checker against judged notes.
+r"""``python -m benchmarks.checking FOLDER [--lexica FOLDER | --bare | --formulas]``: judged notes.
 
 ``FOLDER`` holds notes and ``truth.json``, a list of entries, one for each formula: ``id`` (``file:E1``,
 ``file:i1``: the n-th display or inline formula of the note ``file``, without its suffix) or ``note`` and

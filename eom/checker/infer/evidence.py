@@ -54,6 +54,7 @@ def doubts(
     ties = [t for one in draft.systems for t in one.ties]
     guessed |= {t.latex: t.words for t in ties if t.words == USUAL}
     said_of = {t.latex for t in ties if t.words != USUAL}
+    meant = {t.latex: f"{t.means} of {one.name}" for one in draft.systems for t in one.ties}
     used = [dict(_used(f, lexicon)) for f in formulas]
     count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
     every = {p for u in used for p in u}
@@ -66,7 +67,10 @@ def doubts(
     }
     for found, held in zip(used, hold, strict=True):
         unsure = [(p, f) for p, f in found.items() if p not in firm and count[p] - held < LINES]
-        yield tuple(Doubt(*f, guessed.get(p, f"preset {draft.preset}")) for p, f in unsure)
+        yield tuple(
+            Doubt(f[0], meant.get(p, f[1]), guessed.get(p, f"preset {draft.preset}"))
+            for p, f in unsure
+        )
 
 
 def uncounted(claim: Claim) -> Iterator[str]:

@@ -299,7 +299,9 @@ class Spoken:
 
 
 _LAST = re.compile(r"\b(?:with|of a|whose|has|have|and|at|by|under|let|for|the other)\s+")
-_BOTH = re.compile(r"\b(kinetic|potential) and (?:the )?(kinetic|potential) energ(?:y|ies)", re.I)
+_BOTH = re.compile(
+    r"\b(kinetic|potential) and (?:the )?(kinetic|potential) energ(?:y|ies)", re.IGNORECASE
+)
 _NOUN = re.compile(
     r"\b(?:mass|length|radius|distance|height|depth|angle|azimuth|forces?|tension|torque|moment|momentum|"
     r"energ(?:y|ies)|velocity|speed|acceleration|rate|frequency|period|time|stiffness|constant|position|"
@@ -437,8 +439,16 @@ def candidates(
             continue
         share = sum(n for k, n in looks.items() if k in known) / max(1, sum(looks.values()))
         if share >= (SHARE if words.strip() else 1):
-            found.append((-share, number, row, tied, "" if match is None else match[0]))
-    return [(row, tied, name) for *_, row, tied, name in sorted(found, key=lambda f: f[:2])]
+            order = (-share, number) if match is not None else (_size(row, tied), number)
+            found.append((order, row, tied, "" if match is None else match[0]))
+    return [(row, tied, name) for _, row, tied, name in sorted(found, key=lambda f: f[0])]
+
+
+def _size(row: Row, tied: Sequence[Tie]) -> int:
+    """Return how much a system has in it: coordinates, parameters, what is given."""
+    absent = row.optional - {t.means for t in tied}
+    tables = (row.table.get(k, {}) for k in ("coordinates", "parameters", "given"))
+    return sum(name not in absent for table in tables for name in table)
 
 
 def guesses(

@@ -25,8 +25,9 @@ from eom.checker.infer.systems import (
     spoken,
 )
 from eom.checker.judge.coordinates import covered
-from eom.checker.judge.judge import Search, is_nearly, models_of
+from eom.checker.judge.judge import is_nearly, models_of
 from eom.checker.judge.members import of_members
+from eom.checker.judge.models import Search
 from eom.checker.judge.systems import LEVELS, agreeing, levelled
 from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, claims, defined
@@ -128,7 +129,7 @@ def _title(piece: Piece) -> str:
 class Trial:
     """A system with how many lines hold under it, which fail, and of how many it says nothing.
 
-    ``lines``: which were tried, None for all.
+    ``lines``: which were tried, None for all; ``misfits``: how many fail by their kinds or dimensions.
     """
 
     guess: Guess
@@ -136,6 +137,7 @@ class Trial:
     failed: frozenset[int]
     open: int
     lines: frozenset[int] | None = None
+    misfits: int = 0
 
     @property
     def cost(self) -> tuple[int, int]:
@@ -191,7 +193,8 @@ class Trials:
                     new = self.trial(guess, deep=True)
                     if new is not None and new.held == len(self.part.lines):
                         return new
-                    failed = failed or (new if new is not None and new.failed else None)
+                    if new is not None and new.failed:
+                        failed = min((t for t in (failed, new) if t), key=lambda t: t.misfits)
         return failed
 
     def _of_row(self, row: Row, tied: tuple[Tie, ...], name: str) -> Trial | None:
@@ -242,6 +245,7 @@ def trial(
     """Return how many lines hold, which fail, how many are left under a system."""
     found: dict[str, set[int]] = {v: set() for v in ("held", "failed", "open")}
     known: dict[Look, Value] = {}
+    misfits = 0
     for number, statements in enumerate(part.lines):
         if lines is not None and number not in lines:
             continue
@@ -251,7 +255,9 @@ def trial(
             known |= defined(new)
             rows += [c for c in new if c.kind == STATEMENT]
         found[_verdict(rows, deep)].add(number)
-    return Trial(guess, len(found["held"]), frozenset(found["failed"]), len(found["open"]), lines)
+        misfits += any(c.findings and c.verdict in GRAVE for c in rows)
+    held, failed = len(found["held"]), frozenset(found["failed"])
+    return Trial(guess, held, failed, len(found["open"]), lines, misfits)
 
 
 def _verdict(rows: Sequence[Claim], deep: bool) -> str:

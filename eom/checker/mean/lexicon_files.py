@@ -370,7 +370,7 @@ def _entries_of(
 
 def about(
     lexicon: Lexicon,
-    system: str | System | AnyScene,
+    system: str | System | AnyScene | Model,
     symbols: Mapping[str, str] | None = None,
     *,
     first: bool = False,

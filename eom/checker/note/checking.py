@@ -385,7 +385,9 @@ def _drafts(draft: Proposal) -> Iterator[str]:
         where = f", under {' and '.join(one.headings)}" if one.headings else ""
         yield f"the note is about {one.name}{where} ({one.words or USUAL})"
         yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
-    yield from (f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
+    tied = {t.latex for one in draft.systems for t in one.ties if not one.headings}
+    own = (d for d in draft.drafts if d.latex not in tied)
+    yield from (f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in own)
 
 
 def _report(

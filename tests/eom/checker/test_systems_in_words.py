@@ -87,8 +87,8 @@ def test_a_line_that_fails_is_unsure_while_nothing_else_speaks_for_the_system():
 
 
 KEPLER = r"""
-A planet of mass $m$ moves about a fixed star; $\mu$ is the gravitational constant times its mass. $r$ is the
-distance and $\varphi$ the angle, $h$ the angular momentum per unit of mass.
+A planet of mass $m$ moves about a fixed star; $\mu$ is the gravitational constant times its mass. $r$ is
+the distance and $\varphi$ the angle, $h$ the angular momentum per unit of mass.
 
 $$ h = r^2\dot\varphi $$
 
