@@ -24,6 +24,7 @@ from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.model import Model
+from eom.checker.mean.moving import moving
 from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (
     CLAIM,
@@ -565,9 +566,11 @@ class _Scoped:
         key = (headings, frozenset(self.passed))
         if key not in self.known:
             here = self.lexicon.at(headings, key[1])
-            self.known[key] = (
-                replace(here, tied=tied(here)) if any(r[1] for r in here.own_laws) else here
-            )
+            if any(r[1] for r in here.own_laws):
+                here = replace(here, tied=tied(here))
+            if here.moving_data:
+                here = replace(here, moving=moving(here))
+            self.known[key] = here
         return self.known[key]
 
     def _begin(self, phrase: str, source: Source) -> int:

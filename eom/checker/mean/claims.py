@@ -39,6 +39,7 @@ from eom.checker.mean.values import (
     Value,
     basis,
     overdot,
+    refuse,
 )
 from eom.checker.read.spans import NOWHERE, Span
 from eom.checker.read.statements import Statement, says_constant, single_statements
@@ -65,6 +66,7 @@ from eom.terms.vocabulary import position, unit
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
+    from eom.checker.mean.moving import Moving
 
 Expr = Any  # SymPy has no usable annotations
 
@@ -118,6 +120,7 @@ class Claim:
     scalars, see `eom.checker.mean.parameters`; ``numbers``: that it gives, see `eom.checker.mean.examples`;
     ``order``: of what is said to be left out, and in what; ``indices``: what free ones stand for in it.
     ``otherwise``: the same with Poisson brackets of the other sign, where nothing says which they have.
+    ``moving``: frames, places and laws of the note's own.
     """
 
     members: tuple[Value, ...]
@@ -136,6 +139,7 @@ class Claim:
     numbers: Mapping[Look, Value] = field(default_factory=dict, compare=False)
     indices: Mapping[str, str] = field(default_factory=dict, compare=False)
     otherwise: Claim | None = field(default=None, compare=False, repr=False)
+    moving: Moving | None = field(default=None, compare=False, repr=False)
 
     @property
     def verdict(self) -> str:
@@ -161,12 +165,25 @@ def claims(
     alone claim nothing.
     """
     found = _found(statement, lexicon, definitions, before, indices)
+    if lexicon.moving is not None:
+        found = tuple(_with_motion(c, lexicon.moving) for c in found)
     if not leaves_sign(elaborator(lexicon, definitions), statement.members):
         return found
     turned = replace(lexicon, notation=replace(lexicon.notation, brackets="p q"))
     others = _found(statement, turned, definitions, before, indices)
     pairs = zip(found, others, strict=True)
     return tuple(replace(a, otherwise=b if a.members != b.members else None) for a, b in pairs)
+
+
+def _with_motion(claim: Claim, moving: Moving) -> Claim:
+    """Return a claim that knows what the note declares to move; undecided where letters clash."""
+    known = moving.scalars
+    clash = [s for s, t in claim.scalars.items() if known.get(s, t) != t]
+    if clash:
+        what = "a letter has another meaning where motions are declared"
+        finding = refuse(UNDECIDED, what, claim.span, str(clash[0])).finding
+        claim = replace(claim, findings=(*claim.findings, finding))
+    return replace(claim, moving=moving, scalars={**claim.scalars, **known})
 
 
 def _found(
