@@ -39,7 +39,6 @@ from eom.checker.mean.values import (
     Value,
     basis,
     overdot,
-    refuse,
 )
 from eom.checker.read.spans import NOWHERE, Span
 from eom.checker.read.statements import Statement, says_constant, single_statements
@@ -165,25 +164,12 @@ def claims(
     alone claim nothing.
     """
     found = _found(statement, lexicon, definitions, before, indices)
-    if lexicon.moving is not None:
-        found = tuple(_with_motion(c, lexicon.moving) for c in found)
     if not leaves_sign(elaborator(lexicon, definitions), statement.members):
         return found
     turned = replace(lexicon, notation=replace(lexicon.notation, brackets="p q"))
     others = _found(statement, turned, definitions, before, indices)
     pairs = zip(found, others, strict=True)
     return tuple(replace(a, otherwise=b if a.members != b.members else None) for a, b in pairs)
-
-
-def _with_motion(claim: Claim, moving: Moving) -> Claim:
-    """Return a claim that knows what the note declares to move; undecided where letters clash."""
-    known = moving.scalars
-    clash = [s for s, t in claim.scalars.items() if known.get(s, t) != t]
-    if clash:
-        what = "a letter has another meaning where motions are declared"
-        finding = refuse(UNDECIDED, what, claim.span, str(clash[0])).finding
-        claim = replace(claim, findings=(*claim.findings, finding))
-    return replace(claim, moving=moving, scalars={**claim.scalars, **known})
 
 
 def _found(

@@ -258,10 +258,11 @@ class _Reader:
 
     def moving(self, data: Mapping[str, Any]) -> Mapping[str, Any]:
         """Return what the note declares to move; nothing of what is not in shape."""
-        found: Mapping[str, Any] = {}
-        with self.kept():
-            found = checked(data, f"{self.name}, " if self.name else "")
-        return found
+        try:
+            return checked(data, f"{self.name}, " if self.name else "")
+        except InputError as error:
+            self.errors.append(error)
+            return {}
 
     def system(
         self, data: Mapping[str, Any], notation: Notation, folder: Path | None, *above: str
