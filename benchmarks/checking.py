@@ -1,4 +1,4 @@
-r"""``python -m benchmarks.checking FOLDER [--lexica FOLDER | --bare]``: the checker against judged notes.
+r"""``python -m benchmarks.checking FOLDER [--lexica FOLDER | --bare | --formulas]``: the checker against judged notes.
 
 ``FOLDER`` holds notes and ``truth.json``, a list of entries, one for each formula: ``id`` (``file:E1``,
 ``file:i1``: the n-th display or inline formula of the note ``file``, without its suffix) or ``note`` and
@@ -20,6 +20,8 @@ all worlds: their members, up to one number for all.
 
 With ``--bare`` a note is judged with nothing but itself, without the lexicon in its head: meanings are
 found from its words, letters and types. Lines that are unsure count as not decided, and as not found.
+With ``--formulas`` every line of the truth is judged by itself, without a note; ``--strict`` counts what is
+unsure as wrong.
 """
 
 from __future__ import annotations
@@ -39,6 +41,7 @@ from typing import Any
 import click
 
 from benchmarks.table import time_text
+from eom.checker.infer.draft import propose
 from eom.checker.judge.coordinates import on_solutions
 from eom.checker.judge.judge import models_of
 from eom.checker.judge.notes import Understood, reread, understand
@@ -50,7 +53,7 @@ from eom.checker.mean.lexicon_files import lexicon_for, parse_lexicon
 from eom.checker.mean.values import mixed
 from eom.checker.note.checking import check_note
 from eom.checker.read.damage import apply
-from eom.checker.read.documents import KINDS, Piece, load
+from eom.checker.read.documents import KINDS, Piece, Text, load
 from eom.checker.read.grammar import read_formula
 from eom.checker.report.findings import (
     GIVEN,
@@ -243,6 +246,21 @@ def without_lexicon(folder: Path, name: str) -> Iterator[Result]:
         (Path(place) / path.name).write_text(_HEAD.sub("", text), encoding="utf-8")
         shutil.copy(folder / "truth.json", place)
         yield from of_note(Path(place), name)
+
+
+def _inferred(path: Path) -> float:
+    """Return the processor time in which the meanings of a note are found."""
+    begun = process_time()
+    propose(load(path))
+    return process_time() - begun
+
+
+def alone(folder: Path, *, strict: bool) -> Iterator[Result]:
+    """Yield the results of all lines of the truth, each as a formula without a note."""
+    for entry in read_truth(folder / "truth.json").values():
+        (found,) = check_note(Text(entry.latex), Settings(kind="formula", strict=strict)).findings
+        word = counted(found.verdict, entry.accept)
+        yield Result(entry, "display", found.verdict, word, found.reason)
 
 
 _HEAD = re.compile(r"\A\+\+\+\n.*?^\+\+\+\n", re.DOTALL | re.MULTILINE)
@@ -461,15 +479,28 @@ def _missed(r: Result) -> list[str]:
 @click.option("--lexica", type=click.Path(path_type=Path, exists=True), help="Folder of lexica.")
 @click.option("--only", default="", help="One note of the folder.")
 @click.option("--bare", is_flag=True, help="Judge notes with nothing but themselves.")
-def main(folder: Path, lexica: Path | None, only: str, bare: bool) -> None:
+@click.option("--formulas", is_flag=True, help="Judge every line by itself, without a note.")
+@click.option("--strict", is_flag=True, help="Count lines that are unsure as wrong.")
+def main(
+    folder: Path, lexica: Path | None, only: str, bare: bool, formulas: bool, strict: bool
+) -> None:
     """Judge all notes of a folder; exit with 1 where a true equation is called wrong."""
     truth = read_truth(folder / "truth.json")
+    if formulas:
+        begun = process_time()
+        rows = list(alone(folder, strict=strict))
+        click.echo("\n".join([*report(rows), *summary(rows, repairs=False)]))
+        click.echo(f"processor time of a line: {time_text((process_time() - begun) / len(rows))}")
+        sys.exit(any(r.false_alarm for r in rows))
     names = [only] if only else sorted({e.split(":")[0] for e in truth})
     start = process_time()
     if bare:
         rows = [r for name in names for r in without_lexicon(folder, name)]
         click.echo("\n".join([*report(rows), *summary(rows, repairs=False)]))
         click.echo(f"processor time of {len(names)} notes: {time_text(process_time() - start)}")
+        spent = sorted(_inferred(note(folder, name)) for name in names)
+        middle, worst = time_text(spent[len(spent) // 2]), time_text(spent[-1])
+        click.echo(f"of which meanings of a note: {middle} in the median, {worst} at most")
         sys.exit(any(r.false_alarm for r in rows))
     rows = [r for name in names for r in of_note(folder, name, lexica, corrections=True)]
     spent = process_time() - start

@@ -342,11 +342,13 @@ def lexicon_of(
     notation = reader.notation(data, base.notation)
     own = tuple(reader.entries(data, notation))
     system, spelt = reader.system(data, notation, folder)
+    about = data.get("system")
+    first = isinstance(about, Mapping) and about.get("first", False)
     lexicon = Lexicon(
         notation,
         {**base.frames, **reader.names(data, "frames")},
         {**base.points, **reader.names(data, "points")},
-        (own, *spelt, *base.layers),
+        (*spelt, own, *base.layers) if first else (own, *spelt, *base.layers),
         tuple(reader.scopes(data, notation, folder)),
         system,
         reader.assumed(data),
@@ -363,6 +365,8 @@ def _entries_of(
     from eom.checker.mean.described import symbols_in
 
     own, usual = symbols_in(given, model, where)
+    if isinstance(given, Mapping) and not given.get("usual", True):
+        usual = [row for row in usual if SLOT.search(row[0])]
     entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
     known = {e.look for e in entries}
     spelt: list[Entry] = []
@@ -381,16 +385,18 @@ def about(
     symbols: Mapping[str, str] | None = None,
     *,
     first: bool = False,
+    usual: bool = True,
 ) -> Lexicon:
     """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
 
     ``system``: the name of one, a scene file, or an object; ``first``: whether its letters go before the
-    entries of the lexicon, as where those are only a draft. Raises `InputError` for systems that are not
-    known and for names that the system has not.
+    entries of the lexicon, as where those are only a draft; ``usual``: whether quantities have their usual
+    letters besides. Raises `InputError` for systems that are not known and for names that the system has
+    not.
     """
     from eom.checker.mean.model import model_from
 
-    given = {"symbols": dict(symbols or {})}
+    given = {"symbols": dict(symbols or {}), "usual": usual}
     model, spelt = _entries_of(model_from(system), given, lexicon.notation, "symbols")
     plain = lexicon.without_system()
     own = 0 if first else 1
@@ -583,6 +589,7 @@ def slotted(latex: str, where: str) -> str:
     return SLOT.sub(lambda m: rf"\mathtt{{{m[1]}}}", latex)
 
 
+@lru_cache(maxsize=4096)
 def look_of(latex: str, where: str = "") -> Look:
     """Return the look of a pattern. Raises `InputError` for what is not one symbol."""
     tree = read_formula(slotted(latex, where)).tree

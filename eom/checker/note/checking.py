@@ -10,8 +10,10 @@ from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import doubts, readings
+from eom.checker.infer.evidence import doubts, readings, uncounted
+from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.models import equations
@@ -37,6 +39,7 @@ from eom.checker.report.findings import (
     Settings,
     decided_by,
 )
+from eom.checker.report.questions import Question
 from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
@@ -50,6 +53,8 @@ _PLACED = re.compile("centre of mass|origin|^[A-Z] = [A-Z]$")
 """A special case that makes points coincide, which a draft may have taken for each other."""
 MAX_READINGS = 12
 """Other meanings under which a wrong line of a draft is judged again."""
+CREDIBLE = 2
+"""Lines that hold with a system of the draft, by which it is sure."""
 SHOWN = 3
 """Meanings that a verdict rests on and that are told."""
 MAX_SETS = 24
@@ -99,19 +104,24 @@ def check(
 
 @dataclass(frozen=True)
 class Whole:
-    """A note with the meanings of its symbols, its formulas with verdicts, what its words claim."""
+    """A note with the meanings of its symbols, its formulas with verdicts, what its words claim.
+
+    ``questions``: what may be asked so that more lines are decided.
+    """
 
     document: Document
     known: Meanings
     found: tuple[Found, ...]
     words: tuple[Finding, ...]
+    questions: tuple[Question, ...]
 
 
 def check_note(note: Note, settings: Settings) -> Report:
     """Return the report on a file, a text or a formula."""
     whole = judged_note(note, settings)
     found = [*(f.finding for f in whole.found), *whole.words]
-    return _report(whole.document, whole.known, settings, found)
+    report = _report(whole.document, whole.known, settings, found)
+    return replace(report, questions=whole.questions)
 
 
 def judged_note(note: Note, settings: Settings) -> Whole:
@@ -129,7 +139,21 @@ def judged_note(note: Note, settings: Settings) -> Whole:
         found = tuple(_explained(f, settings) for f in _found(reviewed, known))
         found = found if settings.strict else tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
-    return Whole(document, _confirmed(known, found, settings), found, words)
+        known = _confirmed(known, found, settings)
+        open_ = _questions(found, known)
+    return Whole(document, known, found, words, open_)
+
+
+def _questions(found: Sequence[Found], known: Meanings) -> tuple[Question, ...]:
+    """Return what may be asked so that more lines are decided; nothing where a lexicon was given."""
+    if known.draft is None:
+        return ()
+    lines = [
+        (f.understood.formula, f.understood.lexicon, f.finding.verdict == UNSURE)
+        for f in found
+        if f.finding.verdict in {UNDECIDED, UNSURE} and f.finding.kind == "display"
+    ]
+    return questions(lines, known.draft)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
@@ -234,11 +258,20 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         return
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
-    for one, doubted in zip(found, doubts(formulas, hold, known.lexicon, known.draft), strict=True):
-        if one.finding.verdict != WRONG or all(map(_apart, one.verdict.claims)):
+    about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
+    lines = sum(h and a for h, a in zip(hold, about, strict=True))
+    named = settings.system is not None
+    doubted = doubts(formulas, hold, known.lexicon, known.draft)
+    for one, guessed, system in zip(found, doubted, about, strict=True):
+        if one.finding.verdict != WRONG or all(_apart(j, named) for j in one.verdict.claims):
             yield one
             continue
-        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in doubted[:SHOWN]]
+        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
+        if system and not named and lines < CREDIBLE:
+            taken += [f"the note is about {s.name}" for s in known.draft.systems[:1]]
+        if system and not named:
+            free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
+            taken += [f"{n} is counted from where the line needs it" for n in free]
         if _PLACED.search(one.finding.special):
             taken += ["points and frames are as drafted"]
         why = ", ".join(taken) or _excused(one, known.draft, settings)
@@ -247,9 +280,10 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         yield replace(one, finding=unsure) if why else one
 
 
-def _apart(judged: Judged) -> bool:
+def _apart(judged: Judged, named: bool) -> bool:
     """Return whether a verdict rests on no draft: on a system that is named, or on numbers alone."""
-    return covered(judged.claim) or any(f.what == ANOTHER for f in judged.claim.findings)
+    own = named and covered(judged.claim)
+    return own or any(f.what == ANOTHER for f in judged.claim.findings)
 
 
 def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
@@ -361,6 +395,15 @@ def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
     return NOWHERE
 
 
+def _drafts(draft: Proposal) -> Iterator[str]:
+    """Yield the meanings that were taken, with the words or the custom that they come from."""
+    for one in draft.systems:
+        where = f", under {' and '.join(one.headings)}" if one.headings else ""
+        yield f"the note is about {one.name}{where} ({one.words or USUAL})"
+        yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
+    yield from (f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
+
+
 def _report(
     document: Document, known: Meanings, settings: Settings, found: Sequence[Finding]
 ) -> Report:
@@ -373,9 +416,7 @@ def _report(
         document.name,
         tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),
         known.origin,
-        tuple(f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
-        if draft
-        else (),
+        tuple(_drafts(draft)) if draft else (),
         tuple(latex for latex, _ in draft.unplaced) if draft else (),
         settings.given,
         tuple(Remark("not read", f.what, f.line) for f in document.findings),
