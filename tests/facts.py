@@ -129,7 +129,7 @@ FACTS = {
     "eom.Definition": (NONE, "SI unit", NONE, NONE),
     "eom.Quantity": (NONE, "SI unit", NONE, NONE),
     "eom.Singularity": (NONE, "in its own unit", NONE, NONE),
-    "eom.System": ("(n, n)", "Units are SI", "Frames and signs are said", NONE),
+    "eom.System": ("(n + m, n + m)", "Units are SI", "Frames and signs are said", NONE),
     "eom.Table": (
         "K numbers each",
         "any consistent units",
@@ -177,6 +177,12 @@ FACTS = {
         NONE,
     ),
     "eom.multibody.Examination": (NONE, NONE, NONE, NONE),
+    "eom.multibody.Jet": (
+        "(3,)",
+        "(kg/s)",
+        "in the body's axes",
+        "Thomson, Introduction to Space Dynamics (1961)",
+    ),
     "eom.multibody.Joint": (
         NONE,
         "(N m/rad or N/m)",

@@ -17,7 +17,6 @@ from eom import multibody
 from eom.checker.report.findings import Settings
 from eom.kinematics.frames import vector
 from eom.mechanics.torques import applied
-from eom.terms.own import Own
 
 y, v, k, M = sp.symbols("y v k M", real=True)
 OSCILLATOR = eom.System.from_rates(
@@ -182,9 +181,10 @@ def _eom(folder):
     note = {"notation": "arrow-tilde", "lexicon": "", "given": ("constant_mass",), "kind": ""}
     scene = {"name": "s", "title": "", "description": "", "parameters": {},
              "inputs": {}, "outputs": (), "integration": {"t_end": 1.0}}  # fmt: skip
-    own = {"name": "d", "title": "", "group": "", "scalars": {}, "assumed": (), "steps": []}
     return {
-        "Derivation": (eom.Derivation, {**own, "own": Own()}),
+        "Derivation": (eom.Derivation, {
+            "name": "d", "title": "", "group": "", "assumed": ("rigid",),
+        }),
         "check": (eom.check, {"note": note_file, **note, "system": None, "seconds": 0.5,
                               "strict": False}),
         "check_files": (eom.check_files, {
@@ -228,7 +228,7 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "title": "",
+            "attitudes": (), "angles": (), "multipliers": (), "title": "",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",
@@ -278,6 +278,9 @@ def _multibody():
             "name": "r", "body": "bob", "axis": (0, 0, 1), "inertia": 1, "damping": 0, "torque": 0,
             "motor": False, "angle": False, "speed": None,
         }),
+        "Jet": (m.Jet, {
+            "name": "j", "body": "bob", "velocity": (0, 0, -1), "point": (0, 0, 1), "rate": None,
+        }),
         "Spring": (m.Spring, {
             "name": "s", "bodies": ("ground", "bob"), "points": ((0, 0, 0), (0, 0, 1)), "stiffness": 1,
             "length": 1, "damping": 0,
@@ -294,7 +297,7 @@ def _multibody():
         }),
         "Equation": (m.Equation, {"name": "e", "expression": y}),
         "SpeedEquation": (m.SpeedEquation, {"name": "e", "expression": y}),
-        "Coupling": (m.Coupling, {"name": "c", "ratios": {"a": 1, "b": 2}}),
+        "Coupling": (m.Coupling, {"name": "c", "ratios": {"a": 1, "b": 2}, "follower": "b"}),
         "Rolling": (m.Rolling, {
             "name": "r", "body": "bob", "radius": 1, "axis": (0, 0, 1), "centre": (0, 0, 0),
             "normal": (0, 0, 1), "origin": (0, 0, 0), "half_axis": 0,
@@ -313,7 +316,7 @@ def _multibody():
             "tree": tree, "values": {"q_hinge": 0.1}, "weights": None, "keep": (), "time": 0.0,
         }),
         "base_parameters": (m.base_parameters, {
-            "tree": tree, "armature": False, "damping": False, "seed": 0,
+            "tree": tree, "armature": False, "damping": False, "coulomb": False, "seed": 0,
         }),
         "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", **wishes}),
         "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), **wishes}),
@@ -341,7 +344,7 @@ def _multibody():
             "multipliers": None,
         }),
         "examine": (m.examine, {"tree": tree, "start": None}),
-        "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False}),
+        "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
             "tree": tree, "method": "lagrange", "style": "text", **wishes,
         }),

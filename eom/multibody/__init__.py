@@ -26,7 +26,8 @@ from eom.multibody.closed import (
 )
 from eom.multibody.constrained.consistent import Assembly, assemble
 from eom.multibody.constrained.dependence import Examination, examine
-from eom.multibody.identify.regressor import BaseParameters, Regressor, base_parameters, regressor
+from eom.multibody.identify.base_parameters import BaseParameters, base_parameters
+from eom.multibody.identify.regressor import Regressor, regressor
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
@@ -36,6 +37,7 @@ from eom.multibody.model.constraints import (
     Rolling,
     SpeedEquation,
 )
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.model import (
     GROUND,
     Body,
@@ -73,6 +75,7 @@ __all__ = [
     "Distance",
     "Equation",
     "Examination",
+    "Jet",
     "Joint",
     "KnifeEdge",
     "Lagrangian",

@@ -61,10 +61,20 @@ from eom.typeset.boxes import (
     symbol,
 )
 from eom.typeset.markup import render
-from eom.typeset.writing import expression_pieces
+from eom.typeset.writing import expression_pieces, in_decimals
 
 Expr = Any
-Names = dict[Expr, Expr]
+
+
+class Names(dict[Expr, Expr]):
+    """How symbols are shown, and whether numbers are shown as decimals."""
+
+    decimals = False
+
+    def of(self, value: Expr) -> Expr:
+        """Return an expression, or a matrix, as it is shown."""
+        found = value.xreplace(self)
+        return in_decimals(found) if self.decimals else found
 
 
 @shown.register(ClosedForm)
@@ -138,7 +148,8 @@ def display_names(form: ClosedForm) -> Names:
 
     A prescribed rate is shown as the symbol that it is, or by the name that was chosen.
     """
-    found: Names = {}
+    found = Names()
+    found.decimals = form.tree.numbers == "decimals"
     given = form.whole
     for u, a, moved in zip(given.speeds, given.accelerations, given.basis, strict=True):
         if len(moved) == 1 and set(moved.values()) == {1} and u.symbol not in given.named:
@@ -147,7 +158,8 @@ def display_names(form: ClosedForm) -> Names:
             found[a] = sp.Symbol(dotted(dotted(q)), real=True)
     prescribed = {d.symbol: d.expression for d in form.prescribed}
     known = {s: prescribed[s] for u in given.speeds if (s := u.symbol) in prescribed}
-    return found | {s: rate for s, rate in known.items() if rate.is_Symbol}
+    found.update({s: rate for s, rate in known.items() if rate.is_Symbol})
+    return found
 
 
 def _variables(form: ClosedForm) -> Iterator[Block]:
@@ -231,7 +243,7 @@ def _stage_lines(stage: Stage, names: Names) -> Iterator[Line]:
 def _pieces(value: Value, names: Names) -> tuple[Box, ...]:
     if isinstance(value, tuple):
         return (Grid(tuple((row(*_pieces(x, names)),) for x in value)),)
-    return expression_pieces(value.xreplace(names))
+    return expression_pieces(names.of(value))
 
 
 def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
@@ -264,7 +276,7 @@ def _sum(terms: list[Term], names: Names) -> tuple[Box, ...]:
 
 def _signed(term: Term, names: Names) -> Iterator[tuple[bool, Box]]:
     """Yield the parts of a term with whether they are subtracted; a factor stands behind a sum."""
-    coefficient, factor = term.coefficient.xreplace(names), term.factor.xreplace(names)
+    coefficient, factor = names.of(term.coefficient), term.factor.xreplace(names)
     whole = [coefficient] if factor != 1 else sp.Add.make_args(coefficient)
     for part in whole:
         minus = bool(part.as_coeff_Mul()[0].is_negative)
@@ -346,11 +358,11 @@ def _by_kind(form: ClosedForm) -> Iterator[Block]:
     for kind, meaning in KINDS.items():
         terms = [t for t in form.terms if t.kind == kind]
         if terms and kind == "inertial":
-            matrix = form.mass_matrix.xreplace(names)
+            matrix = names.of(form.mass_matrix)
             yield Paragraph("Mass matrix, over the accelerations in the order of the variables:")
             yield Display((Line(symbol("M"), EQUALS, (_grid(matrix),)),))
         elif terms:
-            column = form.column(kind).xreplace(names)
+            column = names.of(form.column(kind))
             side = "" if meaning.left else " (right side)"
             yield Paragraph(f"{meaning.title}{side}:")
             yield Display((Line(symbol(_LETTERS[kind]), EQUALS, (_grid(column),)),))
