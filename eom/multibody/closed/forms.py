@@ -170,9 +170,11 @@ class ClosedForm:
         moving = {q.symbol for q in (*self.coordinates, *self.speeds)} | {TIME}
         moving |= {*self.accelerations, *(d.symbol for d in self.prescribed)}
         moving |= {i.symbol for i in inputs_of(self.tree)}
-        return tuple(
+        shared = (
             shared_factor([t.coefficient for t in self.of(u.symbol)], moving) for u in self.speeds
         )
+        decimal = self.tree.numbers == "decimals"  # of which fractions would not be read again
+        return tuple(f.as_coeff_Mul()[1] if decimal else f for f in shared)
 
     @cached_property
     def divided(self) -> tuple[Term, ...]:
