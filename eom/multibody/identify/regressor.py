@@ -254,6 +254,7 @@ def _system(
         inputs=tuple(inputs),
         definitions=definitions,
         outputs=tuple(outputs),
+        numbers=tree.numbers,
     )
 
 

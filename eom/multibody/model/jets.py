@@ -27,7 +27,7 @@ import sympy as sp
 from eom.errors import InputError, typed_fields
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import Value, value
-from eom.multibody.model.parts import ACTING, MOVING, BodyName, Kind, Part, Triple
+from eom.multibody.model.parts import ACTING, MOVING, BodyName, Kind, Part, Position
 from eom.quantities import TIME
 
 _JUMPS = (sp.DiracDelta, sp.Derivative, sp.Subs)
@@ -53,9 +53,9 @@ class Jet(Part):
 
     name: str
     body: BodyName
-    velocity: Annotated[Any, Kind("vector", ACTING, needed=True)]
-    point: Triple = ZERO
-    rate: Annotated[Any, Kind("number", MOVING, optional=True)] = None
+    velocity: Annotated[Any, Kind("vector", ACTING, needed=True, unit="m/s")]
+    point: Position = ZERO
+    rate: Annotated[Any, Kind("number", MOVING, optional=True, unit="kg/s")] = None
 
 
 @dataclass(frozen=True)

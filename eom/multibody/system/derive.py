@@ -449,6 +449,7 @@ def _system(
         assumptions=(*assumptions(tree), *binding.assumptions(held)),
         maintained=tuple(d.name for d in held),
         attitudes=attitudes,
+        numbers=tree.numbers,
     )
 
 
@@ -553,6 +554,7 @@ class _Function:
             inputs=(*inputs_of(tree), *self.inputs),
             definitions=used(work.definitions, [*expressions, *(o.expression for o in outputs)]),
             outputs=outputs,
+            numbers=tree.numbers,
         )
         return TreeFunction(system, shape, tuple(kept), symmetric)
 
