@@ -228,7 +228,7 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "title": "",
+            "attitudes": (), "angles": (), "multipliers": (), "title": "",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",
@@ -245,6 +245,10 @@ def _multibody():
     )
     tree = m.Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -9.81))
     ends = {"first": "ground", "second": "bob"}
+    wishes = {"coordinates": None, "names": None, "independent": ()}
+    energies = m.Lagrangian("o", {y: v}, v**2 / 2, y**2 / 2)
+    left = m.Lagrangian("k", {y: v, k: M}, v**2 / 2 + y**2 * M**2 / 2)
+    steady = m.steady_motion(energies, {"y": 0})
     return {
         **{f: (getattr(m, f), {"tree": tree}) for f in (
             "mass_matrix", "inverse_dynamics", "forward_dynamics", "centre_of_mass", "energies",
@@ -293,7 +297,7 @@ def _multibody():
         }),
         "Equation": (m.Equation, {"name": "e", "expression": y}),
         "SpeedEquation": (m.SpeedEquation, {"name": "e", "expression": y}),
-        "Coupling": (m.Coupling, {"name": "c", "ratios": {"a": 1, "b": 2}}),
+        "Coupling": (m.Coupling, {"name": "c", "ratios": {"a": 1, "b": 2}, "follower": "b"}),
         "Rolling": (m.Rolling, {
             "name": "r", "body": "bob", "radius": 1, "axis": (0, 0, 1), "centre": (0, 0, 0),
             "normal": (0, 0, 1), "origin": (0, 0, 0), "half_axis": 0,
@@ -312,18 +316,37 @@ def _multibody():
             "tree": tree, "values": {"q_hinge": 0.1}, "weights": None, "keep": (), "time": 0.0,
         }),
         "base_parameters": (m.base_parameters, {
-            "tree": tree, "armature": False, "damping": False, "seed": 0,
+            "tree": tree, "armature": False, "damping": False, "coulomb": False, "seed": 0,
         }),
-        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", "coordinates": None}),
-        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), "coordinates": None}),
+        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", **wishes}),
+        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), **wishes}),
+        "Lagrangian": (m.Lagrangian, {
+            "name": "o", "rates": {y: v}, "kinetic": v**2 / 2, "potential": y**2 / 2, "dissipation": 0,
+            "forces": {},
+        }),
+        "analysis_page": (m.analysis_page, {
+            "source": tree, "style": "text", "names": None, "values": None, "solve": (), "order": 3,
+            "rates": 2, "harmonics": 2, "positive": (),
+        }),
+        "conserved_quantities": (m.conserved_quantities, {
+            "source": energies, "rates": 2, "harmonics": 2, "powers": 2,
+        }),
+        "cyclic_coordinates": (m.cyclic_coordinates, {"of": energies}),
+        "equations_of": (m.equations_of, {"source": energies}),
+        "lagrangian": (m.lagrangian, {"tree": tree, "names": None}),
+        "linearised": (m.linearised, {"about": steady}),
+        "routh": (m.routh, {"of": left, "coordinates": None}),
+        "small_motion": (m.small_motion, {"source": energies, "order": 1, "about": None}),
+        "stability": (m.stability, {"of": m.linearised(steady)}),
+        "steady_motion": (m.steady_motion, {"source": energies, "values": None}),
         "derive": (m.derive, {
             "tree": tree, "outputs": (), "invariants": False, "start": None, "independent": None,
             "multipliers": None,
         }),
         "examine": (m.examine, {"tree": tree, "start": None}),
-        "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False}),
+        "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
-            "tree": tree, "method": "lagrange", "style": "text", "coordinates": None,
+            "tree": tree, "method": "lagrange", "style": "text", **wishes,
         }),
     }  # fmt: skip
 

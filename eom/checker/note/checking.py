@@ -95,8 +95,25 @@ def check(
     return check_note(note_of(note), settings)
 
 
+@dataclass(frozen=True)
+class Whole:
+    """A note with the meanings of its symbols, its formulas with verdicts, what its words claim."""
+
+    document: Document
+    known: Meanings
+    found: tuple[Found, ...]
+    words: tuple[Finding, ...]
+
+
 def check_note(note: Note, settings: Settings) -> Report:
     """Return the report on a file, a text or a formula."""
+    whole = judged_note(note, settings)
+    found = [*(f.finding for f in whole.found), *whole.words]
+    return _report(whole.document, whole.known, settings, found)
+
+
+def judged_note(note: Note, settings: Settings) -> Whole:
+    """Return what is found of the formulas and the words of a file, a text or a formula."""
     closure(settings.given)
     document = document_of(note, settings.kind)
     path = note if isinstance(note, Path) else None
@@ -110,8 +127,7 @@ def check_note(note: Note, settings: Settings) -> Report:
         found = tuple(_explained(f, settings) for f in _found(reviewed, known))
         found = found if settings.strict else tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
-        known = _confirmed(known, found, settings)
-    return _report(document, known, settings, [*(f.finding for f in found), *words])
+    return Whole(document, _confirmed(known, found, settings), found, words)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:

@@ -53,8 +53,9 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     spelt = ((render(chosen.point(p), "latex"), p) for p in points)
     lines += _table("points", {k: p for k, p in spelt if _is_label(k)})
     rows = (_symbols(found, chosen), _columns(derivation, chosen), _rates(derivation, chosen))
-    own = dict(_scalars(derivation, chosen, preset(base)))
-    lines += _table("symbols", {k: v for some in rows for k, v in some} | own)
+    meant = {k: v for some in rows for k, v in some}
+    meant |= dict(_scalars(derivation, chosen, preset(base)))
+    lines += _table("symbols", dict(_any(derivation, preset(base))) | meant)
     return "\n".join([*lines, "+++", "", ""])
 
 
@@ -100,9 +101,18 @@ def _columns(derivation: Derived, notation: Notation) -> Iterator[tuple[str, str
 def _scalars(derivation: Derived, notation: Notation, known: Lexicon) -> Iterator[tuple[str, str]]:
     """Yield scalars of the derivation whose letters mean something else in the preset."""
     for name, meaning in derivation.scalars.items():
-        letter = symbol_latex(name.name)
-        if _is_pattern(letter) and known.find(look_of(letter)) is not None:
-            yield letter, f"= {render(term_box(meaning, notation), 'latex')}"
+        letter, said = symbol_latex(name.name), render(term_box(meaning, notation), "latex")
+        if letter != said and _is_pattern(letter) and known.find(look_of(letter)) is not None:
+            yield letter, f"= {said}"
+
+
+def _any(derivation: Derived, known: Lexicon) -> Iterator[tuple[str, str]]:
+    """Yield symbols that stand for any number, where the preset has no such letter."""
+    symbols = {s for n in _nodes(derivation) if n.head == "expr" for s in n.data[0].free_symbols}
+    for s in sorted(symbols - set(derivation.scalars), key=str):
+        letter = symbol_latex(s.name)
+        if _is_pattern(letter) and known.find(look_of(letter)) is None:
+            yield letter, f"scalar {s.name}"
 
 
 def _symbols(found: list[Term], notation: Notation) -> Iterator[tuple[str, str]]:

@@ -16,6 +16,7 @@ import sympy as sp
 from eom.derivations.derived import FORMATS
 from eom.errors import typed, unknown_name
 from eom.multibody.algebra.scalars import is_zero
+from eom.multibody.closed.bonds import Bound
 from eom.multibody.closed.forms import (
     EQUATIONS,
     METHODS,
@@ -26,9 +27,9 @@ from eom.multibody.closed.forms import (
     compare,
 )
 from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
-from eom.multibody.closed.mechanism import dotted
-from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar, terms_of
-from eom.multibody.closed.readable import KINDS, content
+from eom.multibody.closed.mechanism import Mechanism, dotted
+from eom.multibody.closed.polynomials import Scalar
+from eom.multibody.closed.readable import KINDS, by_motion
 from eom.multibody.model.model import Tree
 from eom.typeset.blocks import (
     EQUALS,
@@ -94,12 +95,15 @@ def tree_page(
     style: str = "text",
     *,
     coordinates: Mapping[Expr, Expr] | None = None,
+    names: Mapping[str, str] | None = None,
+    independent: Sequence[str] = (),
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
     ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.derived.FORMATS`:
-    text, latex, markdown or html. ``coordinates``: as of `closed_form`, as are units, frames, signs and
-    sources. Raises `InputError` for unknown methods and formats, else as `compare`.
+    text, latex, markdown or html. ``coordinates``, ``names``, ``independent``: as of `closed_form`, as are
+    units, frames, signs and sources. Raises `InputError` for unknown methods and formats, else as
+    `compare`.
 
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
@@ -109,11 +113,16 @@ def tree_page(
     """
     if style not in FORMATS:
         raise unknown_name("format", style, FORMATS)
-    if method == "all":
-        return show(compare(tree, coordinates=coordinates), style)
-    if method not in METHODS:
+    if method not in {*METHODS, "all"}:
         raise unknown_name("method", method, [*METHODS, "all"], f"tree {tree.name!r}")
-    return show(closed_form(tree, method, coordinates=coordinates), style)
+    wishes: dict[str, Any] = {
+        "coordinates": coordinates,
+        "names": names,
+        "independent": independent,
+    }
+    if method == "all":
+        return show(compare(tree, **wishes), style)
+    return show(closed_form(tree, method, **wishes), style)
 
 
 def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
@@ -135,15 +144,21 @@ def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
 
 
 def display_names(form: ClosedForm) -> Names:
-    """Return how speeds and accelerations are shown: those of a coordinate q as rates of q."""
+    """Return how speeds and accelerations are shown: those of a coordinate q as rates of q.
+
+    A prescribed rate is shown as the symbol that it is, or by the name that was chosen.
+    """
     found = Names()
     found.decimals = form.tree.numbers == "decimals"
-    given = form.steps.mechanism
+    given = form.whole
     for u, a, moved in zip(given.speeds, given.accelerations, given.basis, strict=True):
-        if len(moved) == 1 and set(moved.values()) == {1}:
+        if len(moved) == 1 and set(moved.values()) == {1} and u.symbol not in given.named:
             q = next(iter(moved)).name
             found[u.symbol] = sp.Symbol(dotted(q), real=True)
             found[a] = sp.Symbol(dotted(dotted(q)), real=True)
+    prescribed = {d.symbol: d.expression for d in form.prescribed}
+    known = {s: prescribed[s] for u in given.speeds if (s := u.symbol) in prescribed}
+    found |= {s: rate for s, rate in known.items() if rate.is_Symbol}
     return found
 
 
@@ -158,14 +173,36 @@ def _variables(form: ClosedForm) -> Iterator[Block]:
             items.append((Formula(shown), f"{u.description}, elsewhere {u.name}"))
     yield Heading("Variables")
     yield Bullets(tuple(items))
+    yield from _remarks(form)
     if form.prescribed:
         yield Heading("Prescribed motion")
-        yield Display(
-            tuple(
-                _line(Formula(d.symbol.xreplace(names)), d.expression, names)
-                for d in form.prescribed
-            )
+        lines = (
+            _line(Row((Formula(d.symbol.xreplace(names)), Words("(t)"))), d.expression, names)
+            for d in form.prescribed
+            if d.expression != 0 and d.symbol.xreplace(names) != d.expression
         )
+        yield Display(tuple(lines))
+
+
+def _remarks(form: ClosedForm) -> Iterator[Block]:
+    """Yield what the constraints say beside equations: who follows, what holds where."""
+    held = form.bonds
+    if held is None:
+        return
+    names = display_names(form)
+    yield Heading("Constraints")
+    items: list[tuple[Box, str]] = [
+        (Formula(d.symbol.xreplace(names)), "follows the other speeds") for d in form.followers
+    ]
+    items += [(Formula(names.of(x)), "taken to be positive") for x in held.positive]
+    items += [
+        (Formula(names.of(x)), "must not be zero: there other speeds follow")
+        for x in held.divisors
+    ]
+    items += [(Words(name), "holds by itself, or by the others") for name in held.idle]
+    items += [(Formula(d.symbol), f"{d.quantity.meaning} ({d.quantity.unit or 'its own unit'})")
+              for d in form.multipliers]  # fmt: skip
+    yield Bullets(tuple(items))
 
 
 # -- steps -------------------------------------------------------------------------------------
@@ -179,6 +216,23 @@ def _derivation(form: ClosedForm) -> Iterator[Steps]:
         yield Steps((note,), (tuple(_stage_lines(stage, names)),))
     last = Note(number + 1, "The equations of motion", "their terms are sorted by kind below")
     yield Steps((last,), (tuple(equation_lines(form)),))
+    for after, (reason, lines) in enumerate(_further(form, names), number + 2):
+        yield Steps((Note(after, reason),), (lines,))
+
+
+def _further(form: ClosedForm, names: Names) -> Iterator[tuple[str, tuple[Line, ...]]]:
+    """Yield what follows from the equations: the same divided by common factors, and multipliers."""
+    if any(f != 1 for f in form.common_factors):
+        yield (
+            "What all terms of an equation share is divided out",
+            tuple(equation_lines(form, form.divided)),
+        )
+    if form.multipliers:
+        lines = (_line(Formula(d.symbol), d.expression, names) for d in form.multipliers)
+        yield (
+            "Forces of the constraints, from the equations of the speeds that follow",
+            tuple(lines),
+        )
 
 
 def _stage_lines(stage: Stage, names: Names) -> Iterator[Line]:
@@ -196,12 +250,16 @@ def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
     return Line(left, EQUALS, _pieces(right, names), words)
 
 
-def equation_lines(form: ClosedForm) -> Iterator[Line]:
-    """Yield the equations: left side in the order of the kinds, the applied forces on the right."""
+def equation_lines(form: ClosedForm, terms: Sequence[Term] | None = None) -> Iterator[Line]:
+    """Yield the equations: left side in the order of the kinds, the applied forces on the right.
+
+    ``terms``: in place of those of the form.
+    """
     names = display_names(form)
     for u in form.speeds:
-        left = [t for t in form.of(u.symbol) if KINDS[t.kind].left]
-        right = [t for t in form.of(u.symbol) if not KINDS[t.kind].left]
+        own = [t for t in (form.terms if terms is None else terms) if t.equation == u.symbol]
+        left = [t for t in own if KINDS[t.kind].left]
+        right = [t for t in own if not KINDS[t.kind].left]
         pieces = _sum(left, names)
         yield Line(row(*pieces), EQUALS, _sum(right, names), broken_left=pieces)
 
@@ -236,7 +294,7 @@ def _signed(term: Term, names: Names) -> Iterator[tuple[bool, Box]]:
 def equations_latex(form: ClosedForm) -> str:
     """Return the equations as one aligned display."""
     rows = []
-    for line in equation_lines(form):
+    for line in equation_lines(form, form.divided):
         for part in broken(line):
             left = render(part.left, "latex") if part.left else ""
             relation = render(part.relation, "latex")
@@ -339,32 +397,22 @@ class Stage:
 
 def stages(form: ClosedForm) -> list[Stage]:
     """Return the stages of the method of a closed form; those without lines are left out."""
-    stages = _STAGES_OF[type(form.steps)](form, form.steps)
-    return [stage for stage in stages if stage.lines]
+    return [stage for stage in _stages(form, form.steps) if stage.lines]
+
+
+def _stages(form: ClosedForm, steps: Any) -> Iterator[Stage]:
+    return _STAGES_OF[type(steps)](form, steps)
 
 
 @dataclass(frozen=True)
 class _Pen:
-    """Writes scalars of one closed form, by the products of speeds in them."""
+    """Writes scalars of a mechanism, by the products of speeds in them."""
 
     form: ClosedForm
+    mechanism: Mechanism
 
     def __call__(self, x: Scalar) -> Expr:
-        if not isinstance(x, Polynomial):
-            return self.form.write(x)
-        given = self.form.steps.mechanism
-        names = [*given.accelerations, *(u.symbol for u in given.speeds)]
-        moving = {given.algebra.index(s) for s in names}
-        found = x.by(lambda g: g in moving)
-        return sp.Add(*(self._product(m, c) for m, c in found.items()))
-
-    def _product(self, moving: Monomial, x: Scalar) -> Expr:
-        """Return a product of speeds with its coefficient, the number in it kept in front."""
-        number = content(list(terms_of(x).values()))
-        bare = self.form.write(x * (1 / number))
-        generators = self.form.steps.mechanism.algebra.generators
-        front = sp.Rational(number.numerator, number.denominator)
-        return sp.Mul(front, bare, *(generators[g] ** p for g, p in moving))
+        return by_motion(self.mechanism, self.form.write)(x)
 
     def vector(self, v: Sequence[Scalar]) -> tuple[Expr, ...]:
         return tuple(map(self, v))
@@ -407,7 +455,7 @@ def _d_dt(inner: Box) -> Box:
 
 
 def _lagrange(form: ClosedForm, steps: Lagrange) -> Iterator[Stage]:
-    pen, links = _Pen(form), steps.mechanism.links
+    pen, links = _Pen(form, steps.mechanism), steps.mechanism.links
     heavy = [k for k, link in enumerate(links) if not is_zero(link.mass)]
     yield Stage(
         "positions of the centres of mass, in the ground's axes",
@@ -474,7 +522,7 @@ def _differentiated(form: ClosedForm, steps: Lagrange, pen: _Pen) -> Iterator[St
 
 def _turned(form: ClosedForm, letter: str, s: int) -> Box:
     """Return dT/dq where the speed is the rate of q, else X_s T."""
-    given = form.steps.mechanism
+    given = form.whole
     moved = given.basis[s]
     if len(moved) == 1 and set(moved.values()) == {1}:
         return _by(Symbol(letter), next(iter(moved)))
@@ -485,7 +533,7 @@ def _turned(form: ClosedForm, letter: str, s: int) -> Box:
 
 
 def _kane(form: ClosedForm, steps: Kane) -> Iterator[Stage]:
-    pen, given = _Pen(form), steps.mechanism
+    pen, given = _Pen(form, steps.mechanism), steps.mechanism
     heavy = [(k, link.name) for k, link in enumerate(given.links) if not is_zero(link.mass)]
     yield Stage(
         "angular velocities and velocities of the centres of mass, in the bodies' axes",
@@ -508,9 +556,11 @@ def _kane(form: ClosedForm, steps: Kane) -> Iterator[Stage]:
         "angular accelerations and accelerations, by differentiation in turning axes",
         _pairs(pen, "alpha", "a", ((n, *steps.accelerations[k]) for k, n in heavy)),
     )
-    yield _generalised(form, pen, "motion", "generalised inertia forces, less their sign", "F*")
+    yield _generalised(
+        form, steps, pen, "motion", "generalised inertia forces, less their sign", "F*"
+    )
     for source, words in _ACTIVE:
-        yield _generalised(form, pen, source, words, "F")
+        yield _generalised(form, steps, pen, source, words, "F")
 
 
 def _pairs(
@@ -532,13 +582,15 @@ _ACTIVE = (
 )
 
 
-def _generalised(form: ClosedForm, pen: _Pen, source: str, reason: str, letter: str) -> Stage:
+def _generalised(
+    form: ClosedForm, steps: Kane, pen: _Pen, source: str, reason: str, letter: str
+) -> Stage:
     found = [
         (
             Row((Words(f"{c.label}, "), symbol(str(_shown(form)(form.speeds[c.row].symbol))))),
             c.value,
         )
-        for c in form.steps.contributions()
+        for c in steps.contributions()
         if c.source == source and not is_zero(c.value)
     ]
     return Stage(f"{reason} ({letter})", _lines((left, pen(x)) for left, x in found))
@@ -548,7 +600,7 @@ def _generalised(form: ClosedForm, pen: _Pen, source: str, reason: str, letter: 
 
 
 def _newton_euler(form: ClosedForm, steps: NewtonEuler) -> Iterator[Stage]:
-    pen, links = _Pen(form), steps.mechanism.links
+    pen, links = _Pen(form, steps.mechanism), steps.mechanism.links
     heavy = [(k, link) for k, link in enumerate(links) if not is_zero(link.mass)]
     moving = (
         (link.name, steps.motions[k].alpha, steps.acceleration(k, link.centre)) for k, link in heavy
@@ -571,22 +623,81 @@ def _newton_euler(form: ClosedForm, steps: NewtonEuler) -> Iterator[Stage]:
 
 
 def _asked(form: ClosedForm, steps: NewtonEuler, pen: _Pen) -> tuple[tuple[Box, Value], ...]:
-    names = [u.name for link in steps.mechanism.links for u in link.joint.speeds]
+    named = form.whole.algebra.named
+    own = [named(u.symbol) for link in steps.mechanism.links for u in link.joint.speeds]
     shown = _shown(form)
     return _lines(
-        (Row((Words(f"{label}, at "), symbol(str(shown(sp.Symbol(names[s], real=True)))))), pen(x))
+        (Row((Words(f"{label}, at "), symbol(str(shown(own[s]))))), pen(x))
         for s, _, label, x in steps.joint_rows()
         if not is_zero(x)
+    )
+
+
+# -- constraints -------------------------------------------------------------------------------
+
+
+def _bound(form: ClosedForm, steps: Bound) -> Iterator[Stage]:
+    pen, held = _Pen(form, steps.bonds.whole), steps.bonds
+    if steps.combined:
+        yield from _stages(form, steps.whole)
+    closed = (b.value for b in held.kept if b.value is not None)
+    yield Stage("constraints: what is zero between coordinates", _zeros(pen, closed))
+    yield Stage("what is zero between speeds", _zeros(pen, (b.rate for b in held.kept)))
+    speeds = [_shown(form)(u.symbol) for u in held.whole.speeds]
+    if steps.combined:
+        yield _with_multipliers(steps, pen)
+    yield Stage(
+        "solved for the speeds that follow",
+        _lines((Formula(speeds[k]), pen(held.follower(k))) for k in held.dependent),
+    )
+    yield Stage(
+        "coordinates that closures give outright, put in below",
+        tuple((Formula(d.symbol), d.expression) for d in form.placed),
+    )
+    if not steps.combined:
+        yield from _stages(form, steps.steps)
+        return
+    yield Stage(
+        "how often each follows the independent ones: so often its equation is added to theirs, and "
+        "the multipliers drop out",
+        _lines(
+            (_by(Formula(speeds[d]), speeds[s]), pen(row[s]))
+            for d, row in held.dependent.items()
+            for s in held.independent
+            if s in row
+        ),
+    )
+
+
+def _zeros(pen: _Pen, values: Iterable[Scalar]) -> tuple[tuple[Box, Value], ...]:
+    return _lines((Formula(sp.S.Zero), pen(x)) for x in values)
+
+
+def _with_multipliers(steps: Bound, pen: _Pen) -> Stage:
+    """Return the equations of all speeds: forces of constraints, and what they must give."""
+    held = steps.bonds
+    forces = [sp.Symbol(f"lambda_{b.name}", real=True) for b in held.kept]
+    lines = []
+    for k in held.whole.free:
+        left = sp.Add(
+            *(f * pen(b.row[k]) for f, b in zip(forces, held.kept, strict=True) if k in b.row)
+        )
+        lines.append((row(*expression_pieces(left)), pen(steps.needed(k))))
+    return Stage(
+        "Lagrange's equations with multipliers: forces of constraints along each speed are inertia and "
+        "what else resists, less what is applied",
+        tuple(lines),
     )
 
 
 def _shown(form: ClosedForm) -> Callable[[Expr], Expr]:
 
     names = display_names(form)
-    return lambda e: e.xreplace(names)
+    return names.of
 
 
 _STAGES_OF: dict[type, Callable[[ClosedForm, Any], Iterator[Stage]]] = {
+    Bound: _bound,
     Lagrange: _lagrange,
     Kane: _kane,
     NewtonEuler: _newton_euler,
