@@ -375,7 +375,7 @@ def _with_multipliers(steps: Bound, pen: _Pen) -> Stage:
 def _shown(form: ClosedForm) -> Callable[[Expr], Expr]:
 
     names = display_names(form)
-    return lambda e: e.xreplace(names)
+    return names.of
 
 
 _STAGES_OF: dict[type, Callable[[ClosedForm, Any], Iterator[Stage]]] = {
