@@ -196,8 +196,7 @@ def _remarks(form: ClosedForm) -> Iterator[Block]:
     ]
     items += [(Formula(names.of(x)), "taken to be positive") for x in held.positive]
     items += [
-        (Formula(names.of(x)), "must not be zero: there other speeds follow")
-        for x in held.divisors
+        (Formula(names.of(x)), "must not be zero: there other speeds follow") for x in held.divisors
     ]
     items += [(Words(name), "holds by itself, or by the others") for name in held.idle]
     items += [(Formula(d.symbol), f"{d.quantity.meaning} ({d.quantity.unit or 'its own unit'})")
