@@ -251,8 +251,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             yield one
             continue
         taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
-        if system and not named and lines < CREDIBLE:
-            taken += [f"the note is about {s.name}" for s in known.draft.systems[:1]]
+        if system and not named and (lines < CREDIBLE or guessed):
+            taken = [f"the note is about {s.name}" for s in known.draft.systems[:1]] + taken
         if system and not named:
             free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
             taken += [f"{n} is counted from where the line needs it" for n in free]
@@ -275,14 +275,26 @@ def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
     reading = one.understood.formula.reading
     if reading is None:
         return ""
-    given = (*settings.given, *one.understood.lexicon.assume)
+    here = one.understood.lexicon
+    given = (*settings.given, *here.assume)
     try:
         with deadline(settings.seconds, "other meanings of this formula"):
-            others = readings(one.understood.formula, one.understood.lexicon, draft)
-            for doubt, lexicon in islice(others, MAX_READINGS):
+            others = [
+                (f"${d.latex}$ is not {d.meaning} ({d.why})", lexicon)
+                for d, lexicon in islice(
+                    readings(one.understood.formula, here, draft), MAX_READINGS
+                )
+            ]
+            others += [
+                ("the system is as it was taken", r.added(here))
+                for s in draft.systems
+                if here.system is not None and set(s.headings) <= set(one.understood.headings)
+                for r in s.rivals[:SHOWN]
+            ]
+            for why, lexicon in others:
                 claims = reread(replace(one.understood, lexicon=lexicon), reading.tree)
                 if claims and all(_holds(c, given) for c in claims):
-                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+                    return why
     except (Overdue, RecursionError, InputError):
         return ""
     return ""
