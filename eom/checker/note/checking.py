@@ -116,7 +116,13 @@ class Whole:
 
 def check_note(note: Note, settings: Settings) -> Report:
     """Return the report on a file, a text or a formula."""
-    whole = judged_note(note, settings)
+    path = note if isinstance(note, Path) else None
+    return check_document(document_of(note, settings.kind), settings, path)
+
+
+def check_document(document: Document, settings: Settings, path: Path | None = None) -> Report:
+    """Return the report on a document; ``path``: where it stands, if it is a file."""
+    whole = judged_document(document, settings, path)
     found = [*(f.finding for f in whole.found), *whole.words]
     report = _report(whole.document, whole.known, settings, found)
     return replace(report, questions=whole.questions)
@@ -124,9 +130,13 @@ def check_note(note: Note, settings: Settings) -> Report:
 
 def judged_note(note: Note, settings: Settings) -> Whole:
     """Return what is found of the formulas and the words of a file, a text or a formula."""
-    closure(settings.given)
-    document = document_of(note, settings.kind)
     path = note if isinstance(note, Path) else None
+    return judged_document(document_of(note, settings.kind), settings, path)
+
+
+def judged_document(document: Document, settings: Settings, path: Path | None = None) -> Whole:
+    """Return what is found of the formulas and the words of a document."""
+    closure(settings.given)
     with seldom_collected(), deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
         if settings.system is not None:
