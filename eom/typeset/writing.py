@@ -214,6 +214,8 @@ def _plain(value: Any, names: Mapping[Any, str] | None = None) -> Box:
         return symbol(value.name)
     if value.is_Rational and not value.is_Integer:
         return Fraction(Symbol(str(value.p)), Symbol(str(value.q)))
+    if value.is_Float and "e" not in str(value):
+        return Symbol(str(value).rstrip("0").rstrip("."))
     return Symbol(str(value)) if value.is_Integer else Formula(value, names or {})
 
 

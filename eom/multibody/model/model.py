@@ -221,7 +221,7 @@ class Joint(Part):
             self._keep(name, _each(getattr(self, name), size, f"{self.where}: {name}"))
         if self.motion is not None and not isinstance(self.motion, Motion):
             self._keep("motion", Motion(self.motion))
-        _check_joint(self)
+        checks.joint(self)
 
     @property
     def row(self) -> JointKind:
@@ -507,34 +507,6 @@ class Tree:
 
 
 # -- what they must be --
-
-
-def _check_joint(given: Joint) -> None:
-    """Raise `InputError` for springs where no coordinate is, and motion that does not fit."""
-    where = f"joint {given.name!r}"
-    paired = given.row.paired(given.attitude)
-    for k, (stiffness, coordinate) in enumerate(zip(given.stiffness, paired, strict=True)):
-        if coordinate is None and not is_zero(stiffness):
-            raise InputError(
-                "a spring needs a coordinate whose rate is the speed",
-                where=f"{where}: speed {given.speeds[k].name}",
-                hint="use a load or an applied force",
-            )
-    if given.row.axes == 2:
-        checks.not_parallel(given.axis, given.second_axis, where)
-    if given.motion is not None:
-        _motion(given, where, paired)
-
-
-def _motion(given: Joint, where: str, paired: Sequence[int | None]) -> None:
-    counts = [len(m) for m in (given.motion.position, given.motion.rate, given.motion.acceleration)]
-    if None in paired or any(n != len(paired) for n in counts):
-        raise InputError(
-            "prescribed motion needs one expression a coordinate, each the integral of a speed",
-            where=where,
-            got=f"{counts[0]} for {given.kind}",
-            expected=len(paired) if None not in paired else "a joint of one or two coordinates",
-        )
 
 
 def _check_tree(given: Tree) -> None:

@@ -158,8 +158,7 @@ def _momentum(derived: Derived) -> list[Definition]:
 
 
 def _centre(derived: Derived) -> list[Definition]:
-    whole = mass(derived.flow)
-    inverse = derived.work.keep("inverse", derived.tree.name, "", reciprocal(whole))
+    inverse = derived.work.keep("inverse", derived.tree.name, "", reciprocal(mass(derived.flow)))
     return _vector(
         "centre", "m", "centre of mass", [mul(inverse, x) for x in first_moments(derived.flow)]
     )
