@@ -230,6 +230,7 @@ class System:
         parameters: Iterable[Any] = (),
         period: float | None = None,
         delay: float = 0.0,
+        rates: Mapping[Any, Any] | None = None,
     ) -> System:
         """Return the closed loop: a system in which inputs are laws over states, outputs and time.
 
@@ -248,7 +249,7 @@ class System:
         and held between. Then ``states`` have the expressions of their next values in place of rates, and
         laws may read the inputs that they set, as they were before; values take effect ``delay`` (s) after
         the sample, those of states at once. What is held stays an input of the system, `Sampling` says by
-        what it is set.
+        what it is set. ``rates``: of further states of the control, which are continuous beside a period.
 
         Raises `InputError` for what is no input, names that are taken, laws that need their own results,
         intermediate definitions of the system, which have no lasting names, a period that is not positive,
@@ -271,18 +272,19 @@ class System:
                 got=f"delay = {shown(delay)}",
                 hint="give the period of the samples, too",
             )
-        moved = {_as_state(key): rate for key, rate in (states or {}).items()}
+        moved = {_as_state(key): e for key, e in (rates or {}).items()}
+        own = {_as_state(key): e for key, e in (states or {}).items()}
         shared = {_as_quantity(key): e for key, e in (definitions or {}).items()}
-        spoken = _Spoken(self, (*moved, *shared), parameters)
+        spoken = _Spoken(self, (*moved, *own, *shared), parameters)
         rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
         made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
-        rates = {q: spoken.over(rate) for q, rate in moved.items()}
+        along, next_ = ({q: spoken.over(e) for q, e in g.items()} for g in (moved, own))
         gains = tuple(spoken.gains.values())
         if period is None:
-            return _closed(self, made, rates, gains)
-        laws_, next_ = made[len(shared) :], tuple(Definition(q, e) for q, e in rates.items())
-        sampling = Sampling(laws_, next_, period, delay)
-        return _sampled(self, made[: len(shared)], sampling, gains)
+            return _closed(self, made, {**next_, **along}, gains)
+        steps = tuple(Definition(q, e) for q, e in next_.items())
+        sampling = Sampling(made[len(shared) :], steps, period, delay)
+        return _sampled(self, made[: len(shared)], along, sampling, gains)
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
@@ -390,28 +392,27 @@ def _closed(
 def _sampled(
     system: System,
     shared: tuple[Definition, ...],
+    rates: Mapping[Quantity, Expr],
     sampling: Sampling,
     gains: tuple[Quantity, ...],
 ) -> System:
-    """Return a system under laws that are sampled; states of the control become inputs that are held."""
-    held = {*sampling.symbols}
-    definitions = _in_order((*shared, *system.definitions), system.name)
-    changed = set(held)
-    for d in definitions:
-        if free_symbols((d.expression,)) & changed:
-            changed.add(d.symbol)
-    invariants = tuple(d for d in system.invariants if not free_symbols((d.expression,)) & changed)
-    rows = (*shared, *sampling.rows)
-    shown = (Definition(d.quantity, d.symbol) for d in rows if d.name not in system.output_names)
+    """Return a system under laws that are sampled; their states become inputs that are held.
+
+    ``shared``, ``rates``: definitions, and states of the control that are continuous.
+    """
+    held = replace(system, inputs=(*system.inputs, *(d.quantity for d in sampling.states)))
+    whole = _closed(held, shared, rates, gains)
+    symbols = {*sampling.symbols}
+    invariants = tuple(
+        d for d in whole.invariants if not free_symbols((whole.expand(d.expression),)) & symbols
+    )
+    rows = (Definition(d.quantity, d.symbol) for d in sampling.rows)
     return replace(
-        system,
-        parameters=(*system.parameters, *gains),
-        inputs=(*system.inputs, *(d.quantity for d in sampling.states)),
-        definitions=definitions,
-        outputs=(*system.outputs, *shown),
+        whole,
+        outputs=(*whole.outputs, *(d for d in rows if d.name not in whole.output_names)),
         invariants=invariants,
-        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
-        sampled=(*system.sampled, sampling),
+        maintained=tuple(n for n in whole.maintained if n in {d.name for d in invariants}),
+        sampled=(*whole.sampled, sampling),
     )
 
 

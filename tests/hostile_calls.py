@@ -168,6 +168,9 @@ def _codegen():
         "Statistics": (codegen.Statistics, {"names": ("y",), "quantiles": False, "edges": {}}),
         "Event": (codegen.Event, {"expression": y, "direction": 0, "terminal": False, "name": "e"}),
         "Signal": (codegen.Signal, {"function": lambda t: t, "knots": None, "max_step": None}),
+        "Sampled": (codegen.Sampled, {
+            "law": y, "period": 0.1, "delay": 0.0, "states": None,
+        }),
     }  # fmt: skip
 
 
@@ -345,6 +348,7 @@ def _methods():
         "System.rate_of": (OSCILLATOR.rate_of, {"expression": y}),
         "System.with_control": (OSCILLATOR.with_control, {
             "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+            "period": 0.1, "delay": 0.0, "rates": {"filter": y},
         }),
         "Table.__call__": (eom.Table("a", (0, 1), (0, 1)), {"argument": y}),
         "Compiled.rates": (lambda **a: compiled.functions["rates"](a["t"], a["x"], a["p"], a["u"]), at),

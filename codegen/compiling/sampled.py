@@ -256,6 +256,17 @@ def laws_of(compiled: Compiled, functions: Mapping[str, Sampled]) -> tuple[Law, 
     return tuple(found)
 
 
+def refuse(compiled: Compiled, what: str) -> None:
+    """Raise `InputError` where laws are sampled: ``what`` sees inputs that are held for ever."""
+    if compiled.system.sampled:
+        raise InputError(
+            f"{what} would take inputs for held that sampled laws change",
+            where=f"system {compiled.layout.name!r}",
+            got=f"sampled {', '.join(compiled.system.held)}",
+            expected="a system without sampled laws: the open loop, or laws without a period",
+        )
+
+
 def start_values(compiled: Compiled, initial: Any, inputs: Any) -> tuple[Any, Any]:
     """Return initial values and inputs by name, with what is held before the first sample among the inputs.
 

@@ -318,10 +318,11 @@ def problem_of(shared: Shared, x: Array, p: Array, j: int, singularities: int) -
 
 
 def _empty(shared: Shared, times: int, n: int, count: int) -> Runs:
-    numbers = (np.zeros(count, dtype=np.int32) for _ in range(5))
+    status, which, steps, rejected, continued = np.zeros((5, count), dtype=np.int32)
     held = np.full((times, len(shared.inputs), count), math.nan) if shared.laws else None
     y = np.full((times, n, count), math.nan)
-    return Runs(y, np.empty(count), np.empty((n, count)), *numbers, held=held)
+    ends = np.empty(count), np.empty((n, count))
+    return Runs(y, *ends, status, which, steps, rejected, continued, held)
 
 
 STUCK = ("not finite", "step")
