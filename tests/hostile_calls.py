@@ -277,6 +277,9 @@ def _multibody():
             "name": "r", "body": "bob", "axis": (0, 0, 1), "inertia": 1, "damping": 0, "torque": 0,
             "motor": False, "angle": False, "speed": None,
         }),
+        "Jet": (m.Jet, {
+            "name": "j", "body": "bob", "velocity": (0, 0, -1), "point": (0, 0, 1), "rate": None,
+        }),
         "Spring": (m.Spring, {
             "name": "s", "bodies": ("ground", "bob"), "points": ((0, 0, 0), (0, 0, 1)), "stiffness": 1,
             "length": 1, "damping": 0,

@@ -225,7 +225,7 @@ class TreeScene(BaseScene, TreeDescription):
 ONE = "body"
 """The name of the body of a scene of one, and of its joint."""
 _UNSAID: dict[str, dict[str, Any]] = {
-    **{key: {"body": ONE} for key in ("rotors", "loads", "points")},
+    **{key: {"body": ONE} for key in ("rotors", "loads", "points", "jets")},
     "springs": {"first": GROUND, "second": ONE},
     "constraints": {},
 }

@@ -25,6 +25,7 @@ from eom.multibody.files.description import (
     TreeDescription,
     Turned,
 )
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
 from eom.multibody.model.parts import Kind, kinds
@@ -107,7 +108,8 @@ def right(angle: Any) -> Any:
 class Reading:
     """What formulas of a scene may speak of.
 
-    ``plain``: parameters, for bodies; ``constants``: also what bodies define; ``moving``: time too;
+    ``plain``: parameters and time, for bodies; ``constants``: parameters, and what bodies define that does
+    not change; ``moving``: time, and what changes, too;
     ``acting``: inputs, coordinates and speeds too.
     """
 
@@ -148,8 +150,8 @@ class Reading:
 
     @cached_property
     def plain(self) -> Formulas:
-        """Over parameters."""
-        return Formulas({q.name: q.symbol for q in self.parameters})
+        """Over parameters and time."""
+        return Formulas({"t": TIME, **{q.name: q.symbol for q in self.parameters}})
 
     @cached_property
     def defined(self) -> dict[str, Any]:
@@ -165,12 +167,13 @@ class Reading:
     @cached_property
     def constants(self) -> Formulas:
         """Over parameters, and masses, moments and sizes of bodies."""
-        return Formulas({**self.defined, **self.plain.names})
+        constant = {n: x for n, x in self.defined.items() if TIME not in x.free_symbols}
+        return Formulas({**constant, **{q.name: q.symbol for q in self.parameters}})
 
     @cached_property
     def moving(self) -> Formulas:
         """Over parameters and time."""
-        return Formulas({"t": TIME, **self.constants.names})
+        return Formulas({**self.defined, **self.plain.names})
 
     @cached_property
     def acting(self) -> Formulas:
@@ -304,6 +307,7 @@ SECTIONS: Mapping[str, Callable[[Any, Reading, str], Any]] = {
     "constraints": _constraint,
     "rotors": partial(made, Rotor),
     "springs": partial(made, Spring),
+    "jets": partial(made, Jet),
 }
 """What makes the parts of each section, a field of `TreeDescription` and of `Tree`, of data and name."""
 

@@ -19,7 +19,8 @@ from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
-from eom.multibody.model import checks
+from eom.multibody.model import checks, jets
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import ALONE, KINDS, QUATERNION
 from eom.multibody.model.joints import Kind as JointKind
 from eom.multibody.model.parts import (
@@ -51,7 +52,8 @@ class Body(Part):
     ``mass`` (kg). ``centre``: of mass, from the body's origin, in its axes (m). ``inertia`` (kg m^2):
     three principal moments or a symmetric matrix, J12 = -integral of r1 r2 dm; ``about`` the ``centre``
     of mass, the ``origin``, or a point (m). ``axes``: C takes components in the body's axes to those
-    in the axes in which the inertia is given. A body of mass 0 has no inertia.
+    in the axes in which the inertia is given. A body of mass 0 has no inertia. All may change in time, by
+    a `Jet` through which mass leaves.
 
     Shapes: ``centre`` (3,), ``inertia`` (3,) or (3, 3), ``axes`` (3, 3).
     Raises `InputError` for a mass below zero, and an inertia in numbers that no body has.
@@ -439,8 +441,8 @@ class Tree:
 
     ``bodies``, ``joints``: one joint leads to each body. ``gravity``: its acceleration in the ground's axes
     (m/s^2), (3,), at the ground's origin; ``gravity_gradient``: by how much it grows with the position,
-    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``: what else acts and
-    spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
+    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``, ``jets``: what else acts
+    and spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
     parameters (every other symbol is one too). ``constraints``: rows of
     `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
 
@@ -464,10 +466,20 @@ class Tree:
     rotors: tuple[Rotor, ...] = ()
     springs: tuple[Spring, ...] = ()
     gravity_gradient: Any = ZEROS
+    jets: tuple[Jet, ...] = ()
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in ("bodies", "joints", "loads", "parameters", "constraints", "rotors", "springs"):
+        for name in (
+            "bodies",
+            "joints",
+            "loads",
+            "parameters",
+            "constraints",
+            "rotors",
+            "springs",
+            "jets",
+        ):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         place = f"tree {self.name!r}: gravity_gradient"
@@ -527,7 +539,8 @@ def _check_tree(given: Tree) -> None:
     """Raise `InputError` for what is no tree, naming the body or joint."""
     where = f"tree {given.name!r}"
     checks.name(given.name, where)
-    for parts in (given.bodies, given.joints, given.rotors, given.springs, given.constraints):
+    named = (given.bodies, given.joints, given.rotors, given.springs, given.constraints, given.jets)
+    for parts in named:
         _once(parts, where)
     known = {b.name for b in given.bodies}
     if GROUND in known:
@@ -543,6 +556,9 @@ def _check_tree(given: Tree) -> None:
             raise InputError("both ends are on one body", where=s.where, got=s.bodies[0])
     _single_parents(given, where)
     ordered(given)
+    moving = {q.symbol for j in given.joints for q in (*j.coordinates, *j.speeds)}
+    moving |= {q.symbol for r in given.rotors for q in r.states}
+    jets.check(given.bodies, given.jets, moving, {i.symbol for i in given.inputs})
     for constraint in given.constraints:
         constraint.check(given)
     _massless(given)
@@ -557,6 +573,8 @@ def _held(given: Tree, known: set[str], where: str) -> Iterator[tuple[str, str, 
         yield "load on unknown body", where, load.body, known
     for rotor in given.rotors:
         yield "rotor on unknown body", rotor.where, rotor.body, known
+    for jet in given.jets:
+        yield "jet of unknown body", jet.where, jet.body, known
     for s in given.springs:
         for name in s.bodies:
             yield "spring on unknown body", s.where, name, known | {GROUND}

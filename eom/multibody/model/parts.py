@@ -16,7 +16,7 @@ from eom.multibody.algebra.values import Value
 from eom.multibody.model import checks
 
 PLAIN, CONSTANTS, MOVING, ACTING = "plain", "constants", "moving", "acting"
-"""Over parameters; what bodies define, too; time, too; inputs, coordinates and speeds, too."""
+"""Over parameters and time; what bodies define, but no time; time, too; inputs and states, too."""
 CENTRE, ORIGIN = "centre", "origin"
 
 

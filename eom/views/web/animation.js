@@ -116,7 +116,7 @@
 
   // -- what is shown ----------------------------------------------------------------------------------
 
-  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0};
+  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0, follow: data.follow};
   const shown = {};
   const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque"};
 
@@ -172,6 +172,21 @@
   const frames = box("frames", several ? "body frames" : "body frame", !several, (on) => viewer.show("body frames", on));
   if (data.ground !== null) {
     box("ground", "ground, squares of " + Number(viewer.cell.toPrecision(2)) + " m", true, (on) => viewer.show("ground", on));
+  }
+
+  if (bodies.some((body) => body.positions)) {
+    const label = document.createElement("label");
+    const select = document.createElement("select");
+    select.id = "follow";
+    select.append(new Option("nothing", -1));
+    bodies.forEach((body, n) => select.append(new Option(body.name, n)));
+    select.value = String(state.follow);
+    select.addEventListener("change", () => {
+      state.follow = Number(select.value);
+      draw();
+    });
+    label.append(document.createTextNode("camera follows"), select);
+    byId("show").append(label);
   }
 
   const rows = [];
@@ -254,6 +269,9 @@
       const vector = seen ? between(arrow.values, 3, k, part).map((x) => x * factor) : null;
       viewer.arrow(arrow.kind + n, origin, vector, {colour: arrow.colour, text: arrow.text});
     });
+    if (state.follow >= 0) {
+      viewer.follow(at[state.follow]);
+    }
     viewer.render();
     const slider = byId("time");
     slider.value = String(Math.round(1000 * (span ? state.time / span : 0)));
