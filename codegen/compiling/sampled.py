@@ -139,12 +139,17 @@ class Function:
     all: bool
     zero: tuple[float, ...] = ()
 
-    def fresh(self) -> Callable[[float, Array], Array]:
-        """Return f(t, x) of time (s) and states (n,), which gives the inputs in order."""
+    def fresh(self) -> Callable[[float, Array, Array], None]:
+        """Return f(t, x, out) of time (s) and states (n,), which puts the inputs into ``out``, in order."""
         function = self.sampled.fresh()
         given: Any = function if self.all else {self.names[0]: function}
         held = np.zeros(len(self.names))
-        return Inputs(held, self.names, given, self.states, self.zero, watched=False)
+        inputs = Inputs(held, self.names, given, self.states, self.zero, watched=False)
+
+        def call(t: float, x: Array, out: Array) -> None:
+            out[:] = inputs(t, x)
+
+        return call if self.all else inputs.single
 
     def since(self, zero: tuple[float, ...]) -> Function:
         """Return the same over a time that is zero at ``zero``, a sum."""

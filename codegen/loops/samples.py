@@ -310,11 +310,11 @@ class Driver:
     def _called(self, law: Law, place: Array) -> Any:
         """Return what C calls; it puts the values of a law into their place."""
         assert law.called is not None
-        function = law.called.fresh()
+        function, state = law.called.fresh(), self.state
 
         def call(t: float) -> int:
             try:
-                place[:] = function(t, self.state)
+                function(t, state, place)
             except BaseException as error:
                 self.error = error  # raised when C has returned
                 return 1
@@ -403,7 +403,9 @@ class Schedule:
             if law.time(self.start, self.taken[k]) <= until:
                 call = self.calls[k]
                 if call is not None:
-                    self.waiting[k].append(np.array(call(t, x)))
+                    out = np.empty(len(law.applied))
+                    call(t, x, out)
+                    self.waiting[k].append(out)
                 else:
                     assert self.generated is not None
                     values = self.generated(t, x, self.p, self.u) if values is None else values
