@@ -15,7 +15,7 @@ from tests.pages import Block, agrees, blocks
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 MADE = DOCS / "howto" / "pictures.md"
-"""The page that is run where the site is built alone (`docs/_ext/made.py`): the site shows what it makes."""
+"""The page that is run where the site is built alone (`docs/_ext/made.py`), which shows what it makes."""
 PAGES = sorted(
     page
     for page in DOCS.rglob("*.md")
