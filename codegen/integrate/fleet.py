@@ -125,7 +125,7 @@ def runner(function: Any) -> Runner:
         x, p = np.ascontiguousarray(x), np.ascontiguousarray(p)
         shared = replace(shared, atol=_held(shared))
         runs = _empty(shared, times, n, count)
-        laws = samples.laws_of(shared.laws)
+        laws = samples.laws_of(shared.laws, shared.t_span[1] - shared.t_span[0])
         room = np.empty(times * (n + 1) + 1)
         job, flag = _job(shared, x, p, runs, room), children.flag()
         job.halt = flag.address

@@ -132,8 +132,8 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
     if task.signals is not None:
         raise InputError(
             "method taylor cannot differentiate inputs that are Python functions",
-            hint="write them into the system by System.with_control, sample them (codegen.Sampled), or choose "
-            "DOP853",
+            hint="write them into the system by System.with_control, sample them by codegen.Sampled, or "
+            "choose DOP853",
         )
     order = taylor.order_of(task.problem.rtol)
     native = _taylor_once(SameObject(task.compiled), _further(task), order)
@@ -144,8 +144,8 @@ def _refuse_signals(name: str, task: Task) -> None:
     if task.signals is not None:
         raise InputError(
             f"method {name} runs in C and cannot call inputs that are Python functions",
-            hint="write them into the system by System.with_control, sample them (codegen.Sampled), or choose "
-            "DOP853",
+            hint="write them into the system by System.with_control, sample them by codegen.Sampled, or "
+            "choose DOP853",
         )
 
 

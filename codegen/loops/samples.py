@@ -13,6 +13,7 @@ before; then these change, and what waited for its delay takes effect.
 from __future__ import annotations
 
 import ctypes
+import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -270,16 +271,22 @@ class Laws:
     kept: tuple[Any, ...]
 
 
-def laws_of(laws: Sequence[Law], made: Callable[[Law, Array], Any] | None = None) -> Laws:
-    """Return laws as C reads them; ``made``: gives the call of one in Python, and where its values go."""
+def laws_of(
+    laws: Sequence[Law], span: float, made: Callable[[Law, Array], Any] | None = None
+) -> Laws:
+    """Return laws as C reads them, for a run over ``span`` (s).
+
+    ``made``: gives the call of one in Python, which is told where its values go.
+    """
     array, kept, first = (_Law * len(laws))(), list[Any](), 0
     values = np.zeros(max(1, sum(len(law.applied) + len(law.stepped) for law in laws)))
     for row, law in zip(array, laws, strict=True):
         count, states = len(law.applied), len(law.stepped)
         places = np.array([*law.applied, *law.stepped], dtype=np.int64)
-        waiting = np.zeros((law.whole + 2) * max(count, 1))
+        room = 2 + min(law.whole, math.ceil(span / law.period))  # no more samples than there are
+        waiting = np.zeros(room * max(count, 1))
         row.period, row.rest, row.whole = law.period, law.rest, law.whole
-        row.count, row.all, row.room, row.first = count, count + states, law.whole + 2, first
+        row.count, row.all, row.room, row.first = count, count + states, room, first
         row.waits = int(law.whole > 0 or law.rest > 0)
         row.places, row.waiting = places.ctypes.data, waiting.ctypes.data
         kept += [places, waiting]
@@ -298,7 +305,8 @@ class Driver:
         self.error: BaseException | None = None
         self.u, self.p = problem.inputs.copy(), problem.parameters
         self.state = np.ctypeslib.as_array(s.x)
-        self.laws = laws_of(problem.laws, self._called)
+        start, end = problem.t_span
+        self.laws = laws_of(problem.laws, end - start, self._called)
         self.rows = np.empty((ROWS, len(self.u) + 1))
         self.parts: list[Array] = []
         self.o = functions.structure(

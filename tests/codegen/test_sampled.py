@@ -13,6 +13,7 @@ import codegen
 import eom
 from codegen.native.trajectory import Law
 from eom.errors import InputError
+from eom.typeset import printing
 
 X, V, U, K, D, Z = sp.symbols("x v u k d z", real=True)
 PENDULUM = eom.System.from_rates("pendulum", {X: V, V: U - sp.sin(X)}, inputs=[U])
@@ -202,6 +203,14 @@ def test_a_sampled_function_beside_a_continuous_one_and_one_for_all():
     by_name = codegen.Sampled({"a": -X, "b": -K * V}, 0.1)
     run = codegen.simulate(two, [1, 1], (0, 1), {"k": 0.0}, inputs=by_name, **TIGHT)
     assert run.y[:, -1] == pytest.approx([0.9**10, math.exp(-1)])
+
+
+def test_a_delay_beyond_the_end_has_no_effect_and_takes_no_room():
+    law = {"u": codegen.Sampled(called, 1e-3, 1e9)}
+    run = codegen.simulate(OPEN, START, (0, 1), inputs=law, **TIGHT)
+    free = codegen.simulate(OPEN, START, (0, 1), inputs={"u": 0.0}, **TIGHT)
+    assert np.all(run["u"] == 0)
+    assert run.y[:, -1] == pytest.approx(free.y[:, -1], abs=1e-11)
 
 
 # -- events, late starts, attitudes ----------------------------------------------------------------
@@ -552,3 +561,11 @@ def test_a_system_with_samples_is_checked_and_pickled():
 def vars_of(system):
     return {"name": system.name, "states": system.states, "rates": system.rates,
             "inputs": system.inputs}  # fmt: skip
+
+
+def test_a_system_that_is_shown_says_what_is_held_and_when():
+    text = printing.text(PENDULUM.with_control({"u": LAW - Z}, {"z": Z + X}, period=0.1, delay=0.02))
+    assert "Held between samples; every 0.1 s they become" in text
+    assert "u = -d*v - k*x - z  # in effect 0.02 s later" in text
+    assert "z = x + z" in text
+    assert "u = u" not in text
