@@ -169,7 +169,7 @@ def _codegen():
         "Event": (codegen.Event, {"expression": y, "direction": 0, "terminal": False, "name": "e"}),
         "Signal": (codegen.Signal, {"function": lambda t: t, "knots": None, "max_step": None}),
         "Sampled": (codegen.Sampled, {
-            "law": y, "period": 0.1, "delay": 0.0, "states": None,
+            "law": lambda t, x, m: (0.0, m), "period": 0.1, "delay": 0.0, "states": None, "memory": 0,
         }),
     }  # fmt: skip
 
@@ -231,7 +231,7 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "title": "",
+            "attitudes": (), "angles": (), "sampled": (), "title": "",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",

@@ -110,7 +110,7 @@ class _Job(ctypes.Structure):
         ("laws", ctypes.c_void_p),
         ("law_count", ctypes.c_size_t),
         ("law_values", ctypes.c_void_p),
-        ("held", ctypes.c_void_p),
+        ("held_at", ctypes.c_void_p),
     ]
 
 
@@ -131,7 +131,7 @@ def runner(function: Any) -> Runner:
         job.halt = flag.address
         if shared.laws and runs.held is not None:
             job.laws, job.law_count = ctypes.addressof(laws.array), len(shared.laws)
-            job.law_values, job.held = laws.values.ctypes.data, runs.held.ctypes.data
+            job.law_values, job.held_at = laws.values.ctypes.data, runs.held.ctypes.data
         function(ctypes.addressof(job))
         children.check()
         return runs

@@ -170,7 +170,7 @@ enum { CHANGES = 64 };
 /* Store what trajectory j holds at the points of the grid before a time. */
 static size_t store_held(const job_ *o, size_t j, size_t next, double until, const double *u) {
     for (; next < o->grid_count && o->grid[next] < until; ++next)
-        for (size_t i = 0; i < @INPUTS@; ++i) o->held[(next * @INPUTS@ + i) * o->count + j] = u[i];
+        for (size_t i = 0; i < @INPUTS@; ++i) o->held_at[(next * @INPUTS@ + i) * o->count + j] = u[i];
     return next;
 }
 

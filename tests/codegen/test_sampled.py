@@ -303,6 +303,21 @@ def test_the_invariants_that_any_input_keeps_stay():
     assert run.drift["q_norm"].relative < 1e-14
 
 
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_a_run_that_becomes_stiff_is_made_anew_by_an_implicit_method(target):
+    """Van der Pol's oscillator: stiff only after a while, with an input that is held."""
+    mu = 3000
+    system = eom.System.from_rates("oscillator", {X: V, V: mu * (1 - X**2) * V - X + U}, inputs=[U])
+    system = codegen.compile(system.with_control({"u": -X / 100}, period=400.0), target)
+    auto = codegen.simulate(system, [2, 0], (0, 2000), rtol=1e-6)
+    radau = codegen.simulate(system, [2, 0], (0, 2000), method="scipy:Radau", rtol=1e-8)
+    assert auto.success
+    assert "explicit" not in auto.method
+    assert auto.steps < 3000
+    assert "stiff" in auto.why
+    assert auto.y[:, -1] == pytest.approx(radau.y[:, -1], rel=1e-4)
+
+
 # -- what is refused ---------------------------------------------------------------------------------
 
 
@@ -564,7 +579,9 @@ def vars_of(system):
 
 
 def test_a_system_that_is_shown_says_what_is_held_and_when():
-    text = printing.text(PENDULUM.with_control({"u": LAW - Z}, {"z": Z + X}, period=0.1, delay=0.02))
+    text = printing.text(
+        PENDULUM.with_control({"u": LAW - Z}, {"z": Z + X}, period=0.1, delay=0.02)
+    )
     assert "Held between samples; every 0.1 s they become" in text
     assert "u = -d*v - k*x - z  # in effect 0.02 s later" in text
     assert "z = x + z" in text
