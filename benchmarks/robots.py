@@ -1,19 +1,19 @@
-"""``python -m benchmarks.robots [FOLDER|MODULE ...]``: robots of packages, read strictly and leniently.
+"""``python -m benchmarks.robots [FOLDER|PACKAGE ...]``: robots of packages, read strictly and leniently.
 
 Counts by reason what is refused and what can be derived, and compares accelerations at random states with
-Pinocchio, where it is installed. Without arguments the packages of `PACKAGES` that can be imported are
+Pinocchio, where it is installed. Without arguments the packages of `PACKAGES` that are installed are
 looked through. The thousand shapes of `LEFT_OUT` are single bodies made by chance, and count with ``--all``
 alone.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -31,7 +31,7 @@ from codegen.ir.interpret import Point, interpret
 from eom.errors import InputError
 from eom.multibody.files.urdf import SINGLE, checked, moving_part, names_of, parsed
 
-PACKAGES = ("pybullet_data", "example_robot_data", "rtbdata")
+PACKAGES = ("pybullet", "example-robot-data", "rtb-data")
 LEFT_OUT = "random_urdfs"
 LARGEST = 1e-12
 """Of a difference of accelerations, over the largest of them."""
@@ -45,7 +45,8 @@ Array = NDArray[np.float64]
 class Found:
     """A file: why it is refused strictly and leniently, or `READ`; what was mended; what Pinocchio says.
 
-    ``derived``: why its equations are refused, or `READ`; nothing where that was not asked.
+    ``derived``: why its equations are refused, or `READ`; nothing where not asked. ``detail``: what
+    is read for what is refused leniently.
     """
 
     file: Path
@@ -54,27 +55,31 @@ class Found:
     mended: tuple[str, ...] = ()
     peer: str = ""
     derived: str = ""
+    detail: str = ""
 
 
 def files_in(places: Iterable[str], everything: bool) -> list[Path]:
-    """Return the URDF files of folders, and of modules that can be imported."""
-    folders = [Path(p) if Path(p).is_dir() else _folder_of(p) for p in places]
-    found = sorted({f for folder in folders if folder for f in folder.rglob("*.urdf")})
-    return [f for f in found if everything or LEFT_OUT not in f.parts]
+    """Return the URDF files of folders, and of packages that are installed, by the names of the index."""
+    found = {f for p in places for f in (Path(p).rglob("*") if Path(p).is_dir() else _files_of(p))}
+    robots = sorted(f for f in found if f.suffix == ".urdf")
+    return [f for f in robots if everything or LEFT_OUT not in f.parts]
 
 
-def _folder_of(module: str) -> Path | None:
-    spec = importlib.util.find_spec(module)
-    return Path(spec.origin).parent if spec and spec.origin else None
+def _files_of(package: str) -> list[Path]:
+    try:
+        listed = metadata.files(package) or []
+    except metadata.PackageNotFoundError:
+        return []
+    return [Path(str(f.locate())).resolve() for f in listed]
 
 
 def read(file: Path, derive: bool = True) -> Found:
     """Read a file in both ways, and by Pinocchio; derive its equations, unless that is left out."""
-    strict, lenient = _reason(file, strict=True), _reason(file, strict=False)
+    (strict, _), (lenient, detail) = (_reason(file, strict=s) for s in (True, False))
     repairs = eom.load_scene(file, strict=False).repairs if lenient == READ else ()
     mended = tuple(sorted({r.reason for r in repairs}))
     derived = _derived(file) if derive and lenient == READ else ""
-    return Found(file, strict, lenient, mended, _peer(file), derived)
+    return Found(file, strict, lenient, mended, _peer(file), derived, detail)
 
 
 def _derived(file: Path) -> str:
@@ -85,12 +90,13 @@ def _derived(file: Path) -> str:
     return READ
 
 
-def _reason(file: Path, *, strict: bool) -> str:
+def _reason(file: Path, *, strict: bool) -> tuple[str, str]:
+    """Return why a file is refused, or `READ`, and what was found there."""
     try:
         eom.load_scene(file, strict=strict)
     except InputError as error:
-        return error.what
-    return READ
+        return error.what, str(error.got)[:80]
+    return READ, ""
 
 
 def _peer(file: Path) -> str:
@@ -188,9 +194,6 @@ def _ours(scene: Any, joints: Mapping[str, str], moving: Sequence[str], state: S
     )
     found = interpret(lower_system(system), point)["rates"]
     rates = dict(zip(system.state_names, found, strict=True))
-    for name, (driver, ratio) in state.couplings.items():
-        if f"u_{joints[name]}" in rates:  # the speed that stays is one of those that are coupled
-            rates[f"u_{joints[driver]}"] = rates[f"u_{joints[name]}"] / ratio
     return np.array([rates[f"u_{joints[n]}"] for n in moving if n not in state.couplings])
 
 
@@ -253,7 +256,7 @@ def refused(found: Sequence[Found]) -> Table:
     table = Table("refused leniently", "why", "Pinocchio")
     for f in found:
         if f.lenient != READ or f.derived not in {"", READ}:
-            why = f.lenient if f.lenient != READ else f"not derived: {f.derived}"
+            why = f"{f.lenient}: {f.detail}" if f.lenient != READ else f"not derived: {f.derived}"
             table.add_row(f.file.name, why, f.peer)
     return table
 
@@ -279,7 +282,7 @@ def compared(found: Sequence[Found], most: int) -> Iterator[tuple[str, str, str]
 
 
 @click.command()
-@click.argument("places", nargs=-1, metavar="[FOLDER|MODULE]...")
+@click.argument("places", nargs=-1, metavar="[FOLDER|PACKAGE]...")
 @click.option("--all", "everything", is_flag=True, help=f"Count {LEFT_OUT}, too.")
 @click.option("--most", default=30, show_default=True, help="Robots compared with Pinocchio.")
 @click.option("--derive/--no-derive", default=True, help="Count what can be derived, too.")

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from eom.commands.analysing import analyse
 from eom.commands.animating import animate, live
 from eom.commands.benching import bench
 from eom.commands.checking import check
@@ -58,15 +59,15 @@ class Commands(click.Group):
 def main() -> None:
     """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
-    SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf for a robot. Exit
-    status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input; 130
-    interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
+    SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf or MuJoCo's .xml
+    for a robot. Exit status: 0 done; 1 the run stopped before its end, or something is wrong; 2
+    unusable input; 130 interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
     """
     gc.set_threshold(*SELDOM)
 
 
 COMMANDS = (
-    list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
+    list_names, derive, generate, accuracy, simulate, run, ensemble, linearise, analyse,
     check, convert, bench, stress, animate, live, plot, exercise, completion,
 )  # fmt: skip
 for command in COMMANDS:

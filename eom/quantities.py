@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +11,7 @@ import sympy as sp
 
 from eom.errors import InputError, entries, is_text, shown, typed_fields
 from eom.expressions import as_expression
+from eom.units import Dimension, read
 
 Expr = Any  # a SymPy expression; SymPy ships no types
 
@@ -21,10 +23,12 @@ TIME = sp.Symbol("t", real=True)
 class Quantity:
     """A symbol with its SI unit, a one-line meaning and its LaTeX form.
 
-    ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s;
-    ``1`` or nothing where there is none. ``meaning``, ``latex``: for pages; nothing is computed from them.
-    ``default``: of a state or parameter, its value in runs that give none by name.
-    Raises `InputError` for what is no symbol, no text, and a default that is no finite number.
+    ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s
+    (`eom.units`); ``1`` where there is none, nothing where it is not stated. ``meaning``, ``latex``: for
+    pages; nothing is computed from them. ``default``: of a state or parameter, its value in runs that give
+    none by name.
+    Raises `InputError` for what is no symbol, no text, an unknown unit, and a default that is no finite
+    number.
     """
 
     symbol: Expr
@@ -43,6 +47,8 @@ class Quantity:
             and isinstance(self.latex, str)
         ):
             raise InputError("unit, meaning and LaTeX are texts", where=f"quantity {self.name!r}")
+        if self.unit:
+            _known_unit(self)
         if self.default is not None and not is_finite(self.default):
             raise InputError("the default is no finite number", where=f"quantity {self.name!r}",
                              got=shown(self.default))  # fmt: skip
@@ -51,6 +57,17 @@ class Quantity:
     def name(self) -> str:
         """The symbol's name."""
         return str(self.symbol.name)
+
+    @property
+    def dimension(self) -> Dimension | None:
+        """The dimension of its unit; None where that is not stated.
+
+        No `InputError` is raised any more.
+
+        >>> Quantity(sp.Symbol("M"), "N m").dimension.words
+        'kg m^2/s^2'
+        """
+        return read(self.unit).dimension if self.unit else None
 
     @property
     def description(self) -> str:
@@ -178,6 +195,14 @@ class Assumption:
                              got=self.tolerance)  # fmt: skip
 
 
+def _known_unit(given: Quantity) -> None:
+    """Raise `InputError` for an unknown unit, with the quantity that has it."""
+    try:
+        read(given.unit)
+    except InputError as error:
+        raise error.at(f"unit of {given.name}") from None
+
+
 def is_finite(value: Any) -> bool:
     """Return whether a value is a finite real number."""
     try:
@@ -197,3 +222,37 @@ def as_expressions(values: Any, where: str) -> tuple[Expr, ...]:
     """Return the entries of a list or matrix as expressions. Raises `InputError` for anything else."""
     rows = list(values) if isinstance(values, sp.MatrixBase) else entries(values, where)
     return tuple(v if isinstance(v, sp.Basic) else as_expression(v) for v in rows)
+
+
+def quantity_of(value: Any, where: str) -> Quantity:
+    """Return a quantity as it is, a symbol as a quantity. Raises `InputError` for anything else."""
+    if not isinstance(value, Quantity):
+        return Quantity(as_symbol(value, where))
+    as_symbol(value.symbol, where)
+    if not (is_text(value.unit) and is_text(value.meaning) and is_text(value.latex)):
+        raise InputError("unit, meaning and LaTeX are texts", where=where, got=shown(value))
+    return value
+
+
+def quantities_of(values: Any, where: str) -> tuple[Quantity, ...]:
+    """Return the quantities of a list. Raises `InputError` for anything else."""
+    return tuple(quantity_of(v, where) for v in entries(values, where))
+
+
+def definition_of(value: Any, where: str) -> Definition:
+    """Return a definition as it is, or one of a pair of name and expression."""
+    if isinstance(value, Definition):
+        quantity_of(value.quantity, where)
+        return value
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise InputError("not a definition", where=where, got=shown(value),
+                         expected="a Definition, or a name and an expression")  # fmt: skip
+    name, expression = value
+    quantity = sp.Symbol(name, real=True) if is_text(name) else name
+    return Definition(quantity_of(quantity, where), as_expression(expression))
+
+
+def definitions_of(values: Any, where: str) -> tuple[Definition, ...]:
+    """Return the definitions of a list, or of expressions by name. Raises `InputError` for others."""
+    rows = list(values.items()) if isinstance(values, Mapping) else entries(values, where)
+    return tuple(definition_of(v, where) for v in rows)

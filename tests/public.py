@@ -20,6 +20,7 @@ from dataclasses import dataclass, is_dataclass
 
 PACKAGES = ("eom", "eom.exercises", "eom.multibody", "codegen")
 MODULES = {
+    "eom.checker.note.kept": "from_note to_note",
     "eom.derivations.lectures": "equation_map",
     "eom.derivations.verification": "DerivationError",
     "eom.kinematics.coordinates": "attitude elementary",
@@ -37,6 +38,8 @@ MODULES = {
         "Convention Stated attitude_of_angles attitude_of_matrix attitude_of_quaternion book "
         "changed of_scene state"
     ),
+    "eom.terms.terms": "cross der dot partial total",
+    "eom.terms.vocabulary": "omega position quantity unit velocity",
     "eom.typeset.printing": "show",
     "eom.views.animation.animation": "animation_of animation_of_motion",
     "eom.views.animation.animation_page": "page",
@@ -116,7 +119,7 @@ def texts_behind(body):
 def doc_of_constant(package, name):
     """The text behind the assignment, in the package or in the module that it is imported from."""
     tree = tree_of(package)
-    for node in tree.body:
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and name in {a.name for a in node.names}:
             importlib.import_module(node.module)
             tree = tree_of(node.module)

@@ -22,7 +22,7 @@ from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event, Given, Occurrences
 from codegen.compiling.sampled import Along, Sampled
 from codegen.compiling.signals import Followed, Inputs, reads_state
-from codegen.frontend.layout import completed, names_of, to_array
+from codegen.frontend.layout import completed, in_si, names_of, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
@@ -41,8 +41,8 @@ from eom.system import Singularity, System
 
 DEFAULT_MARGIN = 1e-6
 
-Values = Mapping[str, float] | Sequence[float] | Array | None
-InputValue = float | Callable[..., float] | Sampled
+Values = Mapping[str, float | str] | Sequence[float] | Array | None
+InputValue = float | str | Callable[..., float] | Sampled
 InputsGiven = Mapping[str, InputValue] | Callable[..., Any] | Sampled
 
 
@@ -210,19 +210,19 @@ def simulate(
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
-    ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function for
-    each input, or one function of all that returns them by name or in order. Functions are of time, f(t),
-    or of time and states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time
-    alone is f(t). They are called from Python, and may state their knots and longest step
-    (`codegen.Signal`). ``method``: one of `METHODS`.
-    ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
-    ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 of the
-    scale of each state unless given, see `codegen.integrate.scales`). ``t_eval``: times to store; without
-    it every step, with a closed form 1001 times at equal distances. ``dense_output``: whether ``sol`` is
-    made, a function of time. ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that
-    is narrower than a step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their
-    number. ``margin``: the run stops where a singularity's expression gets below it. ``progress``:
-    called with the share that is done, 0 to 1.
+    ``initial``, ``parameters``: numbers by name or in order; by name also texts with units, as "30 deg"
+    (`eom.units`), which are put into SI. ``inputs``: a number or a function for each input, or one
+    function of all that returns them by name or in order. Functions are of time, f(t), or of time and
+    states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time alone is
+    f(t). They are called from Python, and may state their knots and longest step (`codegen.Signal`).
+    ``method``: one of `METHODS`. ``outputs``: names of outputs and states; only states that these need
+    are integrated. ``rtol``, ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or
+    (n,): rtol / 1000 of the scale of each state unless given, see `codegen.integrate.scales`).
+    ``t_eval``: times to store; without it every step, with a closed form 1001 times at equal distances.
+    ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``: limits of
+    steps (s); a feature of the rates that is narrower than a step may be stepped over, unless
+    ``max_step`` is shorter. ``max_steps``: of their number. ``margin``: the run stops where a
+    singularity's expression gets below it. ``progress``: called with the share that is done, 0 to 1.
 
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.loops.projection`); all stored points lie on them. Without
@@ -271,6 +271,11 @@ def simulate(
     clock = clock_of(compiled, span, since, found)
     result = _with_notice(_run(given.part, problem, method, given.signals, found, clock), unknown)
     return result.with_accuracy() if accuracy else result
+
+
+def _in_si(compiled: Compiled, *values: Any) -> tuple[Any, ...]:
+    """Return values by name in SI: those that are texts with units are converted."""
+    return tuple(in_si(v, compiled.layout.known) for v in values)
 
 
 def _with_notice(result: Result, unknown: str) -> Result:
@@ -331,6 +336,7 @@ def _given(
 ) -> _Given:
     """Return what is given of a run; symbolic laws among inputs are compiled with the system."""
     compiled, rest, functions = sampled.split(compiled, inputs)
+    initial, parameters, rest = _in_si(compiled, initial, parameters, rest)
     part = _part(compiled, outputs, events, rest, bool(functions))
     laws = sampled.laws_of(part.compiled, functions)
     initial, rest = sampled.start_values(part.compiled, initial, rest)

@@ -42,14 +42,14 @@ def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
         is_flag=True,
         expose_value=False,
         callback=_kept,
-        help="Of a .urdf file: mend what no body or tree is, and print what was done.",
+        help="Of a .urdf or .xml file: mend what no body or tree is, and print what was done.",
     )
     floating = click.option(
         "--floating",
         is_flag=True,
         expose_value=False,
         callback=_kept,
-        help="Of a .urdf file: free the root link of the ground.",
+        help="Of a .urdf or .xml file: free the root link of the ground.",
     )
     return lenient(floating(command))
 
@@ -63,6 +63,23 @@ def read_as() -> dict[str, bool | None]:
 def scene_argument(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the argument SCENE to a command, with the options of reading a robot."""
     return click.argument("scene", metavar="SCENE")(reading_options(command))
+
+
+class _Seconds(click.types.FloatParamType):
+    """A number of seconds, or a time in another unit, as "2 min"."""
+
+    name = "float"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """Return it in seconds. Raises `InputError` for what is no time."""
+        from eom.units import in_unit, nearest
+
+        found = in_unit(value, "s", param.opts[0]) if isinstance(value, str) else None
+        return super().convert(value, param, ctx) if found is None else nearest(found)
+
+
+SECONDS = _Seconds()
+"""What options of times take."""
 
 
 target_option = click.option(

@@ -3,6 +3,19 @@
 Imports: nothing of ours.
 """
 
+from eom.multibody.analysis import (
+    Lagrangian,
+    analysis_page,
+    conserved_quantities,
+    cyclic_coordinates,
+    equations_of,
+    lagrangian,
+    linearised,
+    routh,
+    small_motion,
+    stability,
+    steady_motion,
+)
 from eom.multibody.closed import (
     ClosedForm,
     Comparison,
@@ -13,7 +26,8 @@ from eom.multibody.closed import (
 )
 from eom.multibody.constrained.consistent import Assembly, assemble
 from eom.multibody.constrained.dependence import Examination, examine
-from eom.multibody.identify.regressor import BaseParameters, Regressor, base_parameters, regressor
+from eom.multibody.identify.base_parameters import BaseParameters, base_parameters
+from eom.multibody.identify.regressor import Regressor, regressor
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
@@ -64,6 +78,7 @@ __all__ = [
     "Jet",
     "Joint",
     "KnifeEdge",
+    "Lagrangian",
     "Load",
     "Loop",
     "Motion",
@@ -78,19 +93,29 @@ __all__ = [
     "Tree",
     "TreeFunction",
     "absolute_angles",
+    "analysis_page",
     "assemble",
     "base_parameters",
     "centre_of_mass",
     "closed_form",
     "compare",
+    "conserved_quantities",
+    "cyclic_coordinates",
     "derive",
     "energies",
+    "equations_of",
     "examine",
     "forward_dynamics",
     "inverse_dynamics",
     "jacobian",
+    "lagrangian",
+    "linearised",
     "mass_matrix",
     "reaction",
     "regressor",
+    "routh",
+    "small_motion",
+    "stability",
+    "steady_motion",
     "tree_page",
 ]

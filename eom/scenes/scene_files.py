@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self, get_args
@@ -19,7 +20,9 @@ from eom.scenes import catalogue, parse, reduce
 from eom.scenes.description import Control, Request
 from eom.scenes.reduce import Explanation, Pass, Step
 from eom.scenes.start import pick
+from eom.scenes.stated import Stated
 from eom.system import System
+from eom.units import in_unit
 
 Expr = Any
 MAX_FILE_BYTES = 1_000_000
@@ -149,7 +152,10 @@ class BaseScene(Request):
         """
         if self.control == Control():
             return system
+        self._check_control(system)
         read = self._control_over(names)
+        if system.numbers == "values" and parse.has_decimals(self.control.formulas):
+            system = replace(system, numbers="decimals")
         own = {
             n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
             for n, s in self.control.states.items()
@@ -159,7 +165,7 @@ class BaseScene(Request):
             for n, v in self.parameters.items()
         )
         stepped = self.control.stepped
-        return system.with_control(
+        return system.closed_loop(
             read["laws"],
             {own[n]: e for n, e in read["states"].items() if n in stepped},
             definitions=read["definitions"],
@@ -181,9 +187,34 @@ class BaseScene(Request):
                 )
         known = {**names, **{n: sp.Symbol(n, real=True) for n in own}}
         return {
-            section: {n: _read(f, known, f"[control.{section}] {n}") for n, f in group.items()}
+            section: {
+                n: _read(f, known, f"[control.{section}] {n}", self._unit_of(section, n))
+                for n, f in group.items()
+            }
             for section, group in self.control.formulas.items()
         }
+
+    def _unit_of(self, section: str, name: str) -> str:
+        """Return the unit of a formula of the control, as far as it is known here."""
+        unit = self.control.states[name].unit if section == "states" else ""
+        return f"({unit})/s" if unit and name not in self.control.stepped else unit
+
+    def _check_control(self, system: System) -> None:
+        """Raise `InputError` for a formula of the control of another dimension than it is to have."""
+        groups = (system.states, system.parameters, system.inputs)
+        units = {
+            q.name: q.unit for q in (*(q for g in groups for q in g), *system.output_quantities)
+        }
+        units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
+        units |= {n: s.unit for n, s in self.control.states.items()}
+        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items()}
+        stated = Stated(units, own)
+        for section in ("definitions", "laws", "states"):
+            for name, formula in self.control.formulas[section].items():
+                of = units.get(name, "") if section == "laws" else self._unit_of(section, name)
+                stated.check(formula, f"[control.{section}] {name}", of)
+                if section == "laws" and isinstance(formula, str):
+                    in_unit(formula, of, f"[control.laws] {name}")
 
     def _general(self) -> System:
         """Return the system that passes make smaller."""
@@ -272,8 +303,10 @@ def _with_inputs(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "inputs": {**dict.fromkeys(laws, 0.0), **inputs}}
 
 
-def _read(formula: str | float, names: Mapping[str, Expr], where: str) -> Expr:
-    return parse.parse(formula, names, where) if isinstance(formula, str) else exact(formula)
+def _read(formula: str | float, names: Mapping[str, Expr], where: str, unit: str) -> Expr:
+    if not isinstance(formula, str):
+        return exact(formula)
+    return parse.parse(formula, names, where, unit=unit)
 
 
 def exact(number: float) -> Expr:
@@ -303,9 +336,10 @@ def limited(data: Mapping[str, Any]) -> dict[str, Any]:
 def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -> InputError:
     """Turn the first finding about ``model`` into one error; count the others."""
     findings = error.errors(include_url=False)
-    ours = [f["ctx"]["error"] for f in findings if "error" in f.get("ctx", {})]
-    if ours and isinstance(ours[0], InputError):
-        return ours[0]
+    ours = [(f, f["ctx"]["error"]) for f in findings if "error" in f.get("ctx", {})]
+    if ours and isinstance(ours[0][1], InputError):
+        own: InputError = ours[0][1]
+        return own if own.where else own.at(".".join(map(str, ours[0][0]["loc"])))
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"])
     more = f" (and {len(others)} more)" if others else ""

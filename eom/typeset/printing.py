@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -19,7 +20,7 @@ from eom.typeset import pages
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line
 from eom.typeset.boxes import Box, Formula, Fraction, Operator, Row, Symbol, Words
 from eom.typeset.markup import symbol_latex
-from eom.typeset.writing import expression_pieces
+from eom.typeset.writing import expression_pieces, in_decimals
 
 __all__ = ["FORMATS", "blocks", "latex", "markdown", "show", "symbol_latex", "text"]
 
@@ -32,6 +33,7 @@ _OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
 
 def blocks(system: System, *, primes: bool = False) -> list[Block]:
     """Return what there is to print; empty sections are left out. ``primes``: write x' for dx/dt."""
+    system = _as_decimals(system) if system.numbers == "decimals" else system
     names = _latex_names(system)
     return [
         *_variables("States", system.states, names),
@@ -56,10 +58,29 @@ def blocks(system: System, *, primes: bool = False) -> list[Block]:
     ]
 
 
+def _as_decimals(system: System) -> System:
+    """Return what is printed of a system with decimal numbers: the rest of it is left out."""
+    groups = ("definitions", "outputs", "invariants")
+    changed: dict[str, Any] = {
+        group: tuple(
+            replace(d, expression=in_decimals(d.expression)) for d in getattr(system, group)
+        )
+        for group in groups
+    }
+    changed["singularities"] = tuple(
+        replace(s, expression=in_decimals(s.expression)) for s in system.singularities
+    )
+    if system.mass_matrix is not None:
+        changed["mass_matrix"] = in_decimals(system.mass_matrix)
+    rates = tuple(map(in_decimals, system.rates))
+    return replace(system, rates=rates, attitudes=(), angles=(), **changed)
+
+
 def _latex_names(system: System) -> Names:
     groups = (system.states, system.parameters, system.inputs)
     quantities = [q for group in groups for q in group]
-    quantities += [d.quantity for d in (*system.definitions, *system.outputs, *system.invariants)]
+    named = (*system.definitions, *system.multipliers, *system.outputs, *system.invariants)
+    quantities += [d.quantity for d in named]
     return {
         q.symbol: q.latex if _OWN_LATEX.fullmatch(q.latex) else symbol_latex(q.name)
         for q in quantities
@@ -134,17 +155,23 @@ def _equations(system: System, names: Names, primes: bool) -> tuple[str, list[Li
         return "Equations of motion", lines
     coupled, block = _coupled_block(system, system.mass_matrix)
     mass = Line(Words("mass matrix"), EQUALS, (Formula(block, names),))
+    lines += [
+        _line(Words(f"row of {d.name}"), d.expression, names, d.quantity.description)
+        for d in system.multipliers
+    ]
     heading = f"Equations of motion; mass matrix times the rates of {coupled} = right sides"
     return heading, [mass, *lines]
 
 
 def _coupled_block(system: System, matrix: Expr) -> tuple[str, Expr]:
-    """Return names and mass matrix of the states whose rows differ from those of the identity."""
-    n = len(system.states)
+    """Return names and mass matrix of what has rows that differ from those of the identity."""
+    n = matrix.rows
     keep = [
         k for k in range(n) if matrix[k, :] != sp.eye(n)[k, :] or matrix[:, k] != sp.eye(n)[:, k]
     ]
-    return ", ".join(system.states[k].name for k in keep), matrix.extract(keep, keep)
+    states = ", ".join(q.name for k, q in enumerate(system.states) if k in keep)
+    beside = "".join(f", and {d.name}" for d in system.multipliers)
+    return f"{states}{beside}", matrix.extract(keep, keep)
 
 
 def _rate(state: Quantity, names: Names, primes: bool) -> Box:

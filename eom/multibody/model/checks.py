@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from eom.errors import InputError
-from eom.multibody.algebra.scalars import mul, sub, total
+from eom.multibody.algebra.scalars import is_zero, mul, sub, total
 from eom.multibody.algebra.spatial import Matrix, Vector, product, transposed
 from eom.multibody.algebra.values import Value, is_number
 
@@ -76,3 +76,31 @@ def not_parallel(axis: Vector, other: Vector, where: str) -> None:
     cosine = total(mul(a, b) for a, b in zip(axis, other, strict=True))
     if is_number(cosine) and abs(cosine) > 1 - SLACK:
         raise InputError("the two axes are parallel", where=where, got=float(cosine))
+
+
+def joint(given: Any) -> None:
+    """Raise `InputError` for springs where no coordinate is, and motion that does not fit."""
+    where = f"joint {given.name!r}"
+    paired = given.row.paired(given.attitude)
+    for k, (stiffness, coordinate) in enumerate(zip(given.stiffness, paired, strict=True)):
+        if coordinate is None and not is_zero(stiffness):
+            raise InputError(
+                "a spring needs a coordinate whose rate is the speed",
+                where=f"{where}: speed {given.speeds[k].name}",
+                hint="use a load or an applied force",
+            )
+    if given.row.axes == 2:
+        not_parallel(given.axis, given.second_axis, where)
+    if given.motion is not None:
+        _motion(given, where, paired)
+
+
+def _motion(given: Any, where: str, paired: Sequence[int | None]) -> None:
+    counts = [len(m) for m in (given.motion.position, given.motion.rate, given.motion.acceleration)]
+    if None in paired or any(n != len(paired) for n in counts):
+        raise InputError(
+            "prescribed motion needs one expression a coordinate, each the integral of a speed",
+            where=where,
+            got=f"{counts[0]} for {given.kind}",
+            expected=len(paired) if None not in paired else "a joint of one or two coordinates",
+        )

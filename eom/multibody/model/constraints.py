@@ -23,7 +23,7 @@ from eom.multibody.model import checks
 from eom.multibody.model.joints import KINDS
 from eom.multibody.model.joints import Kind as JointKind
 from eom.multibody.model.model import HERE, Constraint, Placement, Tree
-from eom.multibody.model.parts import ACTING, Axis, BodyName, Kind, Number, Triple
+from eom.multibody.model.parts import ACTING, Axis, BodyName, Kind, Length, Position
 
 CLOSING = tuple(k for k in KINDS if k not in {"free", "helical"})
 """Kinds of joints that close loops."""
@@ -83,9 +83,9 @@ class Distance(Constraint):
     name: str
     first: BodyName
     second: BodyName
-    length: Number
-    first_point: Triple = ZERO
-    second_point: Triple = ZERO
+    length: Length
+    first_point: Position = ZERO
+    second_point: Position = ZERO
 
     def complete(self) -> None:
         """Raise `InputError` for a distance that is not positive."""
@@ -151,12 +151,14 @@ class Coupling(Constraint):
     """Gears: the sum of ratio times rate is zero over some joints of one speed each.
 
     ``ratios``: a number a joint, by its name. The sum of ratio times coordinate keeps its start value.
+    ``follower``: the joint whose speed is no state where speeds are eliminated; by default numbers decide.
     Multiplier: generalised force (N m or N) on a joint of ratio 1.
-    Raises `InputError` for fewer than two joints, and for a ratio of zero.
+    Raises `InputError` for fewer than two joints, a ratio of zero, and a follower that is none of them.
     """
 
     name: str
     ratios: Annotated[Any, Kind("ratios")]
+    follower: str = ""
 
     def complete(self) -> None:
         """Raise `InputError` for fewer than two joints, and for a ratio of zero."""
@@ -174,6 +176,10 @@ class Coupling(Constraint):
                 where=self.where,
                 got=", ".join(f"{j}: {x}" for j, x in rows),
             )
+        if self.follower and self.follower not in {j for j, _ in rows}:
+            names = ", ".join(j for j, _ in rows)
+            raise InputError("the follower is not coupled", where=self.where, got=self.follower,
+                             expected=names)  # fmt: skip
         self._keep("ratios", rows)
 
     def check(self, tree: Tree) -> None:
@@ -210,12 +216,12 @@ class Rolling(Constraint):
 
     name: str
     body: BodyName
-    radius: Number
-    axis: Annotated[Any, Kind("axis", optional=True)] = "z"
-    centre: Triple = ZERO
+    radius: Length
+    axis: Annotated[Any, Kind("axis", optional=True, unit="1")] = "z"
+    centre: Position = ZERO
     normal: Axis = "z"
-    origin: Triple = ZERO
-    half_axis: Number = 0
+    origin: Position = ZERO
+    half_axis: Length = 0
 
     def complete(self) -> None:
         """Raise `InputError` for a radius that is not positive, and a normal in no plane of two axes."""
@@ -250,7 +256,7 @@ class KnifeEdge(Constraint):
     name: str
     body: BodyName
     direction: Axis = "y"
-    point: Triple = ZERO
+    point: Position = ZERO
 
 
 def _over(constraint: Equation | SpeedEquation, symbols: Any, kind: str) -> None:

@@ -19,7 +19,7 @@ from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
-from eom.multibody.model import checks, jets
+from eom.multibody.model import checks, jets, measures
 from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import ALONE, KINDS, QUATERNION
 from eom.multibody.model.joints import Kind as JointKind
@@ -31,11 +31,10 @@ from eom.multibody.model.parts import (
     PLAIN,
     Axis,
     BodyName,
-    Each,
     Kind,
-    Number,
+    Length,
     Part,
-    Triple,
+    Position,
     kinds,
 )
 from eom.quantities import TIME, Quantity
@@ -65,11 +64,11 @@ class Body(Part):
     noun = "body"
 
     name: str
-    mass: Annotated[Value, Kind("number", PLAIN)] = 0
-    centre: Annotated[Any, Kind("vector", PLAIN)] = ZERO
-    inertia: Annotated[Any, Kind("inertia", PLAIN)] = ZERO
-    about: Annotated[Any, Kind("place", PLAIN)] = CENTRE
-    axes: Annotated[Any, Kind("rotation")] = IDENTITY
+    mass: Annotated[Value, Kind("number", PLAIN, unit="kg")] = 0
+    centre: Annotated[Any, Kind("vector", PLAIN, unit="m")] = ZERO
+    inertia: Annotated[Any, Kind("inertia", PLAIN, unit="kg m^2")] = ZERO
+    about: Annotated[Any, Kind("place", PLAIN, unit="m")] = CENTRE
+    axes: Annotated[Any, Kind("rotation", unit="1")] = IDENTITY
 
     def complete(self) -> None:
         """Raise `InputError` for an inertia that no body has."""
@@ -111,8 +110,8 @@ class Placement(Part):
 
     noun = "placement of a joint"
 
-    position: Triple = ZERO
-    rotation: Annotated[Any, Kind("rotation")] = IDENTITY
+    position: Position = ZERO
+    rotation: Annotated[Any, Kind("rotation", unit="1")] = IDENTITY
 
 
 HERE = Placement()
@@ -129,9 +128,13 @@ class Motion(Part):
 
     noun = "prescribed motion"
 
-    position: Annotated[tuple[Value, ...], Kind("each", MOVING)]
-    rate: Annotated[tuple[Value, ...] | None, Kind("each", MOVING, optional=True)] = None
-    acceleration: Annotated[tuple[Value, ...] | None, Kind("each", MOVING, optional=True)] = None
+    position: Annotated[tuple[Value, ...], Kind("each", MOVING, each=("rad", "m"))]
+    rate: Annotated[
+        tuple[Value, ...] | None, Kind("each", MOVING, optional=True, each=("rad/s", "m/s"))
+    ] = None
+    acceleration: Annotated[
+        tuple[Value, ...] | None, Kind("each", MOVING, optional=True, each=("rad/s^2", "m/s^2"))
+    ] = None
 
     def complete(self) -> None:
         """Derive the rates that are left out, and raise `InputError` for what is no expression."""
@@ -191,15 +194,15 @@ class Joint(Part):
     child: str
     axis: Axis = "z"
     second_axis: Axis = "x"
-    pitch: Number = 0
+    pitch: Length = 0
     attitude: str = QUATERNION
     on_parent: Annotated[Placement, Kind(Placement)] = HERE
     on_child: Annotated[Placement, Kind(Placement)] = HERE
-    stiffness: Each = 0
-    rest: Each = 0
-    damping: Each = 0
-    armature: Each = 0
-    force: Annotated[Any, Kind("each", ACTING)] = 0
+    stiffness: Annotated[Any, Kind("each", each=("N m/rad", "N/m"))] = 0
+    rest: Annotated[Any, Kind("each", each=("rad", "m"))] = 0
+    damping: Annotated[Any, Kind("each", each=("N m s/rad", "N s/m"))] = 0
+    armature: Annotated[Any, Kind("each", each=("kg m^2", "kg"))] = 0
+    force: Annotated[Any, Kind("each", ACTING, each=("N m", "N"))] = 0
     motor: bool = False
     motion: Annotated[Any, Kind(Motion, optional=True)] = None
     alone: bool = False
@@ -218,7 +221,7 @@ class Joint(Part):
             self._keep(name, _each(getattr(self, name), size, f"{self.where}: {name}"))
         if self.motion is not None and not isinstance(self.motion, Motion):
             self._keep("motion", Motion(self.motion))
-        _check_joint(self)
+        checks.joint(self)
 
     @property
     def row(self) -> JointKind:
@@ -287,9 +290,9 @@ class Load(Part):
     noun = "load"
 
     body: BodyName
-    force: Annotated[Any, Kind("vector", ACTING)] = ZERO
-    torque: Annotated[Any, Kind("vector", ACTING)] = ZERO
-    point: Annotated[Any, Kind("vector", ACTING)] = ZERO
+    force: Annotated[Any, Kind("vector", ACTING, unit="N")] = ZERO
+    torque: Annotated[Any, Kind("vector", ACTING, unit="N m")] = ZERO
+    point: Annotated[Any, Kind("vector", ACTING, unit="m")] = ZERO
     axes: Annotated[str, Kind("axes")] = GROUND
 
     @property
@@ -325,12 +328,12 @@ class Rotor(Part):
     name: str
     body: BodyName
     axis: Axis = "z"
-    inertia: Annotated[Value, Kind("number", needed=True)] = 0
-    damping: Number = 0
-    torque: Annotated[Value, Kind("number", ACTING)] = 0
+    inertia: Annotated[Value, Kind("number", needed=True, unit="kg m^2")] = 0
+    damping: Annotated[Value, Kind("number", unit="N m s")] = 0
+    torque: Annotated[Value, Kind("number", ACTING, unit="N m")] = 0
     motor: bool = False
     angle: bool = False
-    speed: Annotated[Any, Kind("number", MOVING, optional=True)] = None
+    speed: Annotated[Any, Kind("number", MOVING, optional=True, unit="rad/s")] = None
 
     def complete(self) -> None:
         """Raise `InputError` for a moment that is not positive, and for two ways to say how it spins."""
@@ -383,10 +386,13 @@ class Spring(Part):
 
     name: str
     bodies: Annotated[tuple[str, str], Kind("body", keys=("first", "second"))]
-    points: Annotated[Any, Kind("vector", keys=("first_point", "second_point"))] = (ZERO, ZERO)
-    stiffness: Number = 0
-    length: Number = 0
-    damping: Number = 0
+    points: Annotated[Any, Kind("vector", keys=("first_point", "second_point"), unit="m")] = (
+        ZERO,
+        ZERO,
+    )
+    stiffness: Annotated[Value, Kind("number", unit="N/m")] = 0
+    length: Length = 0
+    damping: Annotated[Value, Kind("number", unit="N s/m")] = 0
 
     def complete(self) -> None:
         """Raise `InputError` for other than two points."""
@@ -445,9 +451,12 @@ class Tree:
     and spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
     parameters (every other symbol is one too). ``constraints``: rows of
     `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
+    ``numbers``: what numbers in the equations are, a row of `eom.system.NUMBERS`; nothing where that is
+    to be seen from the values, whose dimensions are then checked.
 
     Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
-    hangs on nothing or on two joints, a loop, a joint that moves no mass.
+    hangs on nothing or on two joints, a loop, a joint that moves no mass, an expression of another
+    dimension than its place has, where it is over parameters or inputs with units.
 
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
     >>> hinge = Joint("hinge", "revolute", GROUND, "bob", axis="x")
@@ -467,19 +476,11 @@ class Tree:
     springs: tuple[Spring, ...] = ()
     gravity_gradient: Any = ZEROS
     jets: tuple[Jet, ...] = ()
+    numbers: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in (
-            "bodies",
-            "joints",
-            "loads",
-            "parameters",
-            "constraints",
-            "rotors",
-            "springs",
-            "jets",
-        ):
+        for name in "bodies joints loads parameters constraints rotors springs jets".split():
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         place = f"tree {self.name!r}: gravity_gradient"
@@ -487,6 +488,7 @@ class Tree:
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)
+        keep(self, "numbers", measures.checked(self))
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
@@ -505,34 +507,6 @@ class Tree:
 
 
 # -- what they must be --
-
-
-def _check_joint(given: Joint) -> None:
-    """Raise `InputError` for springs where no coordinate is, and motion that does not fit."""
-    where = f"joint {given.name!r}"
-    paired = given.row.paired(given.attitude)
-    for k, (stiffness, coordinate) in enumerate(zip(given.stiffness, paired, strict=True)):
-        if coordinate is None and not is_zero(stiffness):
-            raise InputError(
-                "a spring needs a coordinate whose rate is the speed",
-                where=f"{where}: speed {given.speeds[k].name}",
-                hint="use a load or an applied force",
-            )
-    if given.row.axes == 2:
-        checks.not_parallel(given.axis, given.second_axis, where)
-    if given.motion is not None:
-        _motion(given, where, paired)
-
-
-def _motion(given: Joint, where: str, paired: Sequence[int | None]) -> None:
-    counts = [len(m) for m in (given.motion.position, given.motion.rate, given.motion.acceleration)]
-    if None in paired or any(n != len(paired) for n in counts):
-        raise InputError(
-            "prescribed motion needs one expression a coordinate, each the integral of a speed",
-            where=where,
-            got=f"{counts[0]} for {given.kind}",
-            expected=len(paired) if None not in paired else "a joint of one or two coordinates",
-        )
 
 
 def _check_tree(given: Tree) -> None:

@@ -31,7 +31,7 @@ from eom.multibody.algebra.spatial import (
     trace,
     transposed,
 )
-from eom.multibody.model.parts import BodyName, Part, Triple
+from eom.multibody.model.parts import BodyName, Part, Position
 from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import (
     Place,
@@ -200,7 +200,7 @@ class Point(Part):
 
     name: str
     body: BodyName
-    position: Triple = ZERO
+    position: Position = ZERO
     quantities: tuple[str, ...] = tuple(QUANTITIES)
 
     def complete(self) -> None:

@@ -47,7 +47,7 @@ AROUND_ONE = 1.2
 """What is seen around a single body, by its extent: its vectors need room."""
 SAMPLES = 100
 """Times at which the space that the motion takes is measured."""
-FAR = 10.0
+FAR = 5.0
 """A motion that takes more room than what moves, so many times, has a camera that follows a body."""
 STAYS = "none"
 """The word for a camera that follows nothing."""
