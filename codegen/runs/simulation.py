@@ -262,8 +262,9 @@ def simulate(
     numbers = _in_si(compiled, initial, parameters, given)
     initial, given = sampled.start_values(part.compiled, numbers[0], numbers[2])
     x0, values, held, signals = _numbers(
-        part, initial, numbers[1], _with_zeros(given, functions, laws, part)
-    )
+        part, initial, numbers[1], _with_zeros(given, functions, laws, part),
+        span[0] + arguments.finite(epoch, "epoch"),
+    )  # fmt: skip
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
     first = sampled.first_inputs(part.compiled, laws, (since + span[0], x0, values), held)
     point = sizes_of.Point(x0, values, first, since)
@@ -353,12 +354,12 @@ def _part(
 
 
 def _numbers(
-    part: pruning.Part, initial: Values, parameters: Values, inputs: InputsGiven
+    part: pruning.Part, initial: Values, parameters: Values, inputs: InputsGiven, time: float
 ) -> tuple[Array, Array, Array, Inputs | None]:
     """Return initial state, parameters, held inputs, and the function of all if one is a function."""
     held, signals = _inputs(part.compiled, inputs)
     x0 = _start(part.compiled, part.start(initial))
-    return x0, _parameters(part.compiled, parameters, x0, held), held, signals
+    return x0, _parameters(part.compiled, parameters, x0, held, time), held, signals
 
 
 def _run(
@@ -452,8 +453,10 @@ def _inputs(compiled: Compiled, given: InputsGiven) -> tuple[Array, Inputs | Non
     return held, Inputs(held, names, functions, states) if functions else None
 
 
-def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) -> Array:
-    """Return the parameters in order; test all values against what the system assumes."""
+def _parameters(
+    compiled: Compiled, parameters: Values, x0: Array, held: Array, time: float
+) -> Array:
+    """Return the parameters in order; test all values, and the time, against what the system assumes."""
     layout = compiled.layout
     names = names_of(layout.parameters)
     given = completed(
@@ -467,7 +470,7 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
         compiled.guard.check(compiled.structure.completed({**known, **spoken}))
     values = to_array(kept if isinstance(given, Mapping) else given, names, "parameter")
     everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
-    compiled.guard.check(compiled.structure.completed(everything))
+    compiled.guard.check(compiled.structure.completed(everything), time)
     return values
 
 
