@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain
 from typing import Annotated, Any
 
 import sympy as sp
@@ -20,7 +19,7 @@ from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
-from eom.multibody.model import checks, jets
+from eom.multibody.model import checks, jets, measures
 from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import ALONE, KINDS, QUATERNION
 from eom.multibody.model.joints import Kind as JointKind
@@ -489,10 +488,7 @@ class Tree:
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)
-        if not self.numbers:
-            _check_units(self)
-            found = any(map(values.is_decimal, _numbers(self)))
-            keep(self, "numbers", "decimals" if found else "values")
+        keep(self, "numbers", measures.checked(self))
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
@@ -508,39 +504,6 @@ class Tree:
     def joint_of(self) -> dict[str, Joint]:
         """The joint that leads to each body."""
         return {j.child: j for j in self.joints}
-
-
-def _numbers(given: Tree) -> Iterator[Value]:
-    """Yield all values of a tree."""
-    yield from (*given.gravity, *(x for row in given.gravity_gradient for x in row))
-    parts = (
-        given.bodies,
-        given.joints,
-        given.loads,
-        given.constraints,
-        given.rotors,
-        given.springs,
-    )
-    for part in (p for group in parts for p in group):
-        yield from part.given
-
-
-def _check_units(given: Tree) -> None:
-    of_joints = (q for j in given.joints for q in (*j.coordinates, *j.speeds, *j.motors))
-    of_rotors = (q for r in given.rotors for q in (*r.states, *r.motors))
-    own = (*given.parameters, *given.inputs)
-    checks.units(_measured(given), own, chain(of_joints, of_rotors))
-
-
-def _measured(given: Tree) -> Iterator[tuple[str, Value, str]]:
-    """Yield all values with places and units."""
-    yield from ((f"tree {given.name!r}: gravity", x, "m/s^2") for x in given.gravity)
-    place = f"tree {given.name!r}: gravity_gradient"
-    yield from ((place, x, "1/s^2") for row in given.gravity_gradient for x in row)
-    for joint in given.joints:
-        yield from joint.measured(joint.speeds)
-    for group in (given.bodies, given.loads, given.constraints, given.rotors, given.springs):
-        yield from (row for part in group for row in part.measured())
 
 
 # -- what they must be --

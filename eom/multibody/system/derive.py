@@ -1,7 +1,6 @@
 """A tree of bodies as a `System`, by articulated bodies with every intermediate named.
 
 What is computed of a motion beside its rates: outputs, points, reactions, constants.
-
 Functions of a tree as systems to compile: mass matrix, dynamics, Jacobians, centre of mass, energies.
 """
 

@@ -85,7 +85,7 @@ def test_a_scene_is_the_tree_of_python():
         bodies__toe={"mass": 0.1},
         joints__ankle={
             "kind": "prismatic", "parent": "lower", "child": "toe", "axis": [0, 0.6, 0.8],
-            "motion": {"position": "sin(2*t)/l"},
+            "motion": {"position": "1.0*sin(2*t)/l"},
         },
         loads__jet={"body": "lower", "force": ["thrust", 0, "c*t"], "point": [0, 0, -1], "axes": "body"},
     )  # fmt: skip
