@@ -255,10 +255,11 @@ def simulate(
     (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
-    given = _given(_compiled(system), initial, parameters, inputs or {}, outputs, found)
+    rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
+    values = initial, parameters, inputs or {}
+    given = _given(_compiled(system), values, outputs, found, span[0] + since)
     compiled = given.part.compiled
     sampled.check_laws(given.laws, span)
-    rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
     smallest, unknown = _smallest(given, atol, since, span, rtol)
     problem = Problem(
         given.x0, span, given.values, given.held, rtol, smallest, arguments.positive(margin, "margin"),
@@ -328,22 +329,24 @@ class _Given:
 
 def _given(
     compiled: Compiled,
-    initial: Values,
-    parameters: Values,
-    inputs: InputsGiven,
+    values: tuple[Values, Values, InputsGiven],
     outputs: Sequence[str] | None,
     events: Sequence[Event],
+    time: float,
 ) -> _Given:
-    """Return what is given of a run; symbolic laws among inputs are compiled with the system."""
-    compiled, rest, functions = sampled.split(compiled, inputs)
-    initial, parameters, rest = _in_si(compiled, initial, parameters, rest)
+    """Return what is given of a run, which starts at ``time`` (s), initial values, parameters and inputs.
+
+    Symbolic laws among inputs are compiled with the system.
+    """
+    compiled, rest, functions = sampled.split(compiled, values[2])
+    initial, parameters, rest = _in_si(compiled, *values[:2], rest)
     part = _part(compiled, outputs, events, rest, bool(functions))
     laws = sampled.laws_of(part.compiled, functions)
     initial, rest = sampled.start_values(part.compiled, initial, rest)
     if functions:
         names = names_of(part.compiled.layout.inputs)
         rest = {**{names[k]: 0.0 for law in laws if law.called for k in law.applied}, **rest}
-    return _Given(part, laws, *_numbers(part, initial, parameters, rest))
+    return _Given(part, laws, *_numbers(part, initial, parameters, rest, time))
 
 
 def _part(
@@ -368,12 +371,12 @@ def _part(
 
 
 def _numbers(
-    part: pruning.Part, initial: Values, parameters: Values, inputs: InputsGiven
+    part: pruning.Part, initial: Values, parameters: Values, inputs: InputsGiven, time: float
 ) -> tuple[Array, Array, Array, Inputs | None]:
     """Return initial state, parameters, held inputs, and the function of all if one is a function."""
     held, signals = _inputs(part.compiled, inputs)
     x0 = _start(part.compiled, part.start(initial))
-    return x0, _parameters(part.compiled, parameters, x0, held), held, signals
+    return x0, _parameters(part.compiled, parameters, x0, held, time), held, signals
 
 
 def _run(
@@ -467,8 +470,10 @@ def _inputs(compiled: Compiled, given: InputsGiven) -> tuple[Array, Inputs | Non
     return held, Inputs(held, names, functions, states) if functions else None
 
 
-def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) -> Array:
-    """Return the parameters in order; test all values against what the system assumes."""
+def _parameters(
+    compiled: Compiled, parameters: Values, x0: Array, held: Array, time: float
+) -> Array:
+    """Return the parameters in order; test all values, and the time, against what the system assumes."""
     layout = compiled.layout
     names = names_of(layout.parameters)
     given = completed(
@@ -482,7 +487,7 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
         compiled.guard.check(compiled.structure.completed({**known, **spoken}))
     values = to_array(kept if isinstance(given, Mapping) else given, names, "parameter")
     everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
-    compiled.guard.check(compiled.structure.completed(everything))
+    compiled.guard.check(compiled.structure.completed(everything), time)
     return values
 
 
