@@ -54,7 +54,7 @@ def doubts(
     ties = [t for one in draft.systems for t in one.ties]
     guessed |= {t.latex: t.words for t in ties if t.words == USUAL}
     said_of = {t.latex for t in ties if t.words != USUAL}
-    meant = {t.latex: f"{t.means} of {one.name}" for one in draft.systems for t in one.ties}
+    meant = {t.latex: f"the {t.means} of the system" for t in ties}
     used = [dict(_used(f, lexicon)) for f in formulas]
     count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
     every = {p for u in used for p in u}

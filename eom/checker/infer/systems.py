@@ -42,7 +42,7 @@ class Letter:
     @property
     def derived(self) -> bool:
         """Whether it is a value in a motion of the system, which has no rate."""
-        return re.search(r" (?:at|of|before|after) ", self.means) is not None
+        return re.search(r" (?:at|before|after) |^impulse ", self.means) is not None
 
     @property
     def marked(self) -> bool:

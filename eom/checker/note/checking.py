@@ -118,7 +118,13 @@ class Whole:
 
 def check_note(note: Note, settings: Settings) -> Report:
     """Return the report on a file, a text or a formula."""
-    whole = judged_note(note, settings)
+    path = note if isinstance(note, Path) else None
+    return check_document(document_of(note, settings.kind), settings, path)
+
+
+def check_document(document: Document, settings: Settings, path: Path | None = None) -> Report:
+    """Return the report on a document; ``path``: where it stands, if it is a file."""
+    whole = judged_document(document, settings, path)
     found = [*(f.finding for f in whole.found), *whole.words]
     report = _report(whole.document, whole.known, settings, found)
     return replace(report, questions=whole.questions)
@@ -126,9 +132,13 @@ def check_note(note: Note, settings: Settings) -> Report:
 
 def judged_note(note: Note, settings: Settings) -> Whole:
     """Return what is found of the formulas and the words of a file, a text or a formula."""
-    closure(settings.given)
-    document = document_of(note, settings.kind)
     path = note if isinstance(note, Path) else None
+    return judged_document(document_of(note, settings.kind), settings, path)
+
+
+def judged_document(document: Document, settings: Settings, path: Path | None = None) -> Whole:
+    """Return what is found of the formulas and the words of a document."""
+    closure(settings.given)
     with seldom_collected(), deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
         if settings.system is not None:
@@ -267,8 +277,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             yield one
             continue
         taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
-        if system and not named and lines < CREDIBLE:
-            taken += [f"the note is about {s.name}" for s in known.draft.systems[:1]]
+        if system and not named and (lines < CREDIBLE or guessed):
+            taken = [f"the note is about {s.name}" for s in known.draft.systems[:1]] + taken
         if system and not named:
             free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
             taken += [f"{n} is counted from where the line needs it" for n in free]
@@ -291,14 +301,26 @@ def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
     reading = one.understood.formula.reading
     if reading is None:
         return ""
-    given = (*settings.given, *one.understood.lexicon.assume)
+    here = one.understood.lexicon
+    given = (*settings.given, *here.assume)
     try:
         with deadline(settings.seconds, "other meanings of this formula"):
-            others = readings(one.understood.formula, one.understood.lexicon, draft)
-            for doubt, lexicon in islice(others, MAX_READINGS):
+            others = [
+                (f"${d.latex}$ is not {d.meaning} ({d.why})", lexicon)
+                for d, lexicon in islice(
+                    readings(one.understood.formula, here, draft), MAX_READINGS
+                )
+            ]
+            others += [
+                ("the system is as it was taken", r.added(here))
+                for s in draft.systems
+                if here.system is not None and set(s.headings) <= set(one.understood.headings)
+                for r in s.rivals[:SHOWN]
+            ]
+            for why, lexicon in others:
                 claims = reread(replace(one.understood, lexicon=lexicon), reading.tree)
                 if claims and all(_holds(c, given) for c in claims):
-                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+                    return why
     except (Overdue, RecursionError, InputError):
         return ""
     return ""

@@ -19,8 +19,10 @@ from eom.multibody.closed.forms import (
     compare,
 )
 from eom.multibody.closed.readable import KINDS
-from eom.multibody.closed.stages import Names, Stage, Value, display_names, stages
+from eom.multibody.closed.stages import Stage, Value, display_names, stages
 from eom.multibody.model.model import Tree
+from eom.multibody.model.names import inputs_of
+from eom.quantities import TIME
 from eom.typeset.blocks import (
     EQUALS,
     Block,
@@ -48,7 +50,7 @@ from eom.typeset.boxes import (
     symbol,
 )
 from eom.typeset.markup import render
-from eom.typeset.writing import expression_pieces
+from eom.typeset.writing import Names, expression_pieces
 
 Expr = Any
 
@@ -133,11 +135,14 @@ def _variables(form: ClosedForm) -> Iterator[Block]:
     yield from _remarks(form)
     if form.prescribed:
         yield Heading("Prescribed motion")
-        lines = (
-            _line(Row((Formula(d.symbol.xreplace(names)), Words("(t)"))), d.expression, names)
-            for d in form.prescribed
-            if d.expression != 0 and d.symbol.xreplace(names) != d.expression
-        )
+        moving = {TIME, *(i.symbol for i in inputs_of(form.tree))}
+        still = set(form.whole.accelerations)
+        lines = []
+        for d in form.prescribed:
+            shown, value = names.of(d.symbol), d.expression
+            if shown != value and not (value == 0 and d.symbol in still):
+                of_time = (Words("(t)"),) if value.free_symbols & moving else ()
+                lines.append(_line(Row((Formula(shown), *of_time)), value, names))
         yield Display(tuple(lines))
 
 
