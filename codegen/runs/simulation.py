@@ -264,14 +264,13 @@ def simulate(
     problem = Problem(
         given.x0, span, given.values, given.held, rtol, smallest, arguments.positive(margin, "margin"),
         singularities=len(compiled.layout.results[SINGULARITIES]), progress=progress,
-        t_eval=None if t_eval is None else arguments.grid(t_eval, span),
-        dense_output=dense_output, first_step=arguments.optional(first_step, "first_step"),
-        max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
-        project=_projected(compiled, project, method), events=looked_for.filters(found), laws=given.laws,
+        t_eval=None if t_eval is None else arguments.grid(t_eval, span), dense_output=dense_output,
+        first_step=arguments.optional(first_step, "first_step"), max_steps=arguments.count(max_steps),
+        max_step=arguments.positive(max_step, "max_step"), project=_projected(compiled, project, method),
+        events=looked_for.filters(found), laws=given.laws,
     )  # fmt: skip
-    run = _run(given.part, problem, method, given.signals, found, clock_of(compiled, span, since, found))
-    result = _with_notice(run, unknown)
-    return result.with_accuracy() if accuracy else result
+    run = given.part, problem, method, given.signals, found, clock_of(compiled, span, since, found)
+    return _finished(_run(*run), unknown, accuracy)
 
 
 def _in_si(compiled: Compiled, *values: Any) -> tuple[Any, ...]:
@@ -279,9 +278,10 @@ def _in_si(compiled: Compiled, *values: Any) -> tuple[Any, ...]:
     return tuple(in_si(v, compiled.layout.known) for v in values)
 
 
-def _with_notice(result: Result, unknown: str) -> Result:
-    """Return a result that says which scales of states are not known."""
-    return replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
+def _finished(run: Result, unknown: str, accuracy: bool) -> Result:
+    """Return a result that says which scales are not known, with its error if that is asked for."""
+    result = replace(run, notice=_joined(run.notice, unknown if run.steps else ""))
+    return result.with_accuracy() if accuracy else result
 
 
 def _smallest(
