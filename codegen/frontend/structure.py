@@ -154,6 +154,10 @@ class Structure:
         given = dict(parameters or {})
         equal, numbers = _equal(system, given)
         held = {"state": dict(states or {}), "input": dict(inputs or {})}
+        for name in held["input"]:
+            if name in system.held:
+                raise InputError(f"input {name} is set by a sampled law, and not compiled in",
+                                 where=f"system {system.name!r}", got=held["input"][name])  # fmt: skip
         for kind, known in (("state", system.state_names), ("input", system.input_names)):
             _known(kind, held[kind], known, system)
             to_array(list(held[kind].values()), list(held[kind]), kind)
