@@ -185,8 +185,8 @@ def _products(atoms: list[_Atom], kind: Signature) -> Iterator[Node]:
 
 
 _Sized = tuple[Node, int | None]
-_PLACE = 1 << 16
-"""What a twelfth of the next base unit counts: more than all of one in a product."""
+_BITS = 16
+"""Between the twelfths of one base unit and the next: more than those of a product take."""
 
 
 def _row(atoms: list[_Atom], shapes: frozenset[str]) -> list[_Sized]:
@@ -198,7 +198,7 @@ def _exponents(dimension: Dimension | None) -> int | None:
     """Return the twelfths of a dimension in one number, of a product their sum; None where not known."""
     if dimension is None:
         return None
-    return sum(int(12 * e) * _PLACE**k for k, e in enumerate(dimension))
+    return sum(int(12 * e) << (_BITS * k) for k, e in enumerate(dimension))
 
 
 def _fitting(parts: Iterable[_Sized], wanted: int | None) -> bool:
