@@ -11,7 +11,7 @@ import sympy as sp
 from eom.derivations.derived import FORMATS
 from eom.errors import InputError, typed, unknown_name
 from eom.expressions import as_expression
-from eom.multibody.analysis.conserved import conserved_quantities
+from eom.multibody.analysis.conserved import check_degrees, conserved_quantities
 from eom.multibody.analysis.cyclic import cyclic_coordinates, routh
 from eom.multibody.analysis.energies import Equations, Lagrangian, equations_of, lagrangian
 from eom.multibody.analysis.steady import (
@@ -62,6 +62,7 @@ def analysis_page(
         raise unknown_name("format", style, FORMATS)
     if isinstance(order, bool) or order < 0:
         raise InputError("the order is below zero", where="analysis", got=order)
+    check_degrees("analysis", rates=rates, harmonics=harmonics)
     shown: list[Block] = [Heading(f"{source.name.replace('_', ' ')}: analysis", 1)]
     pen = _Pen(isinstance(source, Tree) and source.numbers == "decimals")
     made, why = _source(source, names)
@@ -77,7 +78,7 @@ def analysis_page(
     shown += _equations(pen, equations)
     shown += _steady(pen, equations, chosen, solve)
     shown += _small(pen, equations, order, chosen) if order else ()
-    shown += _conserved(pen, equations, rates, harmonics)
+    shown += _conserved(pen, made, rates, harmonics)
     return FORMATS[style](shown)
 
 
@@ -232,7 +233,9 @@ def _small(pen: _Pen, of: Equations, order: int, values: Mapping[str, Any]) -> I
     yield Display(tuple(map(pen.zero, found.equations)))
 
 
-def _conserved(pen: _Pen, of: Equations, rates: int, harmonics: int) -> Iterator[Block]:
+def _conserved(
+    pen: _Pen, of: Lagrangian | Equations, rates: int, harmonics: int
+) -> Iterator[Block]:
     yield Heading("Conserved quantities")
     yield Paragraph(f"Of degree {rates} at most in the rates, {harmonics} in sines and cosines:")
     try:

@@ -56,6 +56,8 @@ class SteadyMotion:
                 if slope == 0 or symbol in slope.free_symbols:
                     continue
                 value = tidy(-c.xreplace({symbol: sp.S.Zero}) / slope)
+                if value == 0 and symbol.is_nonzero:
+                    continue
                 put = {symbol: value}
                 rest = tuple(tidy(x.xreplace(put)) for n, x in enumerate(self.conditions) if n != k)
                 values = {q: as_expression(x).xreplace(put) for q, x in self.values.items()}

@@ -337,6 +337,14 @@ def test_constraints_between_speeds_and_sums_of_angles():
     assert degrees == [1, 2]
 
 
+def test_angles_that_are_constant():
+    """Down a slope: m u^2 / 2 - m g x sin(tilt), the sine of a parameter."""
+    x, u, tilt = sp.symbols("x u tilt", real=True)
+    slope = Lagrangian("slope", {x: u}, m * u**2 / 2, -m * g * x * sp.sin(tilt))
+    (found,) = conserved_quantities(slope)
+    assert equal(found.expression, u**2 - 2 * g * x * sp.sin(tilt))
+
+
 def test_speeds_that_do_not_change():
     x, u = sp.symbols("x u", real=True)
     assert [c.expression for c in conserved_quantities(Lagrangian("free", {x: u}, u**2 / 2))] == [u]
