@@ -52,7 +52,11 @@ INNER = frozenset(
 """Classes that users come to and need not know: how results are computed, written or verified."""
 
 OWN = "the quantities that it makes are its own, with names and units that fit"
+LABELS = "the quantity that it names has these labels"
 NEVER = {
+    **{
+        f"eom.terms.vocabulary.{name}": LABELS for name in ("omega", "position", "unit", "velocity")
+    },
     "eom.Scene.attitudes": "the name of the attitude was checked when the scene was made",
     "eom.full_inertia": OWN,
     "eom.principal_inertia": OWN,
@@ -764,6 +768,18 @@ FACTS = {
         "Gravity acts along -a3",
         "lecture 002 eq. 3.20",
     ),
+    "eom.checker.note.kept.from_note": (NONE, NONE, NONE, NONE),
+    "eom.checker.note.kept.to_note": (NONE, NONE, NONE, NONE),
+    "eom.terms.terms.cross": (NONE, NONE, "right-handed", NONE),
+    "eom.terms.terms.der": (NONE, "in SI units", "``frame``", NONE),
+    "eom.terms.terms.dot": (NONE, NONE, NONE, NONE),
+    "eom.terms.terms.partial": (NONE, "in SI units", NONE, NONE),
+    "eom.terms.terms.total": (NONE, NONE, NONE, NONE),
+    "eom.terms.vocabulary.omega": (NONE, NONE, "with respect to ``base``, right-handed", NONE),
+    "eom.terms.vocabulary.position": (NONE, NONE, "the inertial one by default", NONE),
+    "eom.terms.vocabulary.quantity": (NONE, NONE, "in which frames", NONE),
+    "eom.terms.vocabulary.unit": (NONE, NONE, "along the axis number", NONE),
+    "eom.terms.vocabulary.velocity": (NONE, NONE, "inertial derivative", NONE),
     "eom.derivations.verification.DerivationError": (NONE, NONE, NONE, NONE),
     "codegen.CompilerError": (NONE, NONE, NONE, NONE),
 }

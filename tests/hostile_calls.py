@@ -96,8 +96,8 @@ MADE = {
 
 
 METHODS = (
-    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "Table.__call__",
-    "Compiled.rates",
+    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "System.closed_loop",
+    "Table.__call__", "Compiled.rates",
     "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
     "FreeMotion.__call__", "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix",
     "SparseJacobian.__call__", "SparseJacobian.dense",
@@ -212,7 +212,7 @@ def _eom(folder):
         "saturate": (eom.saturate, {"value": y, "low": -1, "high": 1}),
         "SpinningSymmetricBody": (eom.SpinningSymmetricBody, {
             "torque": (0, 0, 0), "parameters": (), "inputs": (), "potential": 0,
-            "reference_point": "centre of mass",
+            "reference_point": "centre of mass", "numbers": "counts",
         }),
         "Assumption": (eom.Assumption, {
             "name": "a", "meaning": "", "vanish": (), "nonnegative": (), "tolerance": 1e-9,
@@ -228,7 +228,7 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "multipliers": (), "title": "",
+            "attitudes": (), "angles": (), "multipliers": (), "title": "", "numbers": "counts",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",
@@ -271,8 +271,8 @@ def _multibody():
         }),
         "Tree": (m.Tree, {
             "name": "p", "bodies": (bob,), "joints": (hinge,), "gravity": (0, 0, 0), "loads": (),
-            "inputs": (), "parameters": (), "constraints": (), "rotors": (), "springs": (),
-            "gravity_gradient": (0, 0, 0),
+            "inputs": (), "parameters": (), "constraints": (), "rotors": (), "springs": (), "jets": (),
+            "gravity_gradient": (0, 0, 0), "numbers": "",
         }),
         "Rotor": (m.Rotor, {
             "name": "r", "body": "bob", "axis": (0, 0, 1), "inertia": 1, "damping": 0, "torque": 0,
@@ -370,6 +370,9 @@ def _methods():
         "System.expand": (OSCILLATOR.expand, {"expression": y}),
         "System.rate_of": (OSCILLATOR.rate_of, {"expression": y}),
         "System.with_control": (OSCILLATOR.with_control, {
+            "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+        }),
+        "System.closed_loop": (OSCILLATOR.closed_loop, {
             "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
         }),
         "Table.__call__": (eom.Table("a", (0, 1), (0, 1)), {"argument": y}),

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.keeping import PROGRAM, is_kept, kept
 from eom.commands.shared import print_equations, read_as, reading_options, scene_of, waiting_for
 from eom.errors import InputError, unknown_name
 from eom.scenes import catalogue
 
 if TYPE_CHECKING:
+    from eom.derivations.derived import Derived
     from eom.multibody import Tree
 
 
@@ -80,6 +83,13 @@ if TYPE_CHECKING:
     help="With --method, under constraints: a speed that keeps its equation.  [may be repeated; default: "
     "those that leave the simplest equations]",
 )
+@click.option(
+    "--run",
+    "running",
+    is_flag=True,
+    default=None,
+    help="A program in Python: run it, as python FILE.py does, and print its derivations.",
+)
 @reading_options
 def derive(
     name: str,
@@ -93,20 +103,26 @@ def derive(
     named: tuple[str, ...],
     attitude: str | None,
     independent: tuple[str, ...],
+    running: bool | None,
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
 
-    NAME is the name of a ready scene or derivation (see: eom list) or a file: .toml, .urdf, .xml.
+    NAME is the name of a ready scene or derivation (see: eom list) or a file: .toml, .urdf, .xml; a note
+    (.md, .tex, .ipynb) whose every line eom check judges true, as a derivation; a program with derivations
+    of your own (.py), by --run alone.
     """
     wishes = {"--name": named or None, "--attitude": attitude, "--independent": independent or None}
-    if _is_derivation(name):
-        _refuse(name, _TREES, wishes)
+    own = is_kept(name)
+    if not name.lower().endswith(PROGRAM):
+        _refuse(name, "programs in Python", {"--run": running})
+    if own or _is_derivation(name):
+        _refuse(name, _TREES, {**wishes, "--method": method, "--absolute": absolute})
         _refuse(name, "scenes", {"--explain": explain})
         _refuse(name, "robots from .urdf and .xml files", read_as())
-        _refuse(name, _TREES, {"--method": method, "--absolute": absolute})
         if lexicon and style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
-        _print_derivation(name, style, notation or "arrow", steps is not False, bool(lexicon))
+        made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
+        _print_derivation(made, style, notation or "arrow", steps is not False, bool(lexicon))
     else:
         _refuse(
             name, "derivations", {"--notation": notation, "--steps": steps, "--lexicon": lexicon}
@@ -201,14 +217,22 @@ def _refuse(name: str, kind: str, options: Mapping[str, object]) -> None:
             raise InputError(f"{option} is for {kind}", where=name, hint=f"leave out {option}")
 
 
-def _print_derivation(name: str, style: str, notation: str, steps: bool, lexicon: bool) -> None:
-    from eom.checker.note.derived import front_matter
+def _shipped(name: str) -> list[Derived]:
     from eom.derivations import derive
+
+    return [derive(name)]
+
+
+def _print_derivation(
+    made: Callable[[], list[Derived]], style: str, notation: str, steps: bool, lexicon: bool
+) -> None:
+    from eom.checker.note.derived import front_matter
     from eom.derivations.derived import check_choices, show_derivation
 
     check_choices(style, notation)
     with waiting_for("deriving"):
-        derivation = derive(name)
-        before = front_matter(derivation, notation) if lexicon else ""
-        shown = before + show_derivation(derivation, style, notation, steps)
-    click.echo(shown)
+        pages = []
+        for derivation in made():
+            before = front_matter(derivation, notation) if lexicon else ""
+            pages.append(before + show_derivation(derivation, style, notation, steps))
+    click.echo("\n".join(pages))

@@ -110,6 +110,17 @@ def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tup
     return _opened(value, names or {}) or parts
 
 
+class Names(dict[Any, Any]):
+    """How symbols are shown, by others; ``decimals``: whether fractions are shown as decimal numbers."""
+
+    decimals = False
+
+    def of(self, value: Any) -> Any:
+        """Return an expression, or a matrix, as it is shown."""
+        found = value.xreplace(self)
+        return in_decimals(found) if self.decimals else found
+
+
 def in_decimals(value: Any) -> Any:
     """Return an expression, or a matrix, whose fractions are written as decimal numbers, but for exponents.
 

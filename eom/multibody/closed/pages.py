@@ -19,7 +19,7 @@ from eom.multibody.closed.forms import (
     compare,
 )
 from eom.multibody.closed.readable import KINDS
-from eom.multibody.closed.stages import Names, Stage, Value, display_names, stages
+from eom.multibody.closed.stages import Stage, Value, display_names, stages
 from eom.multibody.model.model import Tree
 from eom.multibody.model.names import inputs_of
 from eom.quantities import TIME
@@ -50,7 +50,7 @@ from eom.typeset.boxes import (
     symbol,
 )
 from eom.typeset.markup import render
-from eom.typeset.writing import expression_pieces
+from eom.typeset.writing import Names, expression_pieces
 
 Expr = Any
 

@@ -31,20 +31,9 @@ from eom.typeset.boxes import (
     row,
     symbol,
 )
-from eom.typeset.writing import expression_pieces, in_decimals
+from eom.typeset.writing import Names, expression_pieces
 
 Expr = Any
-
-
-class Names(dict[Expr, Expr]):
-    """How symbols are shown, and whether numbers are shown as decimals."""
-
-    decimals = False
-
-    def of(self, value: Expr) -> Expr:
-        """Return an expression, or a matrix, as it is shown."""
-        found = value.xreplace(self)
-        return in_decimals(found) if self.decimals else found
 
 
 def display_names(form: ClosedForm) -> Names:
@@ -375,7 +364,7 @@ def _with_multipliers(steps: Bound, pen: _Pen) -> Stage:
 def _shown(form: ClosedForm) -> Callable[[Expr], Expr]:
 
     names = display_names(form)
-    return lambda e: e.xreplace(names)
+    return names.of
 
 
 _STAGES_OF: dict[type, Callable[[ClosedForm, Any], Iterator[Stage]]] = {

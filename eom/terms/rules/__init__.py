@@ -37,7 +37,7 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
-from eom.terms.rules.slopes import slopes
+from eom.terms.rules.slopes import slopes, spelt_out
 from eom.terms.rules.vectors import (
     associate,
     bac_cab,
@@ -97,6 +97,7 @@ __all__ = [
     "scalars_in",
     "seen_from",
     "slopes",
+    "spelt_out",
     "swap",
     "symmetric",
     "symmetrise",
