@@ -8,7 +8,7 @@ By Kane's method and by balances the mechanism is described by its independent s
 partial velocities are the nonholonomic ones. Lagrange's equations hold with every speed free: they get
 multipliers, and are then combined so that these drop out (Maggi).
 Source: Kane and Levinson, Dynamics: Theory and Applications (1985), sec. 2.13, 4.4, 4.11; Greenwood,
-Advanced Dynamics (2003), sec. 2.2 (multipliers), 4.1 (Maggi).
+Advanced Dynamics (2003), ch. 2 (multipliers) and ch. 4 (Maggi).
 """
 
 from __future__ import annotations

@@ -114,7 +114,7 @@ def test_a_closed_form_compiles_and_keeps_its_constraints():
 
 
 def test_disc_as_in_textbooks():
-    """The terms of Greenwood, Advanced Dynamics (2003), ex. 4.3 and Ginsberg (2008), ex. 8.?: I = m r^2."""
+    """Lean by moments about the contact, normal force by Newton; McDonald and McDonald, physics/0008227."""
     names = {"q_yaw": "psi", "q_lean": "theta", "q_spin": "phi"}
     form = closed_form(rolling_disc(), "kane", names=names)
     psi, theta, phi = sp.symbols("psi_dot theta_dot phi_dot", real=True)
@@ -161,7 +161,7 @@ def test_a_prescribed_rate_is_written_as_such():
 
 
 def test_chaplygin_s_sleigh():
-    """m v' = m a w^2, (J + m a^2) w' = -m a v w: Neimark and Fufaev (1972), ch. III; Bloch (2003), 1.7."""
+    """m v' = m a w^2, (J + m a^2) w' = -m a v w: Bloch, Nonholonomic Mechanics and Control (2003), 1.7."""
     form = closed_form(sleigh(), "kane", names={"v_s_1": "v", "u_s": "omega"})
     v, omega = sp.symbols("v omega", real=True)
     assert equal(form.solved[0], a * omega**2)
