@@ -96,8 +96,8 @@ MADE = {
 
 
 METHODS = (
-    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "Table.__call__",
-    "Compiled.rates",
+    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "System.closed_loop",
+    "Table.__call__", "Compiled.rates",
     "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
     "FreeMotion.__call__", "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix",
     "SparseJacobian.__call__", "SparseJacobian.dense",
@@ -167,6 +167,9 @@ def _codegen():
         "Statistics": (codegen.Statistics, {"names": ("y",), "quantiles": False, "edges": {}}),
         "Event": (codegen.Event, {"expression": y, "direction": 0, "terminal": False, "name": "e"}),
         "Signal": (codegen.Signal, {"function": lambda t: t, "knots": None, "max_step": None}),
+        "Sampled": (codegen.Sampled, {
+            "law": lambda t, x, m: (0.0, m), "period": 0.1, "delay": 0.0, "states": None, "memory": 0,
+        }),
     }  # fmt: skip
 
 
@@ -212,7 +215,7 @@ def _eom(folder):
         "saturate": (eom.saturate, {"value": y, "low": -1, "high": 1}),
         "SpinningSymmetricBody": (eom.SpinningSymmetricBody, {
             "torque": (0, 0, 0), "parameters": (), "inputs": (), "potential": 0,
-            "reference_point": "centre of mass",
+            "reference_point": "centre of mass", "numbers": "counts",
         }),
         "Assumption": (eom.Assumption, {
             "name": "a", "meaning": "", "vanish": (), "nonnegative": (), "tolerance": 1e-9,
@@ -228,7 +231,8 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "multipliers": (), "title": "",
+            "attitudes": (), "angles": (), "multipliers": (), "sampled": (), "title": "",
+            "numbers": "counts",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",
@@ -271,8 +275,8 @@ def _multibody():
         }),
         "Tree": (m.Tree, {
             "name": "p", "bodies": (bob,), "joints": (hinge,), "gravity": (0, 0, 0), "loads": (),
-            "inputs": (), "parameters": (), "constraints": (), "rotors": (), "springs": (),
-            "gravity_gradient": (0, 0, 0),
+            "inputs": (), "parameters": (), "constraints": (), "rotors": (), "springs": (), "jets": (),
+            "gravity_gradient": (0, 0, 0), "numbers": "",
         }),
         "Rotor": (m.Rotor, {
             "name": "r", "body": "bob", "axis": (0, 0, 1), "inertia": 1, "damping": 0, "torque": 0,
@@ -371,6 +375,11 @@ def _methods():
         "System.rate_of": (OSCILLATOR.rate_of, {"expression": y}),
         "System.with_control": (OSCILLATOR.with_control, {
             "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+            "period": 0.1, "delay": 0.0, "rates": {"filter": y},
+        }),
+        "System.closed_loop": (OSCILLATOR.closed_loop, {
+            "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+            "period": 0.1, "delay": 0.0, "rates": {"filter": y},
         }),
         "Table.__call__": (eom.Table("a", (0, 1), (0, 1)), {"argument": y}),
         "Compiled.rates": (lambda **a: compiled.functions["rates"](a["t"], a["x"], a["p"], a["u"]), at),

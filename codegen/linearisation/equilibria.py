@@ -31,11 +31,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
+from codegen.compiling.sampled import refuse
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import completed, in_si, names_of, to_array
 from codegen.ir.passes import dependence
@@ -201,6 +203,7 @@ def equilibrium(
     >>> found.kind, round(found.states["q"], 6)
     ('isolated', 1.570796)
     """
+    refuse(compiled, "an equilibrium")
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     best: Array | None = None
     for start in search.starts(starts, seed, spread):
@@ -242,6 +245,7 @@ def equilibria(
     >>> [round(found.states["x"], 6) for found in equilibria(logistic, {"x": 0.9})]
     [1.0, 0.0]
     """
+    refuse(compiled, "an equilibrium")
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     found: list[Array] = []
     for start in search.starts(starts, seed, spread):
@@ -268,12 +272,12 @@ class _Search:
     def __init__(
         self,
         compiled: Compiled,
-        guess: Mapping[str, float | str] | None,
+        guess: Any,
         parameters: Mapping[str, float | str] | Sequence[float] | None,
-        inputs: Mapping[str, float | str] | None,
+        inputs: Any,
         free: Iterable[str],
         cyclic: Iterable[str],
-        hold: Mapping[str, float | str] | None,
+        hold: Any,
     ) -> None:
         self.asked = (compiled, guess, parameters, inputs, free, cyclic, hold)
         layout = compiled.layout

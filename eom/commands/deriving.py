@@ -116,10 +116,9 @@ def derive(
     if not name.lower().endswith(PROGRAM):
         _refuse(name, "programs in Python", {"--run": running})
     if own or _is_derivation(name):
-        _refuse(name, _TREES, wishes)
+        _refuse(name, _TREES, {**wishes, "--method": method, "--absolute": absolute})
         _refuse(name, "scenes", {"--explain": explain})
         _refuse(name, "robots from .urdf and .xml files", read_as())
-        _refuse(name, _TREES, {"--method": method, "--absolute": absolute})
         if lexicon and style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
         made = partial(kept, name, bool(running)) if own else partial(_shipped, name)

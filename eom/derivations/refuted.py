@@ -7,7 +7,7 @@ laws give them. It is told only if it has the value, in such a world, by which t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
@@ -16,7 +16,7 @@ from eom.errors import InputError
 from eom.exact.numbers import SIGNED
 from eom.fields import Singular
 from eom.terms.own import Own
-from eom.terms.terms import SCALAR, Equation, Term, nodes
+from eom.terms.terms import SCALAR, Equation, Term, der, expr, nodes
 from eom.terms.vocabulary import definition
 from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.own import Furnished
@@ -45,7 +45,9 @@ def disagreement(equation: Equation, drawn: Furnished, assumptions: Iterable[str
     shown = _counterexample(equation, drawn, tuple(assumptions))
     if shown is None:
         return ""
-    rest = _left_over(equation, drawn.scalars, drawn.own)
+    kit = _Written(drawn.scalars, drawn.own)
+    rest = _left_over(equation, kit)
+    shown = shown.with_letters(kit.made)
     if rest is None or not _agrees(rest, shown):
         return shown.words([])
     free = set().union(*(e.free_symbols for e in _entries(rest)))
@@ -68,6 +70,12 @@ class _Failing:
         """Whether no constant is negative."""
         constants = [s for s in self.symbols if _is(self.evaluator.scalars[s], "scalar")]
         return all(self.number(s) > 0 for s in constants)
+
+    def with_letters(self, more: Scalars) -> _Failing:
+        """Return the same with more letters, by their meanings."""
+        known = self.evaluator.scalars
+        evaluator = Evaluator(self.evaluator.world, {**known, **more})
+        return replace(self, evaluator=evaluator)
 
     def number(self, expression: Any) -> Any:
         """Return the value of an expression at t = 0."""
@@ -134,9 +142,8 @@ def _row(entries: Sequence[str]) -> str:
 # -- what is left over -------------------------------------------------------------------------------
 
 
-def _left_over(equation: Equation, scalars: Scalars, own: Own) -> Value | None:
+def _left_over(equation: Equation, kit: _Written) -> Value | None:
     """Return left less right by coordinates, rates and constants; None where that is not to be had."""
-    kit = _Written(scalars, own)
     try:
         rest = kit.value(equation.left) - kit.value(equation.right)
         found = [_short_form(kit.moving(e)) for e in _entries(rest)]
@@ -165,6 +172,7 @@ class _Written:
     own: Own
     motions: dict[Any, Any] = field(default_factory=dict)
     rates: dict[Any, Any] = field(default_factory=dict)
+    made: dict[Any, Term] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.rates |= {m.args[0].data[0]: s for s, m in self.scalars.items() if _is_rate(m)}
@@ -186,8 +194,13 @@ class _Written:
         return sp.Add(*(e.diff(s) * self.rate_of(s) for s in moving))
 
     def rate_of(self, symbol: Any) -> Any:
-        """Return the symbol of a rate: a new one where the derivation has none."""
-        return self.rates.setdefault(symbol, sp.Dummy(f"{symbol}_dot", real=True))
+        """Return the symbol of a rate: a new one, kept in ``made``, where the derivation has none."""
+        if symbol not in self.rates:
+            name = f"{symbol}_dot"
+            rate = sp.Symbol(name.replace("_dot_dot", "_ddot"), real=True)
+            rate = sp.Dummy(name, real=True) if rate in self.scalars else rate
+            self.rates[symbol], self.made[rate] = rate, der(expr(symbol))
+        return self.rates[symbol]
 
     def turn(self, frame: str) -> Any:
         """Return the matrix from components in a frame to those in I."""

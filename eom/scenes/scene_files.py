@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self, get_args
@@ -153,6 +154,8 @@ class BaseScene(Request):
             return system
         self._check_control(system)
         read = self._control_over(names)
+        if system.numbers == "values" and parse.has_decimals(self.control.formulas):
+            system = replace(system, numbers="decimals")
         own = {
             n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
             for n, s in self.control.states.items()
@@ -161,11 +164,15 @@ class BaseScene(Request):
             Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the control")
             for n, v in self.parameters.items()
         )
+        stepped = self.control.stepped
         return system.closed_loop(
             read["laws"],
-            {own[n]: rate for n, rate in read["states"].items()},
+            {own[n]: e for n, e in read["states"].items() if n in stepped},
             definitions=read["definitions"],
             parameters=gains,
+            period=self.control.period,
+            delay=self.control.delay,
+            rates={own[n]: e for n, e in read["states"].items() if n not in stepped},
         )
 
     def _control_over(self, names: Mapping[str, Expr]) -> dict[str, dict[str, Expr]]:
@@ -190,7 +197,7 @@ class BaseScene(Request):
     def _unit_of(self, section: str, name: str) -> str:
         """Return the unit of a formula of the control, as far as it is known here."""
         unit = self.control.states[name].unit if section == "states" else ""
-        return f"({unit})/s" if unit else ""
+        return f"({unit})/s" if unit and name not in self.control.stepped else unit
 
     def _check_control(self, system: System) -> None:
         """Raise `InputError` for a formula of the control of another dimension than it is to have."""
@@ -200,7 +207,7 @@ class BaseScene(Request):
         }
         units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
         units |= {n: s.unit for n, s in self.control.states.items()}
-        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items() if v.unit}
+        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items()}
         stated = Stated(units, own)
         for section in ("definitions", "laws", "states"):
             for name, formula in self.control.formulas[section].items():
@@ -271,9 +278,15 @@ class BaseScene(Request):
         return pick(self.start | self.numbers, names, "parameter", "[parameters] or [initial]")
 
     def input_values(self) -> dict[str, float]:
-        """Return the value at which each input of `derive` is held, by name; 0 where none is given."""
+        """Return the value at which each input of `derive` is held, by name; 0 where none is given.
+
+        Where laws are sampled, what is held before the first sample: states of the control at the start.
+        """
+        names = self.derive().input_names
         given = {n: v.value for n, v in self.inputs.items()}
-        return {n: given.get(n, 0.0) for n in self.derive().input_names}
+        if any(n in names for n in self.control.stepped):
+            given |= {n: v for n, v in self.start.items() if n in self.control.stepped}
+        return {n: given.get(n, 0.0) for n in names}
 
     @property
     def attitudes(self) -> tuple[tuple[str, ...], ...]:
@@ -325,8 +338,8 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
     findings = error.errors(include_url=False)
     ours = [(f, f["ctx"]["error"]) for f in findings if "error" in f.get("ctx", {})]
     if ours and isinstance(ours[0][1], InputError):
-        found, own = ours[0]
-        return own if own.where else own.at(".".join(map(str, found["loc"])))
+        own: InputError = ours[0][1]
+        return own if own.where else own.at(".".join(map(str, ours[0][0]["loc"])))
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"])
     more = f" (and {len(others)} more)" if others else ""

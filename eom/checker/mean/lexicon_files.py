@@ -43,6 +43,8 @@ from eom.checker.mean.lexicon import (
     Scope,
     meaning,
 )
+from eom.checker.mean.moving import KEYS as MOVING
+from eom.checker.mean.moving import checked
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.symbol_shape import Labels, Look, Seen, grown, labels, named_in, seen
 from eom.checker.read.syntax import Group, Missing, Node, Product, Relation, Scripts, children
@@ -254,6 +256,14 @@ class _Reader:
                 found.append(law)
         return tuple(found)
 
+    def moving(self, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return what the note declares to move; nothing of what is not in shape."""
+        try:
+            return checked(data, f"{self.name}, " if self.name else "")
+        except InputError as error:
+            self.errors.append(error)
+            return {}
+
     def system(
         self, data: Mapping[str, Any], notation: Notation, folder: Path | None, *above: str
     ) -> tuple[Model | None, tuple[tuple[Entry, ...], ...]]:
@@ -343,6 +353,7 @@ def lexicon_of(
         system,
         reader.assumed(data),
         reader.laws(data),
+        moving_data=reader.moving(data),
     )
     return lexicon, tuple(reader.errors)
 
@@ -488,7 +499,7 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     return None
 
 
-_KEYS = ("preset", "scope", "system", "assume", "laws", *_TABLES)
+_KEYS = ("preset", "scope", "system", "assume", "laws", *_TABLES, *MOVING)
 
 
 def lexicon_text(file: Path) -> str:

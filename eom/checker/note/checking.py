@@ -16,6 +16,7 @@ from eom.checker.infer.evidence import doubts, readings, uncounted
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.checker.mean.claims import STATEMENT, Claim
@@ -39,6 +40,7 @@ from eom.checker.report.findings import (
     decided_by,
 )
 from eom.checker.report.questions import Question
+from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds.worlds import closure
@@ -206,6 +208,8 @@ def _explained(found: Found, settings: Settings) -> Found:
     judged = next((j for j in found.verdict.claims if j.verdict == reported.verdict), None)
     if judged is None or judged.verdict not in GRAVE:
         return found
+    if judged.claim.moving is not None:
+        return _disagreeing(found, judged, settings)
     try:
         with deadline(settings.seconds, "what is said of this formula"):
             given = (*settings.given, *found.understood.lexicon.assume)
@@ -216,6 +220,18 @@ def _explained(found: Found, settings: Settings) -> Found:
     more = [p for p in reported.reason.split("; ") if p.startswith("it holds if")] if known else []
     reason = "; ".join([known, *more]) if known else reported.reason
     return replace(found, finding=replace(reported, explanation=explanation, reason=reason))
+
+
+def _disagreeing(found: Found, judged: Judged, settings: Settings) -> Found:
+    """Return a wrong formula on motions of the note's own with what is left over, and where it fails."""
+    claim = judged.claim
+    if claim.moving is None or claim.findings or judged.verdict != WRONG:
+        return found
+    given = (*settings.given, *found.understood.lexicon.assume)
+    drawn = claim.moving.worlds_with(claim.scalars)
+    said = (claim.moving.spelt(q, claim.scalars) for q in equations(claim))
+    why = next(filter(None, (disagreement(q, drawn, given) for q in said)), "")
+    return replace(found, finding=replace(found.finding, reason=why or found.finding.reason))
 
 
 # -- findings ------------------------------------------------------------------------------------

@@ -15,7 +15,8 @@ from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.spans import ReadingError
 from eom.derivations.derived import Derived
 from eom.errors import InputError
-from eom.terms.terms import VECTOR, Term, nodes
+from eom.terms.rules import entrywise, slopes
+from eom.terms.terms import VECTOR, Term, expr, nodes
 from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import NOTATIONS, notation_named, term_box
@@ -56,7 +57,38 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     meant = {k: v for some in rows for k, v in some}
     meant |= dict(_scalars(derivation, chosen, preset(base)))
     lines += _table("symbols", dict(_any(derivation, preset(base))) | meant)
+    lines += _moving(derivation, chosen)
     return "\n".join([*lines, "+++", "", ""])
+
+
+def _moving(derivation: Derived, notation: Notation) -> list[str]:
+    """Return tables of what the derivation declares to move, with formulas in LaTeX."""
+    own, lines = derivation.own, list[str]()
+
+    def latex(term: Term) -> str:
+        return f"'{render(term_box(term, notation), 'latex')}'"
+
+    carry = slopes(derivation.scalars, own)
+    meant = {s: carry(t) for s, t in derivation.scalars.items()}
+    spelt = {s: t.data[0] for s, t in meant.items() if t.head == "expr"}
+    named = entrywise(lambda e: e.xreplace(spelt))
+    turned = {
+        f: f"{{ from = '{row.base}', axis = {row.axis}, angle = {latex(expr(row.angle))} }}"
+        for f, row in own.frames.items()
+    }
+    placed = {p: latex(place) for p, place in own.points.items()}
+    bodies = {}
+    for b, body in own.bodies.items():
+        frame = f", frame = '{body.frame}'" if body.frame else ""
+        moments = ", ".join(map(latex, body.moments))
+        bodies[b] = f"{{ mass = {latex(body.mass)}{frame}, moments = [{moments}] }}"
+    for name, rows in (("turned", turned), ("placed", placed), ("bodies", bodies)):
+        lines += [f"[check.{name}]", *(f"{k} = {row}" for k, row in rows.items())] if rows else []
+    for law in own.laws:
+        gives = ", ".join(f"'{derivation.scalars[s].data[1]}'" for s in law.unknowns)
+        sides = (latex(named(t))[1:-1] for t in (law.equation.left, law.equation.right))
+        lines += ["[[check.determined]]", f"law = '{' = '.join(sides)}'", f"gives = [{gives}]"]
+    return lines
 
 
 def _table(name: str, rows: dict[str, str]) -> list[str]:
@@ -65,7 +97,10 @@ def _table(name: str, rows: dict[str, str]) -> list[str]:
 
 def _nodes(derivation: Derived) -> Iterator[Term]:
     sides = (t for s in derivation.steps for t in (s.statement.left, s.statement.right))
-    for term in (*sides, *derivation.scalars.values()):
+    own = derivation.own
+    laws = (t for law in own.laws for t in (law.equation.left, law.equation.right))
+    parts = (t for b in own.bodies.values() for t in (b.mass, *b.moments))
+    for term in (*sides, *derivation.scalars.values(), *laws, *own.points.values(), *parts):
         yield from nodes(term)
 
 

@@ -54,14 +54,6 @@ def to_note(derivation: Derived, notation: str = "arrow") -> str:
     >>> to_note(derive("tilde-identities")).splitlines()[1]
     '[check]'
     """
-    own = derivation.own
-    if own.frames or own.laws:
-        raise InputError(
-            "a note cannot say this yet: frames and laws of one's own",
-            where=derivation.name,
-            got=", ".join([*own.frames, *(f"a law of {law.unknowns}" for law in own.laws)]),
-            hint="keep it as a module of Python; its page is for reading",
-        )
     said = replace(derivation, result={})
     return front_matter(said, notation) + show_derivation(said, "markdown", notation)
 
@@ -90,11 +82,22 @@ def from_note(
     whole = judged_note(note_of(note), settings)
     title = _title(whole.document)
     d = Derivation(name or re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-"), title, "Notes")
+    _declare(d, whole.found)
     for found in whole.found:
         _keep(d, found, whole.document, settings.given)
     if not d.steps:
         raise InputError("no line of this note can be kept", where=whole.document.name)
     return d.finish()
+
+
+def _declare(d: Derivation, found: Iterable[Found]) -> None:
+    """Let the derivation have what the note declares to move."""
+    claims = (j.claim for f in found for j in f.verdict.claims)
+    moving = next((c.moving for c in claims if c.moving is not None), None)
+    if moving is not None:
+        for symbol, meaning in moving.scalars.items():
+            d.name_scalar(symbol, meaning, "letter of the note")
+        d.own = moving.own.copy()
 
 
 def _title(document: Document) -> str:
@@ -121,11 +124,13 @@ def _keep(d: Derivation, found: Found, document: Document, given: tuple[str, ...
         assumed = _assumed(judged, given, found)
         try:
             d.only(*assumed)
-            spelt = {s: _spelt(s, m) for s, m in judged.claim.scalars.items()}
-            for symbol, meaning in judged.claim.scalars.items():
-                if spelt[symbol] not in d.scalars:
-                    d.name_scalar(spelt[symbol], meaning, "letter of the note")
+            known = {m: s for s, m in d.scalars.items()}
+            rows = judged.claim.scalars.items()
+            spelt = {s: known.get(m) or _spelt(s, m) for s, m in rows}
             with_names = entrywise(partial(_renamed, spelt))
+            for symbol, meaning in rows:
+                if spelt[symbol] not in d.scalars:
+                    d.name_scalar(spelt[symbol], with_names(meaning), "letter of the note")
             for s in _said(judged):
                 statement = Equation(with_names(s.left), with_names(s.right), s.relation)
                 if statement in [step.statement for step in d.steps[-1:]]:
@@ -149,7 +154,7 @@ _LETTER = re.compile(r"\\?([A-Za-z]+)(?:_\{?(\w+)\}?)?")
 
 def _spelt(symbol: Any, meaning: Term) -> Any:
     """Return a symbol for a meaning with the letter that this is written with; else without odd signs."""
-    if symbol.name.isalnum():
+    if symbol.name.removesuffix("_dot").isalnum():
         return symbol
     letter = _LETTER.fullmatch(render(term_box(meaning, NOTATIONS["arrow"]), "latex"))
     plain = re.sub(r"[\W_]+", "", symbol.name)

@@ -24,7 +24,7 @@ from eom.errors import InputError, shown, typed
 from eom.exact.identity import vanishes
 from eom.fields import RESIDUES, Echelon
 from eom.multibody.analysis.energies import Equations, Lagrangian, equations_of
-from eom.multibody.analysis.tidy import determinant, tidy
+from eom.multibody.analysis.tidy import determinant, stand_ins, tidy
 from eom.multibody.closed.forms import ClosedForm
 
 Expr = Any
@@ -279,20 +279,23 @@ def _bounded(count: int, most: int) -> list[tuple[int, ...]]:
     return [n for n in product(range(most + 1), repeat=count) if sum(n) <= most]
 
 
-def _primitive(F: Expr, moving: set[Expr]) -> Expr:
-    """Return an expression without constant factors."""
-    generators = sorted(F.atoms(sp.sin, sp.cos), key=str)
-    names = {g: sp.Dummy() for g in generators}
+def _primitive(F: Expr, moving: set[Expr], speeds: set[Expr]) -> Expr:
+    """Return an expression without constant factors, most terms with speeds positive."""
+    names = stand_ins(sorted(F.atoms(sp.sin, sp.cos), key=str))
     back = {v: k for k, v in names.items()}
     kept = {*names.values(), *moving}
     _, factors = sp.factor_list(F.xreplace(names))
-    parts = (b**n for b, n in factors if b.free_symbols & kept)
-    return tidy(sp.Mul(*parts).xreplace(back))
+    made = sp.expand(sp.Mul(*(b**n for b, n in factors if b.free_symbols & kept)))
+    fast = [t for t in sp.Add.make_args(made) if t.free_symbols & speeds]
+    minus = sum(t.as_coeff_Mul()[0].is_negative for t in fast)
+    return tidy((-made if 2 * minus > len(fast) else made).xreplace(back))
 
 
 def _proved(given: Equations, F: Expr) -> Expr:
     """Return a constant without denominators. Raises `DerivationError` if it is none."""
-    F = _primitive(tidy(sp.fraction(sp.together(F))[0]), {*given.coordinates, *given.speeds})
+    F = _primitive(
+        tidy(sp.fraction(sp.together(F))[0]), {*given.coordinates, *given.speeds}, {*given.speeds}
+    )
     rates: Mapping[Expr, Expr] = dict(zip(given.coordinates, given.kinematics, strict=True))
     moved = sum(sp.diff(F, q) * v for q, v in rates.items() if q in F.free_symbols)
     by_speed = sp.Matrix([sp.diff(F, u) for u in given.speeds])

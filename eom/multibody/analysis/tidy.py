@@ -7,7 +7,7 @@ was given, by `eom.exact.identity`, which knows nothing of these ways.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 from typing import Any
 
@@ -56,12 +56,24 @@ def _ways(given: Expr) -> Iterator[Expr]:
         write = Writer(algebra)
         above, below = (write(algebra.lift(x)) for x in over)
         yield above / below
+        yield _shared(above / below)
+
+
+def stand_ins(functions: Iterable[Expr]) -> dict[Expr, Expr]:
+    """Return symbols in place of functions, the same ones in the same order each time."""
+    return {f: sp.Dummy("z", dummy_index=k) for k, f in enumerate(functions)}
+
+
+def _shared(e: Expr) -> Expr:
+    """Return a sum with what all its terms share in front; arguments of sines stay as they are."""
+    names = stand_ins(sorted(e.atoms(sp.sin, sp.cos), key=str))
+    return sp.factor_terms(e.xreplace(names)).xreplace({v: k for k, v in names.items()})
 
 
 def _cancelled(algebra: Algebra, numerator: Expr, denominator: Expr) -> tuple[Expr, Expr]:
     """Return normal forms without what both share, the generators as independent symbols."""
     forms = [algebra.expression(algebra.lift(x)) for x in (numerator, denominator)]
-    names = {g: sp.Dummy() for g in algebra.generators if not g.is_Symbol}
+    names = stand_ins(g for g in algebra.generators if not g.is_Symbol)
     back = {v: k for k, v in names.items()}
     plain = [f.xreplace(names) for f in forms]
     if not forms[1].free_symbols:

@@ -114,7 +114,8 @@ class Bonds:
     def in_place(self, x: Scalar) -> Scalar:
         """Return a scalar with the coordinates put in that closures give."""
         algebra = self.whole.algebra
-        return algebra.replaced(x, {algebra.index(q): v for q, v in self.placed.items()})
+        put = {algebra.index(q): v for q, v in self.placed.items()}
+        return self.whole.in_place(algebra.replaced(x, put))
 
     @property
     def independent(self) -> tuple[int, ...]:

@@ -18,15 +18,13 @@ from eom.errors import shown as shown_value
 from eom.exact.identity import equal, vanishes
 from eom.multibody.algebra.scalars import is_zero, sub
 from eom.multibody.algebra.spatial import Vector, times, transposed
-from eom.multibody.algebra.values import is_number
 from eom.multibody.closed.bonds import Bonds, Bound, bonds, bound
 from eom.multibody.closed.factors import quotient, shared_factor, solved_by_groups
 from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
-from eom.multibody.closed.mechanism import Link, Mechanism, mechanism
+from eom.multibody.closed.mechanism import Link, Mechanism, locked, mechanism
 from eom.multibody.closed.polynomials import Scalar, terms_of
 from eom.multibody.closed.readable import (
     KINDS,
-    Contribution,
     Part,
     Writer,
     by_motion,
@@ -170,9 +168,11 @@ class ClosedForm:
         moving = {q.symbol for q in (*self.coordinates, *self.speeds)} | {TIME}
         moving |= {*self.accelerations, *(d.symbol for d in self.prescribed)}
         moving |= {i.symbol for i in inputs_of(self.tree)}
-        return tuple(
+        shared = (
             shared_factor([t.coefficient for t in self.of(u.symbol)], moving) for u in self.speeds
         )
+        decimal = self.tree.numbers == "decimals"  # of which fractions would not be read again
+        return tuple(f.as_coeff_Mul()[1] if decimal else f for f in shared)
 
     @cached_property
     def divided(self) -> tuple[Term, ...]:
@@ -430,11 +430,11 @@ def chosen_names(tree: Tree, names: Mapping[str, str]) -> dict[Expr, Expr]:
 
 
 def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedForm:
-    found: Iterable[Contribution] = steps.contributions()
+    found = [replace(c, value=given.in_place(c.value)) for c in steps.contributions()]
     sorted_parts = parts(given, found)
     _refuse_unreadable(given, sorted_parts.values())
     speeds = [given.speeds[k] for k in given.free]
-    put = steps.bonds.in_place if isinstance(steps, Bound) else (lambda x: x)
+    put = steps.bonds.in_place if isinstance(steps, Bound) else given.in_place
     terms = []
     for key, part in sorted_parts.items():
         coefficient = write(part.coefficient)
@@ -503,7 +503,7 @@ def _prescribed(given: Mechanism) -> Iterable[Definition]:
         if joint.motion is None:
             continue
         for k, (q, u) in enumerate(zip(joint.coordinates, joint.speeds, strict=True)):
-            if is_number(joint.motion.position[k]):
+            if locked(joint, k):
                 continue
             place, speed = (replace(x, symbol=given.algebra.named(x.symbol)) for x in (q, u))
             number = numbers[speed.symbol]

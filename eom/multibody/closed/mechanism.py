@@ -148,6 +148,28 @@ class Mechanism:
         """Return the derivatives of components in time."""
         return [self.rate(x) for x in v]
 
+    @property
+    def frozen(self) -> dict[int, Scalar]:
+        """Generators of coordinates that move and are looked at in one place, with their values there."""
+        places = {
+            self.algebra.named(c.symbol): self.algebra.lift(joint.motion.position[k])
+            for joint in self.tree.ordered
+            if joint.motion is not None
+            for k, c in enumerate(joint.coordinates)
+            if is_number(joint.motion.position[k]) and not locked(joint, k)
+        }
+        found = {}
+        for g, e in enumerate(list(self.algebra.generators)):
+            used = e.free_symbols & places.keys()
+            if used:
+                put = e.xreplace({q: as_expression(places[q]) for q in used})
+                found[g] = self.algebra.lift(put)
+        return found
+
+    def in_place(self, x: Scalar) -> Scalar:
+        """Return a scalar where coordinates are that are looked at in one place."""
+        return self.algebra.replaced(x, self.frozen)
+
     @cached_property
     def _numbers(self) -> dict[int, int]:
         return {self.algebra.index(u.symbol): k for k, u in enumerate(self.speeds)}
@@ -357,8 +379,8 @@ class _Building:
 
     def _coordinates(self, joint: Joint) -> list[Scalar]:
         if joint.motion is not None:
-            given = zip(joint.coordinates, joint.motion.position, strict=True)
-            q = [self.algebra.lift(p if is_number(p) else c.symbol) for c, p in given]
+            given = enumerate(zip(joint.coordinates, joint.motion.position, strict=True))
+            q = [self.algebra.lift(p if locked(joint, k) else c.symbol) for k, (c, p) in given]
         else:
             q = [self.algebra.lift(self.chosen.get(c.symbol, c.symbol)) for c in joint.coordinates]
         self._attitude(joint)
@@ -392,7 +414,7 @@ class _Building:
 
     def _prescribed(self, joint: Joint) -> None:
         for k, u in enumerate(joint.speeds):
-            if is_number(joint.motion.position[k]):
+            if locked(joint, k):
                 self.joint_speeds.append(0)
                 continue
             if is_number(joint.motion.acceleration[k]) and not joint.motion.acceleration[k]:
@@ -433,6 +455,15 @@ class _Building:
             force, torque = (times(transposed(link.seat), v) for v in (force, torque))
         point = link.point(self.vector(load.point))
         return Pull(self.seats[load.body], force, torque, point, load.axes == GROUND)
+
+
+def locked(joint: Joint, k: int) -> bool:
+    """Return whether a prescribed coordinate is a constant that does not move.
+
+    One with a rate beside a constant place moves: that is where it is looked at.
+    """
+    place, *rates = (joint.motion.position[k], joint.motion.rate[k], joint.motion.acceleration[k])
+    return is_number(place) and all(map(is_zero, rates))
 
 
 def followed(algebra: Algebra, x: Scalar, followers: Mapping[int, Scalar]) -> Scalar:

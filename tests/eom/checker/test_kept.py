@@ -1,5 +1,7 @@
 """Notes that are judged true become derivations and come back; what is not true stays a note."""
 
+from functools import cache
+
 import pytest
 
 import eom
@@ -120,6 +122,92 @@ def test_a_note_that_is_not_true_is_refused_with_its_line(old, new, what):
         from_note(NOTE.replace(old, new))
 
 
-def test_what_no_lexicon_says_stays_a_program():
-    with pytest.raises(InputError, match="frames and laws of one's own"):
-        to_note(OWN["bead_by_kane"]().finish())
+# -- what a note declares to move ----------------------------------------------------------------------
+
+
+@cache
+def own_note(name):
+    return to_note(OWN[name]().finish())
+
+
+@pytest.mark.sparse(only=["bead_by_kane", "moving_point", "pendulum_by_hamilton"])
+@pytest.mark.parametrize("name", OWN)
+def test_a_derivation_of_ones_own_becomes_a_note_and_comes_back(name):
+    """Frames, places, bodies and laws stand in its front matter."""
+    note = own_note(name)
+    assert faults(note) == []
+    back = from_note(note)
+    d = OWN[name]()
+    assert back.own.frames == d.own.frames
+    assert set(back.own.points) == set(d.own.points)
+    assert len(back.own.laws) == len(d.own.laws)
+    assert len(back.steps) >= len(d.steps) - 4
+    assert faults(to_note(back)) == []
+
+
+ACTIVE = r"\cdot \left( -g m \hat{h}_{3} \right) = "
+SLIPS = [
+    ("bead_by_kane", r"\ddot{q} = w^{2}", r"\ddot{q} = -w^{2}", "left less right is w**2*sin(2*q)"),
+    ("bead_by_kane", r"= 2 R m \dot{q} w", r"= R m \dot{q} w", "left less right is "),
+    ("bead_by_kane", ACTIVE + "-R g", ACTIVE + "R g", "left less right is -2*R*g*m*sin(q)"),
+    ("disc", r"n = g m \cos", r"n = g m \sin", "left less right"),
+    (
+        "pendulum_by_hamilton",
+        r"\frac{\partial H}{\partial p} = \dot{q}",
+        r"\frac{\partial H}{\partial p} = 2 \dot{q}",
+        "left less right is -q_dot",
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "old", "new", "why"), SLIPS)
+def test_a_slip_in_such_a_note_is_found_and_told(name, old, new, why):
+    note = own_note(name)
+    assert old in note
+    found = faults(note.replace(old, new))
+    assert [verdict for _, verdict, _ in found] == ["wrong"]
+    assert why in found[0][2]
+    with pytest.raises(InputError, match="not judged true"):
+        from_note(note.replace(old, new))
+
+
+DECLARED = """+++
+[check]
+preset = "arrow-tilde"
+[check.symbols]
+'q' = "coordinate q"
+'w' = "scalar w"
+%s
++++
+
+$$ \\ddot q = 0 $$
+"""
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ("[check.turned]\nH = 3", "not such a table"),
+        ("[check.turned]\nH = { form = 'I' }", "not such a table"),
+        ("[check.turned]\nH = { angle = 'q', axis = 4 }", "axis 1, 2 or 3"),
+        ("[check.turned]\nH = { angle = 'x' }", "symbol without a meaning"),
+        ("[check.placed]\nQ = 'q'", "this is no vector"),
+        ("[check.placed]\nQ = 3", "not a formula"),
+        ("[[check.determined]]\nlaw = 'q'\ngives = ['q']", "a law is an equation"),
+        ("[[check.determined]]\nlaw = '\\dot q = w'\ngives = ['v']", "no coordinate in this law"),
+        ("[check.determined]\nlaw = '\\dot q = w'", "not a table"),
+    ],
+)
+def test_what_is_declared_wrongly_says_so(tables, said):
+    with pytest.raises(InputError, match=said):
+        eom.check(DECLARED % tables)
+
+
+def test_a_law_that_is_declared_decides_what_was_open():
+    law = "[[check.determined]]\nlaw = '\\dot q = w'\ngives = ['q']"
+    assert [f.verdict for f in eom.check(DECLARED % "").findings] == ["undecided"]
+    assert [f.verdict for f in eom.check(DECLARED % law).findings] == ["holds"]
+    other = (DECLARED % law).replace("ddot q = 0", "ddot q = w")
+    assert [f.verdict for f in eom.check(other).findings] == ["wrong"]
+    order = (DECLARED % law).replace("ddot q = 0", "ddot q \\ge 0")
+    assert [f.verdict for f in eom.check(order).findings] == ["undecided"]

@@ -434,6 +434,16 @@ def test_pages_say_what_is_not_there():
     refused(lambda: analysis_page(pendulum(), order=-1), "below zero")
 
 
+def test_decimals_stay_decimals_in_pages():
+    hinge = Joint("hinge", "revolute", "ground", "bob", axis="x", damping=0.05)
+    bob = Body("bob", 0.3, (0, 0, -0.7))
+    page = analysis_page(
+        Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -9.81)), values={"q_hinge": 0}
+    )
+    assert "M = [[0.147]]" in page
+    assert "0 = 0.05 u_hinge + 0.147 u̇_hinge + 2.0601 sin(q_hinge)" in page
+
+
 def test_signs_and_short_forms():
     x, a = sp.Symbol("x", real=True), sp.Symbol("a", positive=True)
     assert condition(a) is True

@@ -1,6 +1,7 @@
 """Closed forms under constraints: against each other, the numeric systems, and textbooks."""
 
 import random
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -214,6 +215,18 @@ def test_a_speed_equation_with_a_rest_and_forces_over_speeds_that_follow():
     assert equal(form.solved[0], (-k * y - 2 * k * (2 * y + Omega) ** 2) / (4 + 5 * m))
     rough = replace(given, loads=[Load("puck", (sp.Abs(x), 0, 0))])
     refused(lambda: closed_form(rough, independent=["u_y"]), "no polynomial")
+
+
+def test_decimals_stay_decimals():
+    """Also where they stand alone, and what is divided out has no numbers of theirs."""
+    rim = Rolling("floor", "disc", 0.35, axis="y")
+    heavy = Body("disc", 2.3, inertia=(0.05, 0.1, 0.05))
+    free = Joint("disc", "free", "ground", "disc", attitude="3-1-2")
+    given = Tree("disc", [heavy], [free], gravity=(0, 0, -9.81), constraints=[rim])
+    for text in (tree_page(given, "all"), closed_form(given).latex()):
+        assert "9.81" in text or "22.563" in text or "7.89705" in text
+        assert not [n for n in re.findall(r"\d+", text) if len(n) > 8]
+    assert all(f == 1 for f in closed_form(given).common_factors)
 
 
 def test_names_reach_everything():

@@ -256,6 +256,22 @@ def test_a_constant_spin_has_no_rate():
     assert form.prescribed[2].expression == 0
 
 
+def test_a_place_that_is_looked_at_while_it_turns():
+    """Foucault: the Earth turns at a rate, and is where its angle is zero; all methods, and `derive`."""
+    rate, lat = sp.symbols("n lat", positive=True)
+    motion = Motion((0,), (rate,), (0,))
+    axis = (0, sp.cos(lat), sp.sin(lat))
+    earth = Joint("earth", "revolute", "ground", "earth", axis, motion=motion)
+    wire = Joint("wire", "universal", "earth", "bob", "y", second_axis="x")
+    bodies = [Body("earth"), Body("bob", m, (0, 0, -l))]
+    given = Tree("foucault", bodies, [earth, wire], gravity=DOWN)
+    form = compare(given).forms[0]
+    assert_is_derived(given, form)
+    spin = form.prescribed[1].symbol
+    assert spin in form.forcing.free_symbols
+    assert not form.forcing.free_symbols & {form.prescribed[0].symbol}
+
+
 def test_gyroscopic_terms_do_no_work():
     form = closed_form(rotating())
     work = sum(u.symbol * x for u, x in zip(form.speeds, form.column("gyroscopic"), strict=True))

@@ -254,6 +254,12 @@ def test_missing_and_impossible_jets_are_told():
     refused("one takes the rest", jets={"nozzle": nozzle, "other": nozzle})
     still = {"rocket": {"mass": "m0", "moments": ["mu*k", "mu*k", "mu*k"]}}
     refused("nothing goes through its jet", bodies=still)
+    text = refused("mass is negative", bodies={"rocket": {"mass": "-1 - 2*t"}})
+    assert "body 'rocket', at t = 0" in text
+    flat = {"rocket": {"mass": "2 - t", "moments": ["1 - t/2", "1 - t/2", "3 - t"]}}
+    refused("no body has this inertia", bodies=flat)
+    refused("unknown name 'z_rocket'", jets={"nozzle": {**nozzle, "rate": "z_rocket"}})
+    refused("too few values", jets={"nozzle": {**nozzle, "velocity": ["-v", 0]}})
     refused("unknown name 't'", jets={"nozzle": {**nozzle, "point": [0, 0, "-l*t"]}})
 
 
@@ -282,6 +288,11 @@ def test_a_negative_mass_is_refused_and_a_run_ends_where_it_is_used_up():
     assert run.status == 1
     assert run.t_stop == pytest.approx(20, rel=1e-3)
     assert "of body rocket is used up" in run.message
+    with pytest.raises(InputError, match="mass of body rocket is not negative"):
+        codegen.simulate(compiled, scene.initial_values(), (21, 22), values)
+    many = {**values, "m0": np.array([90.0, 106.0])}
+    with pytest.raises(InputError, match="mass of body rocket is not negative"):
+        codegen.ensemble(compiled, scene.initial_values(), (21, 22), many)
     with pytest.raises(InputError, match="mass of body rocket is not negative"):
         codegen.simulate(compiled, scene.initial_values(), (0, 1), {**values, "m0": -1.0})
 
