@@ -268,8 +268,8 @@ def simulate(
         max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
         project=_projected(compiled, project, method), events=looked_for.filters(found), laws=given.laws,
     )  # fmt: skip
-    clock = clock_of(compiled, span, since, found)
-    result = _with_notice(_run(given.part, problem, method, given.signals, found, clock), unknown)
+    run = _run(given.part, problem, method, given.signals, found, clock_of(compiled, span, since, found))
+    result = _with_notice(run, unknown)
     return result.with_accuracy() if accuracy else result
 
 
