@@ -257,9 +257,8 @@ def simulate(
     found, span = looked_for.checked(events), arguments.span(t_span)
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
     values = initial, parameters, inputs or {}
-    given = _given(_compiled(system), values, outputs, found, span[0] + since)
+    given = _given(_compiled(system), values, outputs, found, span, since)
     compiled = given.part.compiled
-    sampled.check_laws(given.laws, span)
     smallest, unknown = _smallest(given, atol, since, span, rtol)
     problem = Problem(
         given.x0, span, given.values, given.held, rtol, smallest, arguments.positive(margin, "margin"),
@@ -332,21 +331,23 @@ def _given(
     values: tuple[Values, Values, InputsGiven],
     outputs: Sequence[str] | None,
     events: Sequence[Event],
-    time: float,
+    span: tuple[float, float],
+    since: float,
 ) -> _Given:
-    """Return what is given of a run, which starts at ``time`` (s), initial values, parameters and inputs.
+    """Return what is given of a run: of ``values`` the initial ones, parameters and inputs.
 
-    Symbolic laws among inputs are compiled with the system.
+    Symbolic laws among inputs are compiled with the system. ``since``: the time at which its own is zero.
     """
     compiled, rest, functions = sampled.split(compiled, values[2])
     initial, parameters, rest = _in_si(compiled, *values[:2], rest)
     part = _part(compiled, outputs, events, rest, bool(functions))
     laws = sampled.laws_of(part.compiled, functions)
+    sampled.check_laws(laws, span)
     initial, rest = sampled.start_values(part.compiled, initial, rest)
     if functions:
         names = names_of(part.compiled.layout.inputs)
         rest = {**{names[k]: 0.0 for law in laws if law.called for k in law.applied}, **rest}
-    return _Given(part, laws, *_numbers(part, initial, parameters, rest, time))
+    return _Given(part, laws, *_numbers(part, initial, parameters, rest, span[0] + since))
 
 
 def _part(

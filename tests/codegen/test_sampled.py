@@ -509,6 +509,14 @@ def test_a_scene_with_a_sampled_law_a_state_and_a_filter_is_that_of_python():
     assert np.abs(run["u_1"]).max() == 0.3
 
 
+def test_times_of_samples_may_be_written_with_units():
+    control = {**SCENE["control"], "period": "100 ms", "delay": "0.05 s"}
+    (sampling,) = eom.Scene(**{**SCENE, "control": control}).derive().sampled
+    assert (sampling.period, sampling.delay) == (0.1, 0.05)
+    with pytest.raises(InputError, match="period"):
+        eom.Scene(**{**SCENE, "control": {**control, "period": "100 mm"}})
+
+
 def test_what_a_sampled_law_reads_is_kept_and_one_that_nobody_needs_is_left_out():
     scene = eom.Scene(**SCENE)
     assert scene.changed(outputs=("q1",)).derive().held == ("u_1", "z")
