@@ -14,12 +14,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from eom.derivations.derived import Derived, Step
+from eom.derivations.reached import KINDS, RESULT, Path, is_tautology, meets, smallest
 from eom.derivations.verification import DerivationError, verify
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.terms import rules
 from eom.terms.own import Law, Own, OwnFrame
-from eom.terms.rules import Rule
+from eom.terms.rules import Rule, Trace
+from eom.terms.rules.inferences import Inference
 from eom.terms.terms import (
     INDICES,
     Equation,
@@ -55,13 +57,16 @@ class Chain:
         the line is recalled; ``states``: equations of a lecture that it is. Raises `DerivationError` if
         nothing changes, or the line is false or undecided.
         """
-        new = rules.apply(applied, self.equation.right)
+        with rules.traced() as trace:
+            new = rules.apply(applied, self.equation.right)
         if new == self.equation.right:
             raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
         relation = "=" if self.equation.relation == ":=" else self.equation.relation
-        return self.maker.state(
-            Equation(self.equation.left, new, relation), reason, label=label, states=states
-        )
+        line, path = Equation(self.equation.left, new, relation), self._path(trace)
+        return self.maker.state(line, reason, label=label, states=states, path=path)
+
+    def _path(self, trace: Trace, *others: Chain) -> Path:
+        return Path((self.step.label, *(o.step.label for o in others)), trace)
 
     def both(
         self,
@@ -76,11 +81,35 @@ class Chain:
         ``reason``: why, in words; ``operation``: what is done, from a term to a term; ``applied``: rules
         for the new right side; ``label``, ``states``: see `then`. Raises `DerivationError` as `then` does.
         """
-        left = operation(self.equation.left)
-        right = rules.apply(applied, operation(self.equation.right))
+        with rules.traced() as trace:
+            rules.noted("the same on both sides")
+            left = operation(self.equation.left)
+            right = rules.apply(applied, operation(self.equation.right))
         if Equation(left, right) == self.equation:
             raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
-        return self.maker.state(Equation(left, right), reason, label=label, states=states)
+        line, path = Equation(left, right), self._path(trace)
+        return self.maker.state(line, reason, label=label, states=states, path=path)
+
+    def infer(
+        self,
+        reason: str,
+        inference: Inference,
+        *others: Chain,
+        label: str = "",
+        states: Iterable[str] = (),
+    ) -> Chain:
+        """State what follows from this line, and from ``others``, by an inference.
+
+        ``reason``: why, in words; ``inference``: a row of `eom.terms.rules.inferences`; ``label``,
+        ``states``: see `then`. Raises `InputError` where it does not apply, and as `then` does.
+        """
+        with rules.traced() as trace:
+            rules.noted(inference.words)
+            line = inference.conclude(self.equation, *(o.equation for o in others))
+        if line == self.equation:
+            raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
+        path = self._path(trace, *others)
+        return self.maker.state(line, reason, label=label, states=states, path=path)
 
     def turned(self, reason: str, *, label: str = "", states: Iterable[str] = ()) -> Chain:
         """State ``right = left``.
@@ -88,7 +117,10 @@ class Chain:
         ``reason``: why, in words; ``label``, ``states``: see `then`.
         """
         sides = Equation(self.equation.right, self.equation.left)
-        return self.maker.state(sides, reason, label=label, states=states)
+        with rules.traced() as trace:
+            rules.noted("sides exchanged")
+        path = self._path(trace)
+        return self.maker.state(sides, reason, label=label, states=states, path=path)
 
 
 @dataclass
@@ -108,6 +140,7 @@ class Derivation:
     assumed: tuple[str, ...] = ()
     steps: list[Step] = field(default_factory=list)
     own: Own = field(default_factory=Own)
+    stated: dict[Equation, str] = field(default_factory=dict, init=False)
 
     def frame(self, name: str, angle: Any, axis: int = 3, base: str = "I") -> None:
         """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad)."""
@@ -142,7 +175,9 @@ class Derivation:
             self.own.laws.pop()
             raise
 
-    def _verified(self, equation: Equation, reason: str) -> str:
+    def _verified(
+        self, equation: Equation, reason: str, assumed: Iterable[str] | None = None
+    ) -> str:
         carry = rules.slopes(self.scalars, self.own)
         scalars = {s: carry(t) for s, t in self.scalars.items()}
         plainly = Equation(carry(equation.left), carry(equation.right), equation.relation)
@@ -156,7 +191,14 @@ class Derivation:
         with_own = drawn if self.own.frames or self.own.points or self.own.laws else worlds
         where = f"{self.name}: {reason}"
         known = self.scalars if equation.relation == ":=" else scalars
-        return verify(shown, self.assumed, known, where=where, drawn=with_own)
+        names = self.assumed if assumed is None else assumed
+        return verify(shown, names, known, where=where, drawn=with_own)
+
+    def _needed(self, equation: Equation, reason: str) -> tuple[str, ...]:
+        """Return a smallest set of the assumptions made so far under which a line holds."""
+        relation = "=" if equation.relation == ":=" else equation.relation
+        line = Equation(equation.left, equation.right, relation)
+        return smallest(self.assumed, lambda names: self._verified(line, reason, names))
 
     def assume(self, *names: str) -> None:
         """From here on, take ``names`` for granted. Raises `InputError` for conflicts."""
@@ -201,11 +243,32 @@ class Derivation:
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
     def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
-        """State a law or the meaning of an assumption; it, too, has to hold in the worlds.
+        """State a law; it, too, has to hold in the worlds.
 
         ``equation``: the law; ``reason``: in words; ``options``: see `state`. Raises `DerivationError`.
         """
         return self.state(equation, reason, "law", **options)
+
+    def given(self, equation: Equation, reason: str, **options: Any) -> Chain:
+        """State what an assumption means as a formula; it has to hold in the worlds.
+
+        ``equation``: the meaning; ``reason``: in words; ``options``: see `state`. Raises `DerivationError`.
+        """
+        return self.state(equation, reason, "assumption", **options)
+
+    def show(self, equation: Equation, reason: str, *applied: Rule, **options: Any) -> Chain:
+        """State an equation, both sides of which rules lead to the same.
+
+        ``equation``: the line; ``reason``: why, in words; ``applied``: the rules, in order, for both
+        sides; ``options``: see `state`. Raises `DerivationError` where they do not lead there.
+        """
+        with rules.traced() as trace:
+            reached = meets(equation, applied)
+        if not reached:
+            raise DerivationError("the rules do not lead here", where=self.name, got=reason)
+        if not trace.words:
+            trace.words["algebra"] = None
+        return self.state(equation, reason, path=Path((), trace), **options)
 
     def state(
         self,
@@ -215,27 +278,46 @@ class Derivation:
         *,
         label: str = "",
         states: Iterable[str] = (),
+        path: Path | None = None,
     ) -> Chain:
         """Verify a statement and add it.
 
-        ``equation``: the line; ``reason``: why it holds, in words; ``kind``: "result", "law", "definition";
-        ``label``: by which it is recalled; ``states``: equations of a lecture that it is. Raises
-        `DerivationError` for a line that is false or undecided, and for a label that is taken.
+        ``equation``: the line; ``reason``: why it holds, in words; ``kind``: "law", "definition",
+        "assumption", or "result"; ``label``: by which it is recalled; ``states``: equations of a lecture
+        that it is; ``path``: how a result was reached. Raises `DerivationError` for a line that is false,
+        undecided, trivial or stated before, for a label that is taken and for other kinds.
         """
         evidence = self._verified(equation, reason)
+        name = label or f"s{len(self.steps) + 1}"
+        self._check_new(equation, name, kind)
+        follows = path.sources(self.stated, f"{self.name}: {reason}") if path else ()
         step = Step(
-            label or f"s{len(self.steps) + 1}",
+            name,
             equation,
             reason,
             kind,
             tuple(states),
-            self.assumed,
+            self._needed(equation, reason),
             evidence,
+            follows,
+            tuple(path.trace.words) if path else (),
         )
-        if any(step.label == s.label for s in self.steps):
-            raise DerivationError("two steps with one label", where=self.name, got=step.label)
         self.steps.append(step)
+        self.stated[equation] = name
         return Chain(self, step)
+
+    def _check_new(self, equation: Equation, name: str, kind: str) -> None:
+        """Refuse a label that is taken, an unknown kind, a tautology, and what stands there already."""
+        if name in self.stated.values():
+            raise DerivationError("two steps with one label", where=self.name, got=name)
+        if kind not in KINDS:
+            expected = ", ".join(KINDS)
+            raise DerivationError("unknown kind", where=self.name, got=kind, expected=expected)
+        if is_tautology(equation):
+            raise DerivationError("a step says nothing", where=self.name, got=name)
+        if kind == RESULT and equation in self.stated:
+            known = self.stated[equation]
+            raise DerivationError("a step changes nothing", where=self.name, got=f"as {known}")
 
     def start(self, term: Term) -> Chain:
         """Return a chain that transforms ``term``; it states nothing yet."""

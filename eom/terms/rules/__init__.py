@@ -7,8 +7,8 @@ enters through `use` and `put`, which replace one side of an established stateme
 Imports: `eom.errors`, `eom.kinematics`, `eom.terms`.
 """
 
+from eom.terms.rules.axes import by_axes, orthonormal, resolved, rotations_in_turn
 from eom.terms.rules.basic import (
-    Rule,
     apply,
     at,
     by_way_of,
@@ -33,11 +33,14 @@ from eom.terms.rules.calculus import (
     differentiate_terms,
     differentiate_under,
     distribute,
+    fold_sum,
     into_sums,
+    less,
     symmetrise,
     take_out,
 )
 from eom.terms.rules.slopes import slopes
+from eom.terms.rules.tracing import Rule, Trace, named, noted, rest_on, traced
 from eom.terms.rules.vectors import (
     associate,
     bac_cab,
@@ -45,8 +48,11 @@ from eom.terms.rules.vectors import (
     dyadic_form,
     factor_left,
     factor_right,
+    factor_scalar,
     flip_crosses,
+    from_itself,
     linear_in,
+    no_turn_in_itself,
     order_dots,
     ordered,
     parallel,
@@ -62,10 +68,12 @@ from eom.terms.rules.vectors import (
 
 __all__ = [
     "Rule",
+    "Trace",
     "apply",
     "associate",
     "at",
     "bac_cab",
+    "by_axes",
     "by_way_of",
     "combine",
     "commute",
@@ -81,18 +89,29 @@ __all__ = [
     "everywhere",
     "factor_left",
     "factor_right",
+    "factor_scalar",
     "flip_crosses",
     "fold_into",
+    "fold_sum",
+    "from_itself",
     "inside",
     "into_sums",
+    "less",
     "linear_in",
     "match",
+    "named",
+    "noted",
+    "no_turn_in_itself",
     "order_dots",
     "ordered",
+    "orthonormal",
     "parallel",
     "put",
     "regroup",
     "regroup_right",
+    "resolved",
+    "rest_on",
+    "rotations_in_turn",
     "scalar_triple",
     "scalars_in",
     "seen_from",
@@ -101,6 +120,7 @@ __all__ = [
     "symmetric",
     "symmetrise",
     "take_out",
+    "traced",
     "transport",
     "triple_zero",
     "unfold",

@@ -14,6 +14,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.terms.own import Own
 from eom.terms.rules.basic import Rule, everywhere
+from eom.terms.rules.tracing import named
 from eom.terms.terms import (
     INERTIAL,
     Term,
@@ -136,4 +137,4 @@ def slopes(scalars: Mapping[Any, Term], own: Own | None = None) -> Rule:
             )
         return kit.of(node.args[0], by)
 
-    return everywhere(rule)
+    return named("partial derivatives", everywhere(rule))
