@@ -83,7 +83,7 @@ def _axes(d: Derivation) -> list[Equation]:
     )
     return [
         d.law(
-            Equation(der(b), cross(W, b)), f"row {k} of it, as a vector", label=f"axis-{k}"
+            Equation(der(b), cross(W, b)), f"the same for one axis: b{k} turns with omega", label=f"axis-{k}"
         ).equation
         for k, b in enumerate(AXES, 1)
     ]

@@ -7,7 +7,15 @@ enters through `use` and `put`, which replace one side of an established stateme
 Imports: `eom.errors`, `eom.kinematics`, `eom.terms`.
 """
 
-from eom.terms.rules.axes import by_axes, orthonormal, resolved, rotations_in_turn
+from eom.terms.rules.axes import (
+    by_axes,
+    double_tilde,
+    orthonormal,
+    resolved,
+    reversed_turn,
+    rotations_in_turn,
+    unit_entries,
+)
 from eom.terms.rules.basic import (
     apply,
     at,
@@ -84,6 +92,7 @@ __all__ = [
     "differentiate_terms",
     "differentiate_under",
     "distribute",
+    "double_tilde",
     "dyadic_form",
     "entrywise",
     "everywhere",
@@ -111,6 +120,7 @@ __all__ = [
     "regroup_right",
     "resolved",
     "rest_on",
+    "reversed_turn",
     "rotations_in_turn",
     "scalar_triple",
     "scalars_in",
@@ -124,6 +134,7 @@ __all__ = [
     "transport",
     "triple_zero",
     "unfold",
+    "unit_entries",
     "until_stable",
     "use",
     "vanish",

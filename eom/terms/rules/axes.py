@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sympy as sp
+
 from eom.terms.rules.basic import Rule, everywhere
 from eom.terms.rules.tracing import named
 from eom.terms.terms import (
@@ -11,8 +13,10 @@ from eom.terms.terms import (
     add,
     dot,
     entries,
+    inner,
     mul,
     number,
+    outer_column,
     transpose,
     zero,
 )
@@ -65,6 +69,25 @@ def by_axes(frame: str) -> Rule:
         return entries([[dot(b, inside)] for b in axes])
 
     return named("components along the axes", everywhere(rule))
+
+
+_ONE = quantity("identity_matrix")
+
+
+def _double_tilde(node: Term) -> Term:
+    if node.head == "matmul" and all(a.head == "tilde" for a in node.args):
+        a, b = (x.args[0] for x in node.args)
+        return add(outer_column(b, a), -mul(inner(a, b), _ONE))
+    return node
+
+
+double_tilde: Rule = named("product of two tildes", everywhere(_double_tilde))
+"""The product of two skew matrices: tilde(a) tilde(b) = b a^T - (a^T b) 1."""
+
+unit_entries: Rule = named(
+    "carried out", everywhere(lambda n: entries(sp.eye(3)) if n == _ONE else n)
+)
+"""The unit matrix by its entries."""
 
 
 def reversed_turn(frame: str, base: str) -> Rule:

@@ -104,7 +104,7 @@ def _entries(term: Term) -> tuple[Term, ...]:
 
 def cancelled(anything: Term) -> Inference:
     """Return the inference from A x v = B x v, for every ``anything`` v, to A = B; so for dots, matrices."""
-    words = "it is any vector"
+    words = "cancelling"
     bare = anything.args[0] if anything.head == "column" else anything
 
     def conclude(equation: Equation) -> Equation:
