@@ -456,7 +456,9 @@ class _Notes:
         """Say from which lines a step follows, and by which rules."""
         lines = ", ".join(str(self.numbers[f]) for f in step.follows if f in self.numbers)
         by = ", ".join(step.by)
-        return " ".join(p for p in (f"from {lines}" if lines else "", f"by {by}" if by else "") if p)
+        return " ".join(
+            p for p in (f"from {lines}" if lines else "", f"by {by}" if by else "") if p
+        )
 
 
 def _letters(derivation: Derived) -> dict[str, int]:

@@ -157,17 +157,21 @@ def _rate(d: Derivation) -> None:
         differentiate,
         label="mass-constant",
     )
-    translated = d.start(der(translation)).then(
-        "product rule; the mass is constant",
-        differentiate,
-        use(constant.equation),
-        commute,
-        combine,
-    ).then(
-        "the power of the force at the centre of mass",
-        regroup(BODY_MASS),
-        use(motion),
-        label="power-translation",
+    translated = (
+        d.start(der(translation))
+        .then(
+            "product rule; the mass is constant",
+            differentiate,
+            use(constant.equation),
+            commute,
+            combine,
+        )
+        .then(
+            "the power of the force at the centre of mass",
+            regroup(BODY_MASS),
+            use(motion),
+            label="power-translation",
+        )
     )
     turning = _rate_of_rotation(d)
     d.recall("T-rigid").both(
@@ -222,7 +226,9 @@ def _velocity_about_pivot(d: Derivation) -> Chain:
     fixed = d.given(Equation(der(RHO, "B"), zero("vector")), "and in the body, as B is")
     return (
         d.start(velocity("dm"))
-        .then("r = r_O + rho, and O is at rest", use(split.equation), distribute, use(still.equation))
+        .then(
+            "r = r_O + rho, and O is at rest", use(split.equation), distribute, use(still.equation)
+        )
         .then(
             "the transport theorem; rho does not change in B, every element turns about the pivot",
             transport("B"),

@@ -41,14 +41,13 @@ from eom.terms.terms import (
     column,
     cross,
     der,
-    entries,
     integral,
     matmul,
     mul,
     tilde,
     zero,
 )
-from eom.terms.vocabulary import omega, position, quantity, velocity
+from eom.terms.vocabulary import definition, omega, position, quantity, velocity
 
 W = omega()
 R = position("dm", "C")
@@ -210,33 +209,42 @@ def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = 
     )
 
 
-def _by_definition(d: Derivation, about: str, label: str, **options: Any) -> Chain:
-    """Write the inertia matrix in B by the definition of the dyadic."""
+def inertia_by_definition(
+    d: Derivation, about: str, label: str, frame: str = "B", **options: Any
+) -> Chain:
+    """Write the inertia matrix in a frame by the definition of the dyadic."""
     dyadic = quantity("inertia", about)
-    d.define(dyadic, "inertia dyadic")
-    return d.start(column(dyadic, "B")).then(
-        "components in B of the definition",
+    if Equation(dyadic, definition(dyadic) or dyadic, ":=") not in d.stated:
+        d.define(dyadic, "inertia dyadic")
+    return d.start(column(dyadic, frame)).then(
+        f"components in {frame} of the definition",
         unfold("inertia"),
-        components("B"),
-        scalars_in("B"),
+        components(frame),
+        scalars_in(frame),
         label=label,
+        **options,
+    )
+
+
+def inertia_by_tildes(
+    d: Derivation, written: Chain, about: str, frame: str = "B", **options: Any
+) -> Chain:
+    """Write the inertia matrix as minus the integral of the squared tilde."""
+    r = column(position("dm", about), frame)
+    return d.show(
+        Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
+        "the product of two tildes is r r^T - (r^T r) 1: minus the integrand",
+        use(written.equation),
+        double_tilde,
+        distribute,
         **options,
     )
 
 
 def _inertia_matrix(d: Derivation) -> sp.Matrix:
     d.only("body_frame")
-    written = _by_definition(d, "C", "J-matrix")
-    r = column(R, "B")
-    d.show(
-        Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
-        "the product of two tildes is r r^T - (r^T r) 1: minus the integrand",
-        use(written.equation),
-        double_tilde,
-        distribute,
-        label="J-tilde",
-        states=["000:E15"],
-    )
+    written = inertia_by_definition(d, "C", "J-matrix")
+    inertia_by_tildes(d, written, "C", label="J-tilde", states=["000:E15"])
     known = explicit(d, R, "r", "B", "component of r along b{k}")
     written.then(
         "by components",
@@ -317,18 +325,8 @@ def _inertia_about_body_point(d: Derivation, seen: Chain) -> None:
         "omega comes out of the integral", associate, take_out, label="h-matrix", states=["002:E24"]
     )
     d.in_components(d.recall("h-J"), "B", "components in B", label="h-J-matrix", states=["002:E24"])
-    rho = column(RHO, "B")
-    J = column(quantity("inertia", "O"), "B")
-    written = _by_definition(d, "O", "J-matrix-O", states=["002:E25"])
-    d.show(
-        Equation(J, -integral(matmul(tilde(rho), tilde(rho)))),
-        "the product of two tildes is minus the integrand, as about C",
-        use(written.equation),
-        double_tilde,
-        distribute,
-        label="J-tilde-O",
-        states=["002:E25"],
-    )
+    written = inertia_by_definition(d, "O", "J-matrix-O", states=["002:E25"])
+    inertia_by_tildes(d, written, "O", label="J-tilde-O", states=["002:E25"])
 
 
 def _torque(d: Derivation) -> None:

@@ -5,10 +5,14 @@ Lectures 000, 001 (transport in components) and 002 (3.17 and the forms that it 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.mechanics.rigidbody import principal_inertia
 from eom.terms.rules import (
     associate,
     at,
@@ -27,6 +31,7 @@ from eom.terms.rules import (
     less,
     linear_in,
     no_turn_in_itself,
+    orthonormal,
     parallel,
     put,
     scalar_triple,
@@ -44,7 +49,9 @@ from eom.terms.terms import (
     cross,
     der,
     dot,
+    expr,
     matmul,
+    mul,
     tilde,
     transpose,
     zero,
@@ -83,7 +90,9 @@ def _axes(d: Derivation) -> list[Equation]:
     )
     return [
         d.law(
-            Equation(der(b), cross(W, b)), f"the same for one axis: b{k} turns with omega", label=f"axis-{k}"
+            Equation(der(b), cross(W, b)),
+            f"the same for one axis: b{k} turns with omega",
+            label=f"axis-{k}",
         ).equation
         for k, b in enumerate(AXES, 1)
     ]
@@ -171,9 +180,7 @@ def _addition(d: Derivation) -> None:
         equal(less(der(V, "B"))),
         by_way,
         label="addition-crossed",
-    ).infer(
-        "as v is any vector, angular velocities add", cancelled(V), label="addition"
-    ).infer(
+    ).infer("as v is any vector, angular velocities add", cancelled(V), label="addition").infer(
         "by way of I and back to B, which does not turn in itself",
         renamed({"A": "I", "I": "B"}, no_turn_in_itself),
         label="there-and-back",
@@ -188,11 +195,15 @@ def _referential(d: Derivation) -> None:
     first = d.recall("transport")
     d.in_components(first, "B", "components in B", label="transport-B")
     d.in_components(d.recall("second"), "B", "components in B", label="second-B")
-    in_I = d.start(column(der(V), "I")).then(
-        "the axes of I are fixed in I: components of a rate are rates of components",
-        components("I"),
-        label="axes-of-I",
-    ).turned("so the rates of components in I are those of the vector", label="axes-of-I-turned")
+    in_I = (
+        d.start(column(der(V), "I"))
+        .then(
+            "the axes of I are fixed in I: components of a rate are rates of components",
+            components("I"),
+            label="axes-of-I",
+        )
+        .turned("so the rates of components in I are those of the vector", label="axes-of-I-turned")
+    )
     in_I.then(
         "by way of components in B",
         by_way_of("B"),
@@ -308,6 +319,31 @@ def name_components(
         made = d.name_scalar(symbol, dot(unit(frame, k), vector), meaning.format(k=k))
         named.append(made.equation)
     return named
+
+
+PRINCIPAL = tuple(q.symbol for q in principal_inertia()[1])
+
+
+def principal_matrix(
+    d: Derivation, inertia: Term, symbols: Sequence[Any] = PRINCIPAL, **options: Any
+) -> Chain:
+    """Name the principal moments of ``inertia`` along b1, b2, b3, and derive its matrix in B."""
+    eigen = []
+    for k, symbol in enumerate(symbols, 1):
+        b = unit("B", k)
+        d.name_scalar(symbol, dot(b, dot(inertia, b)), f"principal moment of inertia about b{k}")
+        meaning = Equation(dot(inertia, b), mul(expr(symbol), b))
+        words = f"b{k} is a principal axis"
+        eigen.append(d.given(meaning, words, label=f"principal-axis-{k}").equation)
+    return d.start(column(inertia, "B")).then(
+        "in principal axes J is diagonal",
+        by_axes("B"),
+        *(use(e) for e in eigen),
+        distribute,
+        orthonormal("B"),
+        compute(),
+        **options,
+    )
 
 
 def explicit(d: Derivation, vector: Term, letter: str, frame: str, meaning: str) -> Equation:

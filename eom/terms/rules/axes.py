@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.terms.rules.basic import Rule, everywhere
+from eom.terms.rules.basic import Rule, everywhere, until_stable
 from eom.terms.rules.tracing import named
 from eom.terms.terms import (
     DYADIC,
+    MATRIX,
     VECTOR,
     Term,
     add,
     dot,
     entries,
     inner,
+    matmul,
     mul,
     number,
     outer_column,
+    rebuild,
     transpose,
     zero,
 )
@@ -90,28 +93,79 @@ unit_entries: Rule = named(
 """The unit matrix by its entries."""
 
 
-def reversed_turn(frame: str, base: str) -> Rule:
-    """Return the rule that writes the reverse rotation as the transpose, for one pair of frames."""
-    forth, back = quantity("rotation", frame, base), quantity("rotation", base, frame)
-    return named(
-        "the transpose is the reverse rotation",
-        everywhere(lambda n: back if n == transpose(forth) else n),
-    )
-
-
-def rotation_products(node: Term) -> Term:
-    """Return the unit matrix for a rotation times its reverse, one rotation for two in turn."""
+def _rotation_products(node: Term) -> Term:
     if node.head != "matmul":
         return node
     a, b = node.args
+    if a == _ONE:
+        return b
+    if b.head == "matmul":
+        first = _rotation_products(matmul(a, b.args[0]))
+        return node if first.head == "matmul" else _rotation_products(matmul(first, b.args[1]))
     if not all(x.head == "atom" and x.data[0] == "rotation" for x in (a, b)):
         return node
     if a.data[2] != b.data[1]:
         return node
     if a.data[1] == b.data[2]:
-        return quantity("identity_matrix")
+        return _ONE
     return quantity("rotation", a.data[1], b.data[2])
 
 
-rotations_in_turn: Rule = named("rotations in turn", everywhere(rotation_products))
-"""C_AB C_BA = 1 and C_AB C_BC = C_AC."""
+rotations_in_turn: Rule = named("rotations in turn", everywhere(_rotation_products))
+"""C_AB C_BA = 1 and C_AB C_BC = C_AC; a product with 1 is the other factor."""
+
+
+def _reversed(node: Term) -> Term:
+    if node.head in {"inverse", "transpose"} and node.args[0].head == "atom":
+        name, *frames = node.args[0].data
+        return quantity("rotation", *frames[::-1]) if name == "rotation" else node
+    return node
+
+
+reversed_rotation: Rule = named("reverse rotation", everywhere(_reversed))
+"""Inverse and transpose of a rotation are the reverse rotation."""
+
+
+def _to_the_right(node: Term) -> Term:
+    if node.head == "matmul" and node.args[0].head == "matmul":
+        (a, b), c = node.args[0].args, node.args[1]
+        return matmul(a, matmul(b, c))
+    return node
+
+
+to_the_right: Rule = named("associativity", until_stable(_to_the_right))
+"""(A B) c = A (B c): the first factor can come out of an integral."""
+
+_THROUGH = frozenset({"tilde", "transpose"})
+
+
+def _through(node: Term) -> Term:
+    if node.head in _THROUGH and node.args[0].head in {"sum", "integral"}:
+        inside = node.args[0]
+        return rebuild(inside, [rebuild(node, inside.args)])
+    return node
+
+
+through_sums: Rule = named("linearity", until_stable(_through))
+"""The tilde, or the transpose, of a sum or integral is the sum of tildes, or transposes."""
+
+
+def _transposed(node: Term) -> Term:
+    if node.head != "transpose":
+        return node
+    (x,) = node.args
+    if x.head == "add":
+        return add(*map(transpose, x.args))
+    if x.head == "mul":
+        return mul(*x.args[:-1], transpose(x.args[-1]))
+    if x.head == "outer_column":
+        return outer_column(*x.args[::-1])
+    if x.head == "matmul" and x.args[1].kind == MATRIX:
+        return matmul(transpose(x.args[1]), transpose(x.args[0]))
+    if x.head == "transpose":
+        return x.args[0]
+    return {_ONE: _ONE}.get(x, -x if x.head == "tilde" else node)
+
+
+transposed: Rule = named("transpose of a product", until_stable(_transposed))
+"""(A B)^T = B^T A^T, (a b^T)^T = b a^T, tilde(a)^T = -tilde(a)."""

@@ -40,6 +40,7 @@ from eom.terms.terms import (
 )
 from eom.terms.vocabulary import definition, quantity
 
+
 def everywhere(rule: Rule) -> Rule:
     """Return the rule that applies ``rule`` to every node, children first."""
     return lambda term: replace(term, rule)

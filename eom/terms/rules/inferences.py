@@ -47,13 +47,13 @@ def _refused(words: str, why: str) -> InputError:
 # -- one equation ----------------------------------------------------------------------------
 
 
-def solved(unknown: Term) -> Inference:
-    """Return the inference that solves an equation, linear in ``unknown``, for it."""
+def solved(unknown: Term, *applied: Rule) -> Inference:
+    """Return the inference that solves an equation, linear in ``unknown``, for it; tidied by rules."""
     words = "solving"
 
     def conclude(equation: Equation) -> Equation:
         if unknown.head == "expr" and equation.left.head == equation.right.head == "expr":
-            return _solved_plainly(equation, unknown)
+            return _solved_plainly(equation, unknown, applied)
         parts = combine(distribute(equation.left - equation.right))
         factors, rest = [], []
         for part in parts.args if parts.head == "add" else (parts,):
@@ -61,18 +61,20 @@ def solved(unknown: Term) -> Inference:
             rest.append(part) if factor is None else factors.append(factor)
         if len(factors) != 1 or unknown in {n for r in rest for n in nodes(r)}:
             raise _refused(words, "it is not linear in what is sought")
-        return Equation(unknown, distribute(mul(expr(-1 / factors[0]), add(*rest))))
+        found = distribute(mul(expr(-1 / factors[0]), add(*rest)))
+        return Equation(unknown, apply(applied, found))
 
     return Inference(words, conclude)
 
 
-def _solved_plainly(equation: Equation, unknown: Term) -> Equation:
+def _solved_plainly(equation: Equation, unknown: Term, applied: Sequence[Rule]) -> Equation:
     symbol = unknown.data[0]
     balance = sp.expand(equation.left.data[0] - equation.right.data[0])
     slope = balance.diff(symbol)
     if slope == 0 or slope.has(symbol):
         raise _refused("solving", "it is not linear in what is sought")
-    return Equation(unknown, expr(sp.factor_terms(-balance.xreplace({symbol: 0}) / slope)))
+    found = expr(sp.factor_terms(-balance.xreplace({symbol: 0}) / slope))
+    return Equation(unknown, apply(applied, found))
 
 
 def _factor_of(part: Term, unknown: Term) -> Any:
@@ -84,12 +86,15 @@ def _factor_of(part: Term, unknown: Term) -> Any:
     return None
 
 
-def entry(place: int) -> Inference:
-    """Return the inference that takes one entry, counted from one, of explicit columns or matrices."""
+def entry(place: int, *applied: Rule) -> Inference:
+    """Return the inference that takes one entry, counted from one, of explicit columns or matrices.
+
+    ``applied``: rules that tidy both sides.
+    """
 
     def conclude(equation: Equation) -> Equation:
-        sides = [_entries(s) for s in (equation.left, equation.right)]
-        return Equation(sides[0][place - 1], sides[1][place - 1])
+        left, right = (_entries(s)[place - 1] for s in (equation.left, equation.right))
+        return Equation(apply(applied, left), apply(applied, right))
 
     return Inference("one row", conclude)
 
@@ -103,7 +108,10 @@ def _entries(term: Term) -> tuple[Term, ...]:
 
 
 def cancelled(anything: Term) -> Inference:
-    """Return the inference from A x v = B x v, for every ``anything`` v, to A = B; so for dots, matrices."""
+    """Return the inference from A x v = B x v to A = B, where ``anything`` v is any vector.
+
+    So for dots, and for matrices times its column.
+    """
     words = "cancelling"
     bare = anything.args[0] if anything.head == "column" else anything
 
@@ -131,9 +139,7 @@ def instance(meanings: Mapping[Term, Term], words: str = "special case") -> Infe
         for old in meanings:
             if old.head != "atom" or old.data[0] not in _ANY:
                 raise _refused(words, "only what stands for anything can be replaced")
-        sides = (
-            replace(s, lambda n: meanings.get(n, n)) for s in (equation.left, equation.right)
-        )
+        sides = (replace(s, lambda n: meanings.get(n, n)) for s in (equation.left, equation.right))
         return Equation(*sides)
 
     return Inference(words, conclude)
@@ -172,6 +178,15 @@ def axes_of_components(frame: str) -> Inference:
     return Inference("components along the axes", conclude)
 
 
+squares = Inference("sum of squares", lambda equation: Equation(equation.left, number(0), ">="))
+"""The inference that a left side which is a sum of squares by its form is not negative."""
+
+squares_right = Inference(
+    "sum of squares", lambda equation: Equation(equation.right, number(0), ">=")
+)
+"""The same of the right side."""
+
+
 # -- several equations -------------------------------------------------------------------------
 
 
@@ -186,7 +201,9 @@ def equal(*applied: Rule, words: str = "both are equal to the same") -> Inferenc
     return Inference(words, conclude)
 
 
-def summed(*factors: Term, applied: Sequence[Rule] = (), words: str = "a sum of lines") -> Inference:
+def summed(
+    *factors: Term, applied: Sequence[Rule] = (), words: str = "a sum of lines"
+) -> Inference:
     """Return the inference from lines to the sum of their multiples by ``factors``, tidied by rules."""
 
     def conclude(*lines: Equation) -> Equation:
@@ -213,9 +230,7 @@ rows_together = Inference(
 # -- linear motion -----------------------------------------------------------------------------
 
 
-def characteristic(
-    variables: Sequence[Any], steady: Mapping[Any, Any], root: Any
-) -> Inference:
+def characteristic(variables: Sequence[Any], steady: Mapping[Any, Any], root: Any) -> Inference:
     """Return the inference from rates, der(x_k) = f_k(x), to their characteristic polynomial.
 
     ``variables``: the symbols x_k, in the order of the lines; ``steady``: their values in a motion in
