@@ -316,7 +316,8 @@ def name_components(
     named = []
     for k in (1, 2, 3):
         symbol = sp.Symbol(f"{letter}_{k}", real=True)
-        made = d.name_scalar(symbol, dot(unit(frame, k), vector), meaning.format(k=k))
+        along = dot(unit(frame, k), vector)
+        made = d.name_scalar(symbol, along, meaning.format(k=k), label=symbol.name)
         named.append(made.equation)
     return named
 

@@ -50,6 +50,7 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
+from eom.terms.rules.scalars import collect, constants, dyads, put_in
 from eom.terms.rules.slopes import slopes
 from eom.terms.rules.tracing import Rule, Trace, named, noted, rest_on, traced
 from eom.terms.rules.vectors import (
@@ -86,10 +87,12 @@ __all__ = [
     "bac_cab",
     "by_axes",
     "by_way_of",
+    "collect",
     "combine",
     "commute",
     "components",
     "compute",
+    "constants",
     "differentiate",
     "differentiate_in",
     "differentiate_terms",
@@ -97,6 +100,7 @@ __all__ = [
     "distribute",
     "double_tilde",
     "dyadic_form",
+    "dyads",
     "entrywise",
     "everywhere",
     "factor_left",
@@ -119,6 +123,7 @@ __all__ = [
     "orthonormal",
     "parallel",
     "put",
+    "put_in",
     "regroup",
     "regroup_right",
     "resolved",

@@ -59,9 +59,9 @@ def solved(unknown: Term, *applied: Rule) -> Inference:
         for part in parts.args if parts.head == "add" else (parts,):
             factor = _factor_of(part, unknown)
             rest.append(part) if factor is None else factors.append(factor)
-        if len(factors) != 1 or unknown in {n for r in rest for n in nodes(r)}:
+        if len(factors) != 1:
             raise _refused(words, "it is not linear in what is sought")
-        found = distribute(mul(expr(-1 / factors[0]), add(*rest)))
+        found = distribute(mul(expr(-1 / factors[0]), add(zero(unknown.kind), *rest)))
         return Equation(unknown, apply(applied, found))
 
     return Inference(words, conclude)
@@ -245,7 +245,8 @@ def characteristic(variables: Sequence[Any], steady: Mapping[Any, Any], root: An
             raise _refused(words, "the motion is not steady")
         slopes = rates.jacobian(list(variables)).xreplace(dict(steady))
         lead = sp.ImmutableMatrix(root * sp.eye(len(variables)) - slopes)
-        polynomial = sp.factor(lead.det(method="berkowitz"))
-        return Equation(expr(sp.Determinant(lead)), expr(polynomial))
+        polynomial = sp.Poly(lead.det(method="berkowitz"), root)
+        terms = (sp.factor(c) * root**n for (n,), c in polynomial.terms())
+        return Equation(expr(sp.Determinant(lead)), expr(sp.Add(*terms)))
 
     return Inference(words, conclude)
