@@ -12,14 +12,17 @@ from eom.mechanics.rigidbody import OMEGA
 from eom.system import System
 from eom.terms.rules import (
     differentiate,
+    differentiate_in,
     differentiate_under,
     distribute,
     inside,
     into_sums,
     transport,
+    triple_in_order,
     use,
     vanish,
 )
+from eom.terms.rules.inferences import equal
 from eom.terms.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
 from eom.terms.vocabulary import omega, quantity
 
@@ -59,15 +62,18 @@ def _check_equations(d: Derivation, system: System) -> None:
 
 def _body(d: Derivation) -> None:
     d.only("rotors")
-    d.law(Equation(der(AXIS, "B"), zero("vector")), "the axes are fixed in the body", label="axis")
-    d.law(
+    d.given(
+        Equation(der(AXIS, "B"), zero("vector")), "the axes are fixed in the body", label="axis"
+    )
+    d.given(Equation(der(INERTIA), number(0)), "rotors are rigid", label="rotor-inertia-constant")
+    d.given(
         Equation(der(J, "B"), zero("dyadic")),
         "rotors are symmetric about their axes: the inertia of the whole is constant in B",
         label="J-constant",
     )
-    momentum = d.state(
+    momentum = d.law(
         Equation(H, add(dot(J, W), ROTORS)),
-        "all turn with the body; each rotor adds its own spin",
+        "momentum of a gyrostat: all turn with the body, and each rotor about its axis besides",
         label="momentum",
     )
     local = momentum.both(
@@ -99,26 +105,53 @@ def _body(d: Derivation) -> None:
 
 
 def _rotor(d: Derivation) -> None:
+    """Derive the equation of a rotor: its motor's torque is the rate of its axial momentum."""
     d.only("rotors")
-    axial = dot(AXIS, MOMENTUM)
-    d.state(
-        Equation(axial, mul(INERTIA, add(SPEED, dot(AXIS, W)))),
-        "the axial momentum of a rotor, about its own centre of mass",
+    turning = d.start(der(AXIS)).then(
+        "the axis turns with the body",
+        transport("B"),
+        use(d.recall("axis").equation),
+        distribute,
+        label="axis-turns",
+    )
+    plane = d.given(
+        Equation(triple_in_order(dot(cross(W, AXIS), MOMENTUM)), number(0)),
+        "a rotor is symmetric about its axis: its momentum, about its own centre of mass, lies in the "
+        "plane of omega and the axis",
+        label="rotor-plane",
+    )
+    axial = d.law(
+        Equation(dot(AXIS, MOMENTUM), mul(INERTIA, add(SPEED, dot(AXIS, W)))),
+        "its axial momentum: its moment times its own rate and that of the body",
         label="axial-momentum",
     )
-    d.state(
-        Equation(dot(AXIS, der(MOMENTUM)), der(axial)),
-        "its rate is that of the whole momentum along the axis, as the rotor is symmetric",
-        label="axial-rate",
-    )
-    written = add(mul(INERTIA, der(SPEED)), mul(INERTIA, dot(AXIS, der(W, "B"))))
-    d.state(
-        Equation(dot(AXIS, der(MOMENTUM)), written),
-        "this is the torque of the motor: the equation of each rotor",
-        label="rotor-equation",
-    )
-    d.state(
+    d.show(
         Equation(dot(AXIS, cross(W, MOMENTUM)), number(0)),
         "no gyroscopic term acts along the axis",
+        triple_in_order,
+        use(plane.equation),
         label="no-axial-term",
+    )
+    d.define(quantity("rotor_torque", "k"), "torque of the motor", label="motor")
+    rate = d.start(der(axial.equation.left)).then(
+        "the axial rate is that of the whole momentum along the axis: the motor's torque",
+        differentiate,
+        use(turning.equation),
+        triple_in_order,
+        use(plane.equation),
+        use(d.recall("motor").equation, backwards=True),
+        label="axial-rate",
+    )
+    axial.both(
+        "differentiate; the axis is fixed in B",
+        der,
+        distribute,
+        differentiate_in("B"),
+        use(d.recall("rotor-inertia-constant").equation),
+        use(d.recall("axis").equation),
+        distribute,
+        label="axial-momentum-rate",
+    ).infer("both are the same rate", equal(), rate, label="rotor-balance").turned(
+        "the equation of each rotor: the torque of its motor turns it, against the body's turning",
+        label="rotor-equation",
     )

@@ -95,7 +95,7 @@ def same(left: Term, right: Term) -> bool:
     tidy = [rules.combine(rules.ordered(t)) for t in (left, right)]
     if tidy[0] == tidy[1]:
         return True
-    difference = rules.combine(rules.ordered(rules.combine(left - right)))
+    difference = rules.compute()(rules.combine(rules.ordered(rules.combine(left - right))))
     if difference.is_zero:
         return True
     found = _coefficients(difference)

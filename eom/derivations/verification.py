@@ -132,7 +132,8 @@ def _entries(term: Term) -> list[Any]:
 
 def _resolved(expression: Any) -> Any:
     """Carry out determinants and integrals; antiderivatives are checked by differentiating them."""
-    known = expression.replace(
+    slopes = expression.replace(lambda n: isinstance(n, sp.Derivative), lambda n: n.doit())
+    known = slopes.replace(
         lambda n: isinstance(n, sp.Determinant), lambda n: n.arg.det(method="berkowitz")
     )
     return known.replace(lambda n: isinstance(n, sp.Integral), _integrated)

@@ -50,7 +50,7 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
-from eom.terms.rules.scalars import collect, constants, dyads, put_in
+from eom.terms.rules.scalars import collect, constants, determinants, dyads, put_in
 from eom.terms.rules.slopes import slopes
 from eom.terms.rules.tracing import Rule, Trace, named, noted, rest_on, traced
 from eom.terms.rules.vectors import (
@@ -75,6 +75,7 @@ from eom.terms.rules.vectors import (
     swap,
     symmetric,
     transport,
+    triple_in_order,
     triple_zero,
 )
 
@@ -93,6 +94,7 @@ __all__ = [
     "components",
     "compute",
     "constants",
+    "determinants",
     "differentiate",
     "differentiate_in",
     "differentiate_terms",
@@ -143,6 +145,7 @@ __all__ = [
     "traced",
     "transport",
     "transposed",
+    "triple_in_order",
     "triple_zero",
     "unfold",
     "unit_entries",

@@ -13,6 +13,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
+from eom.exact.identity import vanishes
 from eom.terms.rules.basic import apply
 from eom.terms.rules.calculus import combine, distribute
 from eom.terms.rules.tracing import Rule
@@ -20,6 +21,7 @@ from eom.terms.terms import (
     Equation,
     Term,
     add,
+    dot,
     entries,
     expr,
     mul,
@@ -187,6 +189,18 @@ squares_right = Inference(
 """The same of the right side."""
 
 
+def along_axis(frame: str, k: int) -> Inference:
+    """Return the inference from [v] = (x, y, z) in ``frame`` to b_k.v, its entry ``k``."""
+
+    def conclude(equation: Equation) -> Equation:
+        left, right = equation.left, equation.right
+        if left.head != "column" or left.data != (frame,) or left.kind != "column":
+            raise _refused("one row", "this is no column of a vector")
+        return Equation(dot(unit(frame, k), left.args[0]), _entries(right)[k - 1])
+
+    return Inference("one row", conclude)
+
+
 # -- several equations -------------------------------------------------------------------------
 
 
@@ -230,23 +244,28 @@ rows_together = Inference(
 # -- linear motion -----------------------------------------------------------------------------
 
 
-def characteristic(variables: Sequence[Any], steady: Mapping[Any, Any], root: Any) -> Inference:
+def characteristic(
+    variables: Sequence[Any], steady: Mapping[Any, Any], root: Any, cleared: bool = False
+) -> Inference:
     """Return the inference from rates, der(x_k) = f_k(x), to their characteristic polynomial.
 
     ``variables``: the symbols x_k, in the order of the lines; ``steady``: their values in a motion in
-    which all rates vanish; ``root``: the symbol of the polynomial. States det(root 1 - A) over the slopes
-    A of f there. Source: Meirovitch, Methods of Analytical Dynamics (1970), 5.7.
+    which all rates vanish; ``root``: the symbol of the polynomial; ``cleared``: times the common
+    denominator. States det(root 1 - A) over the slopes A of f there. Source: Hughes, Spacecraft
+    Attitude Dynamics (1986), ch. 4.
     """
     words = "linearisation"
 
     def conclude(*lines: Equation) -> Equation:
         rates = sp.Matrix([e.right.data[0] for e in lines])
-        if any(sp.simplify(r) != 0 for r in rates.xreplace(dict(steady))):
+        if any(not vanishes(r) for r in rates.xreplace(dict(steady))):
             raise _refused(words, "the motion is not steady")
         slopes = rates.jacobian(list(variables)).xreplace(dict(steady))
         lead = sp.ImmutableMatrix(root * sp.eye(len(variables)) - slopes)
-        polynomial = sp.Poly(lead.det(method="berkowitz"), root)
+        whole = sp.cancel(lead.det(method="berkowitz"))
+        scale = sp.denom(whole) if cleared else sp.Integer(1)
+        polynomial = sp.Poly(sp.cancel(whole * scale), root)
         terms = (sp.factor(c) * root**n for (n,), c in polynomial.terms())
-        return Equation(expr(sp.Determinant(lead)), expr(sp.Add(*terms)))
+        return Equation(expr(scale * sp.Determinant(lead)), expr(sp.Add(*terms)))
 
     return Inference(words, conclude)

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.terms.rules.basic import Rule, everywhere, until_stable
+from eom.terms.rules.basic import Rule, entrywise, everywhere, until_stable
 from eom.terms.rules.tracing import named, rest_on
 from eom.terms.terms import DYADIC, VECTOR, Equation, Term, add, dot, expr, mul, rebuild, zero
 from eom.terms.vocabulary import quantity
@@ -98,6 +98,12 @@ def _scaled(term: Term) -> tuple[Any, Term | None]:
 
 collect: Rule = named("like terms", everywhere(_collect))
 """Add like terms, whatever expressions stand before them."""
+
+determinants: Rule = entrywise(
+    lambda e: e.replace(lambda n: isinstance(n, sp.Determinant), lambda n: n.arg.det()),
+    "determinant",
+)
+"""Determinants carried out."""
 
 _IDENTITY = quantity("identity")
 

@@ -64,6 +64,27 @@ scalar_triple: Rule = named("scalar triple product", everywhere(_scalar_triple))
 """(a x b).c = a.(b x c)."""
 
 
+def _triple_in_order(node: Term) -> Term:
+    """Write a scalar triple product with its factors in one order: a.(b x c), with its sign."""
+    if node.head != "dot" or node.kind != SCALAR:
+        return node
+    for a, product in (node.args, node.args[::-1]):
+        if product.head == "cross":
+            factors = [a, *product.args]
+            wanted = sorted(factors, key=repr)
+            if len(set(wanted)) < 3:
+                return zero(SCALAR)
+            order = [wanted.index(f) for f in factors]
+            odd = sum(x > y for k, x in enumerate(order) for y in order[k + 1 :]) % 2
+            made = dot(wanted[0], cross(wanted[1], wanted[2]))
+            return -made if odd else made
+    return node
+
+
+triple_in_order: Rule = named("scalar triple product", everywhere(_triple_in_order))
+"""a.(b x c) = b.(c x a) = -(a.(c x b)), and zero where two factors are the same."""
+
+
 def swap(first: Term, second: Term) -> Rule:
     """Return the rule first x second = -(second x first)."""
     return named(
