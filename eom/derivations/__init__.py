@@ -132,6 +132,13 @@ def derive(name: str) -> Derived:
 
 @lru_cache(maxsize=64)
 def _derived(name: str) -> Derived:
+    """Make a derivation. Raises `DerivationError` for one that asserts a result."""
+    from eom.derivations.reached import refuse_asserted
+
+    return refuse_asserted(_made(name))
+
+
+def _made(name: str) -> Derived:
     solids = _solid_names()
     if name in solids:
         module = importlib.import_module("eom.derivations.solids")

@@ -19,6 +19,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.corrections import NOTES
 from eom.derivations.verification import Scalars
 from eom.errors import unknown_name
 from eom.system import System
@@ -429,6 +430,19 @@ def _place(k: int, count: int) -> Symbol:
     return Symbol(f"{k // size + 1}{k % size + 1}" if size > 1 else str(k + 1))
 
 
+MUNDANE = frozenset(
+    {
+        "the same on both sides",
+        "linearity",
+        "like terms",
+        "order of factors",
+        "algebra",
+        "substitution",
+    }
+)
+"""Rules that are named where no other one is applied."""
+
+
 @dataclass
 class _Notes:
     """What stands beside each step; an assumption is put into words where it first counts.
@@ -446,8 +460,12 @@ class _Notes:
         new = [a for a in letters if a in step.assumptions and a not in self.told]
         self.told.update(new)
         under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
-        parts = [kind, *step.states, self._origin(step), f"under {under}" if under else ""]
-        remarks = "; ".join(p for p in (*parts, step.evidence) if p)
+        if step.kind == "result" and not step.by:
+            kind = "stated, not derived"
+        evidence = "" if step.evidence.startswith("held") else step.evidence
+        states = (f"{s} ({NOTES[s]})" if s in NOTES else s for s in step.states)
+        parts = [kind, *states, self._origin(step), f"under {under}" if under else "", evidence]
+        remarks = "; ".join(p for p in parts if p)
         assumed = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in new)
         told = f"Assumed: {assumed}." if assumed else ""
         return Note(self.numbers[step.label], _sentence(step.reason), remarks, told)
@@ -455,7 +473,8 @@ class _Notes:
     def _origin(self, step: Step) -> str:
         """Say from which lines a step follows, and by which rules."""
         lines = ", ".join(str(self.numbers[f]) for f in step.follows if f in self.numbers)
-        by = ", ".join(step.by)
+        telling = [b for b in step.by if b not in MUNDANE]
+        by = ", ".join(telling or step.by[:1])
         return " ".join(
             p for p in (f"from {lines}" if lines else "", f"by {by}" if by else "") if p
         )

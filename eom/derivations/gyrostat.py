@@ -11,6 +11,7 @@ from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import OMEGA
 from eom.system import System
 from eom.terms.rules import (
+    combine,
     differentiate,
     differentiate_in,
     differentiate_under,
@@ -22,7 +23,7 @@ from eom.terms.rules import (
     use,
     vanish,
 )
-from eom.terms.rules.inferences import equal
+from eom.terms.rules.inferences import equal, summed
 from eom.terms.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
 from eom.terms.vocabulary import omega, quantity
 
@@ -152,6 +153,24 @@ def _rotor(d: Derivation) -> None:
         distribute,
         label="axial-momentum-rate",
     ).infer("both are the same rate", equal(), rate, label="rotor-balance").turned(
-        "the equation of each rotor: the torque of its motor turns it, against the body's turning",
+        "the equation of each rotor: its motor changes its rate and that of the body along the axis",
         label="rotor-equation",
+    )
+    _with_motors(d)
+
+
+def _with_motors(d: Derivation) -> None:
+    """Put the motors' torques into the equation of the whole."""
+    d.only("rotors", "newton_2", "third_law_strong")
+    motors = d.recall("rotor-equation").both(
+        "along the axes, for all rotors together",
+        lambda t: distribute(total(mul(t, AXIS), "k", "rotors")),
+        label="all-rotors",
+    )
+    d.recall("equation").infer(
+        "less that of the rotors: the body feels the opposite torques of the motors, and its inertia "
+        "is less what the rotors have about their axes",
+        summed(number(1), number(-1), applied=(distribute, combine)),
+        motors,
+        label="equation-motors",
     )

@@ -168,3 +168,16 @@ def _is_enough(names: frozenset[str], holds: Holds) -> bool:
 def asserted(derivation: Derived) -> list[Step]:
     """Return the results that no rule has reached."""
     return [s for s in derivation.steps if s.kind == RESULT and not s.by]
+
+
+def refuse_asserted(derivation: Derived) -> Derived:
+    """Return the derivation. Raises `DerivationError` where a result is asserted."""
+    found = asserted(derivation)
+    if found:
+        raise DerivationError(
+            "a result is stated, not derived",
+            where=derivation.name,
+            got=", ".join(s.label for s in found),
+            expected="a rule, from lines before; laws, definitions and assumptions are stated",
+        )
+    return derivation

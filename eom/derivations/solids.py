@@ -8,9 +8,11 @@ import sympy as sp
 
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.verification import carried_out
 from eom.mass.properties import MassProperties
 from eom.mass.regions import Region, X, properties
 from eom.mass.solids import CENTRE, MASS, SOLIDS, mass_properties
+from eom.terms.rules import Rule, determinants, entrywise, put_in
 from eom.terms.terms import Equation, entries, expr
 
 Expr = Any
@@ -41,8 +43,11 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
     body = properties(region)
     whole = body.of_mass(MASS)
     kind = CONTENT[region.dimension]
-    d.state(
-        Equation(expr(_integral(region, sp.Integer(1))), expr(body.mass)), f"the {kind}", label=kind
+    d.show(
+        Equation(expr(_integral(region, sp.Integer(1))), expr(body.mass)),
+        f"the {kind}",
+        integrals,
+        label=kind,
     )
     density = MASS / body.mass
     for k, x in enumerate(X):
@@ -56,10 +61,20 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
 
 
 def _name(d: Derivation, symbol: Expr, integral: Expr, value: Expr, words: str) -> None:
-    """Let ``symbol`` stand for a moment, and state its value; what vanishes by form needs no words."""
-    d.name_scalar(symbol, expr(integral), words, label=f"{symbol}-integral")
+    """Let ``symbol`` stand for a moment, and derive its value; what vanishes by form needs no words."""
+    name = d.name_scalar(symbol, expr(integral), words, label=f"{symbol}-integral")
     if integral != value:
-        d.state(Equation(expr(symbol), expr(value)), "carried out", label=str(symbol))
+        d.show(
+            Equation(expr(symbol), expr(value)),
+            "carried out",
+            put_in(name.equation),
+            integrals,
+            label=str(symbol),
+        )
+
+
+integrals: Rule = entrywise(carried_out, "integration")
+"""Integrals carried out; every antiderivative is differentiated again."""
 
 
 def _element(d: Derivation, region: Region) -> None:
@@ -70,11 +85,12 @@ def _element(d: Derivation, region: Region) -> None:
         "definition",
         label="coordinates",
     )
-    jacobian = place.jacobian(region.parameters)
-    gram = (jacobian.T * jacobian).det(method="berkowitz")
-    d.state(
-        Equation(expr(region.element**2), expr(gram)),
+    slopes = place.jacobian(region.parameters)
+    gram = (slopes.T * slopes).applyfunc(lambda e: sp.trigsimp(sp.expand(e)))
+    d.show(
+        Equation(expr(region.element**2), expr(sp.Determinant(sp.ImmutableMatrix(gram)))),
         f"the element of {CONTENT[region.dimension]}, squared: Gram's determinant of the coordinates",
+        determinants,
         label="element",
     )
 
@@ -90,17 +106,27 @@ def _integral(region: Region, f: Expr) -> Expr:
     return sp.Integer(0) if integrand == 0 else sp.Integral(integrand, *region.bounds)
 
 
+def _values(d: Derivation) -> Rule:
+    """Return the rule that puts in the values of all moments; zero integrals are their definitions."""
+    symbols = [*FIRST, *(SECOND[i, j] for i, j in PAIRS)]
+    labels = {step.label for step in d.steps}
+    known = (str(s) if str(s) in labels else f"{s}-integral" for s in symbols)
+    return put_in(*(d.recall(label).equation for label in known))
+
+
 def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str, Expr]:
-    """State the inertia matrix about the centre of mass and each named point."""
+    """Derive the inertia matrix about the centre of mass and each named point."""
     found: dict[str, Expr] = {}
+    values = _values(d)
     for point in (CENTRE, *SOLIDS[solid].points):
         moved = mass_properties(solid, point)
         r = whole.centre - moved.centre
         shifted = MassProperties(MASS, FIRST, SECOND).shifted(r).inertia
         where = "the centre of mass" if point == CENTRE else f"the point {point}"
-        d.state(
+        d.show(
             Equation(entries(shifted), entries(moved.inertia)),
             f"inertia matrix about {where}, at {tuple(r)}: J = tr(S) 1 - S, moved there",
+            values,
             label=f"inertia-{point.replace(' ', '-')}",
         )
         found[f"J about {where}"] = moved.inertia

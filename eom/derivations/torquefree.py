@@ -93,7 +93,7 @@ def torque_free_motion() -> Derived:
     _polhode(d)
     rates = _rates(d)
     _constant_rates(d)
-    _stability(rates)
+    _stability(d, rates)
     _poinsot(d)
     _herpolhode(d)
     _precession(d)
@@ -333,9 +333,8 @@ def _constant_rates(d: Derivation) -> None:
 # -- stability -------------------------------------------------------------------------------
 
 
-def _stability(rates: list[Chain]) -> None:
+def _stability(d: Derivation, rates: list[Chain]) -> None:
     for k in (1, 2, 3):
-        spin = steady.steady_spin(k)
         still = dict.fromkeys(OMEGA.components, sp.Integer(0))
         steady_motion = still | {OMEGA.components[k - 1]: steady.SPIN_RATE}
         _across(rates, k)
@@ -349,12 +348,12 @@ def _stability(rates: list[Chain]) -> None:
             f"its roots: zero, as nu is free, and two opposite ones. A deviation grows as "
             f"exp(lambda t) if I{k} is the intermediate moment, as lambda^2 is positive then, and "
             "oscillates if it is the greatest or the least",
-            entrywise(
-                lambda _, s=spin: steady.ROOT * (steady.ROOT**2 - s.squared_growth_rate),
-                "factors",
-            ),
+            entrywise(sp.factor_terms, "common factor"),
             label=f"growth-{k}",
         )
+        squared = steady.steady_spin(k).squared_growth_rate
+        factors = steady.ROOT * (steady.ROOT**2 - squared)
+        d.check(Equation(polynomial.equation.left, expr(factors)), "the library has the same")
 
 
 def _across(rates: list[Chain], k: int) -> None:

@@ -118,7 +118,7 @@ def _is_identity(equation: Equation, scalars: Scalars) -> bool:
     known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
     return all(
-        vanishes(_resolved(a.xreplace(known)) - _resolved(b.xreplace(known))) for a, b in pairs
+        vanishes(carried_out(a.xreplace(known)) - carried_out(b.xreplace(known))) for a, b in pairs
     )
 
 
@@ -130,8 +130,8 @@ def _entries(term: Term) -> list[Any]:
     return [done.data[0]] if done.head == "expr" else [a.data[0] for a in done.args]
 
 
-def _resolved(expression: Any) -> Any:
-    """Carry out determinants and integrals; antiderivatives are checked by differentiating them."""
+def carried_out(expression: Any) -> Any:
+    """Carry out derivatives, determinants and integrals; antiderivatives are differentiated again."""
     slopes = expression.replace(lambda n: isinstance(n, sp.Derivative), lambda n: n.doit())
     known = slopes.replace(
         lambda n: isinstance(n, sp.Determinant), lambda n: n.arg.det(method="berkowitz")
@@ -140,7 +140,7 @@ def _resolved(expression: Any) -> Any:
 
 
 def _integrated(integral: Any) -> Any:
-    value = _resolved(integral.function)
+    value = carried_out(integral.function)
     for x, start, end in integral.limits:
         inside = antiderivative(sp.expand(value), x)
         if inside is None or not vanishes(inside.diff(x) - value):
