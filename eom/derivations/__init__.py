@@ -4,7 +4,7 @@ Titles are read without SymPy; a derivation is made, and each of its steps verif
 for.
 
 Imports: `eom.errors`, `eom.exact`, `eom.fields`, `eom.kinematics`, `eom.mass`, `eom.mechanics`,
-`eom.quantities`, `eom.system`, `eom.terms`, `eom.typeset`, `eom.worlds`.
+`eom.quantities`, `eom.system`, `eom.terms`, `eom.terms.rules`, `eom.typeset`, `eom.worlds`.
 """
 
 from __future__ import annotations

@@ -128,9 +128,9 @@ class Derivation:
     """Collects lines, each verified when it is made; `finish` freezes them as an `eom.Derived`.
 
     ``name``, ``title``, ``group``: how it is called. ``scalars``: what symbols stand for, as terms;
-    ``assumed``: names of assumptions (`eom.worlds.worlds.ASSUMPTIONS`); ``steps``: what stands so far.
-    Quantities are in SI units. A line that is false or undecided raises
-    `eom.derivations.verification.DerivationError` and is not kept.
+    ``assumed``: names of assumptions (`eom.worlds.worlds.ASSUMPTIONS`); ``steps``: what stands so far;
+    ``stated``: the labels of steps by what they state. Quantities are in SI units. A line that is false
+    or undecided raises `eom.derivations.verification.DerivationError` and is not kept.
     """
 
     name: str

@@ -108,6 +108,23 @@ def _rotation(d: Derivation) -> None:
         label="T-triple",
         states=["000:E32"],
     )
+    dyadic = _by_inertia(d, outside, moved)
+    dyadic.then(
+        "components in B", scalars_in("B"), components("B"), label="T-matrix", states=["000:E33"]
+    )
+    whole = d.recall("T-sum").then(
+        "for a rigid body", use(dyadic.equation), label="T-rigid", states=["000:E34"]
+    )
+    whole.then(
+        "components in B",
+        inside("dot", _only_omega, components("B")),
+        label="T-rigid-matrix",
+        states=["000:E34"],
+    )
+
+
+def _by_inertia(d: Derivation, outside: Chain, moved: Chain) -> Chain:
+    """Write the energy of rotation by the inertia dyadic."""
     spin = d.define(H, "angular momentum about the centre of mass", label="h-definition").then(
         "r' = omega x r", use(moved.equation), label="h"
     )
@@ -125,19 +142,7 @@ def _rotation(d: Derivation) -> None:
         fold_into(J),
         label="h-J",
     )
-    dyadic = half.then("h = J.omega", use(momentum.equation), label="T-J")
-    dyadic.then(
-        "components in B", scalars_in("B"), components("B"), label="T-matrix", states=["000:E33"]
-    )
-    whole = d.recall("T-sum").then(
-        "for a rigid body", use(dyadic.equation), label="T-rigid", states=["000:E34"]
-    )
-    whole.then(
-        "components in B",
-        inside("dot", _only_omega, components("B")),
-        label="T-rigid-matrix",
-        states=["000:E34"],
-    )
+    return half.then("h = J.omega", use(momentum.equation), label="T-J")
 
 
 def _only_omega(term: Term) -> Term:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.rotation import explicit, principal_matrix
 from eom.exact.algebra import gather
@@ -92,6 +92,10 @@ def _dyadic(d: Derivation) -> None:
         label="momentum",
         states=["000:E20"],
     )
+    _euler(d, seen, momentum, law)
+
+
+def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
     d.given(Equation(der(J, "B"), zero("dyadic")), "J does not change in B", label="J-constant")
     local = momentum.both(
         "differentiate in B",
@@ -156,6 +160,11 @@ def _principal(d: Derivation) -> None:
     written = d.recall("euler-matrix").both(
         "by components", lambda t: apply(by_components, t), label="euler-principal"
     )
+    _rows(d, written)
+
+
+def _rows(d: Derivation, written: Chain) -> None:
+    """State each row, and its rate."""
     ids = (
         ("000:E25", "001:E3", "002:E37"),
         ("000:E25", "001:E4", "002:E38"),
@@ -181,11 +190,28 @@ def _principal(d: Derivation) -> None:
 def _where_valid(d: Derivation) -> None:
     """The same about any point O of the body, and about one that is fixed in space: a pivot."""
     d.only("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body")
+    any_point = _about_any_point(d)
+    d.assume("O_fixed_in_space")
+    still = d.given(
+        Equation(ACCELERATION, zero("vector")), "O does not accelerate", label="O-fixed"
+    )
+    any_point.both(
+        "about a pivot, fixed in the body and in space, Euler's equation has the form it has about "
+        "the centre of mass; fixed in space alone would not do, as J_O would change in B",
+        use(still.equation),
+        label="euler-pivot",
+        states=["000:C1"],
+    )
+
+
+ACCELERATION = der(velocity("O"))
+
+
+def _about_any_point(d: Derivation) -> Chain:
     inertia, torque = quantity("inertia", "O"), quantity("torque", "body", "O")
     h, first = (quantity(n, "body", "O") for n in ("angular_momentum", "first_moment"))
-    acceleration = der(velocity("O"))
     law = d.law(
-        Equation(torque, add(der(h), cross(first, acceleration))),
+        Equation(torque, add(der(h), cross(first, ACCELERATION))),
         "the law of angular momentum about any point, derived in the chapter on the rigid body",
         label="law-any-point",
     )
@@ -205,7 +231,7 @@ def _where_valid(d: Derivation) -> None:
         distribute,
         label="local-O",
     )
-    any_point = law.then(
+    return law.then(
         "the transport theorem, with h = J.omega",
         at(der(h), transport("B")),
         use(local.equation),
@@ -214,16 +240,5 @@ def _where_valid(d: Derivation) -> None:
     ).turned(
         "about any point of the body, its acceleration counts",
         label="euler-any-point",
-        states=["000:C1"],
-    )
-    d.assume("O_fixed_in_space")
-    still = d.given(
-        Equation(acceleration, zero("vector")), "O does not accelerate", label="O-fixed"
-    )
-    any_point.both(
-        "about a pivot, fixed in the body and in space, Euler's equation has the form it has about "
-        "the centre of mass; fixed in space alone would not do, as J_O would change in B",
-        use(still.equation),
-        label="euler-pivot",
         states=["000:C1"],
     )

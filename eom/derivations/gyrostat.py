@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
@@ -72,6 +72,18 @@ def _body(d: Derivation) -> None:
         "rotors are symmetric about their axes: the inertia of the whole is constant in B",
         label="J-constant",
     )
+    rate = _rate(d)
+    d.assume("newton_2", "third_law_strong")
+    law = d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
+    rate.both(
+        "dh/dt is the torque: the equation of the whole",
+        use(law.equation),
+        into_sums,
+        label="equation",
+    )
+
+
+def _rate(d: Derivation) -> Chain:
     momentum = d.law(
         Equation(H, add(dot(J, W), ROTORS)),
         "momentum of a gyrostat: all turn with the body, and each rotor about its axis besides",
@@ -87,21 +99,13 @@ def _body(d: Derivation) -> None:
         distribute,
         label="local-rate",
     )
-    rate = d.start(der(H)).then(
+    return d.start(der(H)).then(
         "the transport theorem, with h inserted",
         transport("B"),
         use(local.equation),
         use(momentum.equation),
         distribute,
         label="rate",
-    )
-    d.assume("newton_2", "third_law_strong")
-    d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
-    rate.both(
-        "dh/dt is the torque: the equation of the whole",
-        use(Equation(der(H), TORQUE)),
-        into_sums,
-        label="equation",
     )
 
 
@@ -133,6 +137,12 @@ def _rotor(d: Derivation) -> None:
         use(plane.equation),
         label="no-axial-term",
     )
+    _motor(d, axial, turning, plane)
+    _with_motors(d)
+
+
+def _motor(d: Derivation, axial: Chain, turning: Chain, plane: Chain) -> None:
+    """Derive that the motor's torque is the rate of the axial momentum."""
     d.define(quantity("rotor_torque", "k"), "torque of the motor", label="motor")
     rate = d.start(der(axial.equation.left)).then(
         "the axial rate is that of the whole momentum along the axis: the motor's torque",
@@ -156,7 +166,6 @@ def _rotor(d: Derivation) -> None:
         "the equation of each rotor: its motor changes its rate and that of the body along the axis",
         label="rotor-equation",
     )
-    _with_motors(d)
 
 
 def _with_motors(d: Derivation) -> None:

@@ -269,6 +269,10 @@ def _shift(d: Derivation) -> None:
         label="J-shifted",
         states=["002:E34"],
     )
+    _from_centre(d, shifted)
+
+
+def _from_centre(d: Derivation, shifted: Chain) -> None:
     of_centre = d.law(
         Equation(quantity("first_moment", "body", "C"), zero("vector")),
         "the first moment about the centre of mass is zero",

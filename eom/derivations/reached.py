@@ -26,7 +26,7 @@ KINDS = (LAW, DEFINITION, ASSUMPTION, RESULT)
 
 @dataclass(frozen=True)
 class Path:
-    """Labels of the lines from which a result was made, and what its rules noted."""
+    """How a result was reached: the labels of its ``lines``, and the ``trace`` of its rules."""
 
     lines: tuple[str, ...]
     trace: Trace
@@ -34,7 +34,8 @@ class Path:
     def sources(self, stated: Mapping[Equation, str], where: str) -> tuple[str, ...]:
         """Return the lines that the result follows from, in order.
 
-        ``stated``: the labels of all lines. Raises `DerivationError` where a rule uses what no line states.
+        ``stated``: the labels of all lines; ``where``: the derivation and step, for errors. Raises
+        `DerivationError` where a rule uses what no line states.
         """
         used = {label: None for label in self.lines if label}
         for statement in self.trace.known:

@@ -371,7 +371,11 @@ def _law_about_any_point(d: Derivation, torque: Chain) -> Chain:
         fold_into(BODY_MASS, H_origin),
         label="h-moved",
     )
-    rate = h.both(
+    return _with_laws(d, torque, (moved, _rate_about_origin(d, h), law))
+
+
+def _rate_about_origin(d: Derivation, h: Chain) -> Chain:
+    return h.both(
         "differentiate; what stands in opposite products cancels",
         der,
         differentiate,
@@ -383,13 +387,15 @@ def _law_about_any_point(d: Derivation, torque: Chain) -> Chain:
         combine,
         label="h-moved-rate",
     )
+
+
+def _with_laws(d: Derivation, torque: Chain, lines: tuple[Chain, ...]) -> Chain:
+    h = quantity("angular_momentum", "body", "O")
     return d.show(
-        Equation(torque.equation.left, add(der(h.equation.left), cross(FIRST, ACCELERATION_O))),
+        Equation(torque.equation.left, add(der(h), cross(FIRST, ACCELERATION_O))),
         "the laws of momentum and of angular momentum about the origin put in: on both sides the "
         "same terms are left",
-        use(moved.equation),
-        use(rate.equation),
-        use(law.equation),
+        *(use(line.equation) for line in lines),
         use(d.recall("force").equation),
         use(d.recall("first-moment-parted").equation),
         distribute,

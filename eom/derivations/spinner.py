@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.mechanics import spinning
 from eom.mechanics.spinning import (
@@ -217,7 +217,6 @@ def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
     d.name_scalar(
         SPIN, expr(body.spin), "angular velocity of the body about its axle", label="spin"
     )
-    M1 = body.parameters[0].symbol
     d.only("spin_312", "newton_2", "third_law_strong")
     law = d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
     rows = [
@@ -226,6 +225,12 @@ def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
         .both(f"which is the torque about b{k}", use(law.equation), label=f"row-{k}-torque")
         for k in (1, 2, 3)
     ]
+    _axle(d, rows[1])
+    _solved(d, body, rows)
+
+
+def _axle(d: Derivation, row: Chain) -> None:
+    """Derive that the axle's own angular velocity is constant without torque about it."""
     own = d.start(der(expr(SPIN))).then(
         "the rate of the axle's own angular velocity",
         put_in(d.recall("spin").equation),
@@ -235,11 +240,10 @@ def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
     along = d.show(
         Equation(dot(B2, TORQUE), expr(I2) * der(expr(SPIN))),
         "row 2: only the axle's own angular velocity counts",
-        use(rows[1].equation),
+        use(row.equation),
         use(own.equation),
         label="row-2",
     )
-    d.name_scalar(M1, -dot(B1, TORQUE), "torque about -b1", label="M1")
     d.assume("no_torque_2")
     quiet = d.given(Equation(dot(B2, TORQUE), number(0)), "no torque about the axle")
     along.both("no torque about the axle", use(quiet.equation), label="row-2-free").infer(
@@ -247,6 +251,12 @@ def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
         solved(der(expr(SPIN))),
         label="first-integral",
     )
+
+
+def _solved(d: Derivation, body: SpinningSymmetricBody, rows: list[Chain]) -> None:
+    """Solve both other rows for the accelerations of the angles."""
+    M1 = body.parameters[0].symbol
+    d.name_scalar(M1, -dot(B1, TORQUE), "torque about -b1", label="M1")
     theta, psi = body.accelerations
     own_spin = d.recall("spin").infer("solved for Omega", solved(expr(OMEGA)), label="Omega")
     with_spin = put_in(own_spin.equation)

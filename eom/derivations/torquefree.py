@@ -409,6 +409,11 @@ def _poinsot(d: Derivation) -> None:
         lambda t: apply((differentiate, use(d.recall("H-constant").equation)), t),
         label="invariable-plane",
     )
+    _rolling(d)
+
+
+def _rolling(d: Derivation) -> None:
+    """Derive that the ellipsoid touches the plane, and does not slip on it."""
     contact = quantity("scalar", "s")
     d.start(cross(W, mul(contact, W))).then(
         "the point of the body at s omega lies on the axis of turning and has no velocity: the "
@@ -481,6 +486,14 @@ def _precession(d: Derivation) -> None:
     b3 = AXES[2]
     d.name_scalar(It, dot(AXES[0], dot(J, AXES[0])), "moment across the axis of symmetry")
     d.name_scalar(Ia, dot(b3, dot(J, b3)), "moment about the axis of symmetry")
+    momentum = _symmetric_momentum(d, It, Ia)
+    angle = _turning(d, momentum)
+    constant = _spin(d, momentum, angle)
+    _body_cone(d, momentum, constant)
+
+
+def _symmetric_momentum(d: Derivation, It: Expr, Ia: Expr) -> Chain:
+    b3 = AXES[2]
     across = expr(It) * quantity("identity")
     for symbol in (It, Ia):
         d.given(
@@ -494,7 +507,7 @@ def _precession(d: Derivation) -> None:
         label="J-symmetric",
     )
     spin = d.recall("omega_3").equation
-    momentum = d.recall("momentum").then(
+    return d.recall("momentum").then(
         "of such a body; omega_3 is the spin about its axis",
         use(shape.equation),
         distribute,
@@ -502,6 +515,11 @@ def _precession(d: Derivation) -> None:
         use(spin, backwards=True),
         label="h-symmetric",
     )
+
+
+def _turning(d: Derivation, momentum: Chain) -> Chain:
+    """Derive that the axis turns about h at a constant angle."""
+    b3 = AXES[2]
     plane = momentum.infer(
         "solved for omega: it lies in the plane of h and the axis. The body turns about h at the "
         "rate H/I_t, and about its axis besides: in the same sense (prograde) if I_a < I_t, as a "
@@ -519,7 +537,7 @@ def _precession(d: Derivation) -> None:
         parallel,
         label="precession",
     )
-    angle = d.start(der(dot(H, b3))).then(
+    return d.start(der(dot(H, b3))).then(
         "at a constant angle: the projection of h on it is constant",
         differentiate,
         use(d.recall("H-constant").equation),
@@ -528,8 +546,6 @@ def _precession(d: Derivation) -> None:
         triple_zero(H),
         label="nutation",
     )
-    constant = _spin(d, momentum, angle)
-    _body_cone(d, momentum, constant)
 
 
 def _spin(d: Derivation, momentum: Chain, angle: Chain) -> Chain:

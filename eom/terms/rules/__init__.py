@@ -4,7 +4,7 @@ A rule is a function ``Term -> Term`` that knows one law; a derivation applies r
 reason. Rules know no physics beyond the calculus of vectors, sums and derivatives: everything else
 enters through `use` and `put`, which replace one side of an established statement by the other.
 
-Imports: `eom.errors`, `eom.kinematics`, `eom.terms`.
+Imports: `eom.errors`, `eom.exact`, `eom.kinematics`, `eom.terms`.
 """
 
 from eom.terms.rules.axes import (

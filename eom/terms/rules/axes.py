@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.terms.rules.basic import Rule, everywhere, until_stable
-from eom.terms.rules.tracing import named
+from eom.terms.rules.basic import everywhere, until_stable
+from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
     DYADIC,
     MATRIX,

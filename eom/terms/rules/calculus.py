@@ -6,8 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.terms.rules.basic import Rule, everywhere, until_stable
-from eom.terms.rules.tracing import named, rest_on
+from eom.terms.rules.basic import everywhere, until_stable
+from eom.terms.rules.tracing import Rule, named, rest_on
 from eom.terms.terms import (
     INERTIAL,
     SCALAR,

@@ -22,7 +22,6 @@ from eom.terms.terms import (
     Term,
     add,
     dot,
-    entries,
     expr,
     mul,
     nodes,
@@ -122,10 +121,10 @@ def cancelled(anything: Term) -> Inference:
         behind = [s.args[1] if len(s.args) == 2 else None for s in (left, right)]
         if left.head != right.head or behind != [anything, anything]:
             raise _refused(words, "the sides do not end in the same product with it")
-        others = [s.args[0] for s in (left, right)]
-        if bare.data[0] != "vector" or any(bare in nodes(o) for o in others):
+        first, second = left.args[0], right.args[0]
+        if bare.data[0] != "vector" or any(bare in nodes(o) for o in (first, second)):
             raise _refused(words, "what stands there is not any vector")
-        return Equation(*others)
+        return Equation(first, second)
 
     return Inference(words, conclude)
 
@@ -141,8 +140,10 @@ def instance(meanings: Mapping[Term, Term], words: str = "special case") -> Infe
         for old in meanings:
             if old.head != "atom" or old.data[0] not in _ANY:
                 raise _refused(words, "only what stands for anything can be replaced")
-        sides = (replace(s, lambda n: meanings.get(n, n)) for s in (equation.left, equation.right))
-        return Equation(*sides)
+        left, right = (
+            replace(s, lambda n: meanings.get(n, n)) for s in (equation.left, equation.right)
+        )
+        return Equation(left, right)
 
     return Inference(words, conclude)
 
@@ -151,18 +152,8 @@ def renamed(labels: Mapping[str, str], *applied: Rule, words: str = "special cas
     """Return the inference from any point or frame to a special one, by its label; tidied by rules."""
 
     def conclude(equation: Equation) -> Equation:
-        sides = (relabel(s, labels) for s in (equation.left, equation.right))
-        return Equation(*(apply(applied, s) for s in sides))
-
-    return Inference(words, conclude)
-
-
-def balance(*applied: Rule, words: str = "bringing to one side") -> Inference:
-    """Return the inference from a = b to a - b = 0, the left side tidied by rules."""
-
-    def conclude(equation: Equation) -> Equation:
-        left = apply((*applied, distribute, combine), equation.left - equation.right)
-        return Equation(left, zero(equation.left.kind))
+        left, right = (apply(applied, relabel(s, labels)) for s in (equation.left, equation.right))
+        return Equation(left, right)
 
     return Inference(words, conclude)
 
@@ -230,15 +221,6 @@ def summed(
         return Equation(apply(applied, left), apply(applied, right))
 
     return Inference(words, conclude)
-
-
-rows_together = Inference(
-    "rows together",
-    lambda *lines: Equation(
-        entries([[e.left] for e in lines]), entries([[e.right] for e in lines])
-    ),
-)
-"""The inference from scalar lines to one line between columns."""
 
 
 # -- linear motion -----------------------------------------------------------------------------

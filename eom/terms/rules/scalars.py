@@ -7,8 +7,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.terms.rules.basic import Rule, entrywise, everywhere, until_stable
-from eom.terms.rules.tracing import named, rest_on
+from eom.terms.rules.basic import entrywise, everywhere, until_stable
+from eom.terms.rules.tracing import Rule, named, rest_on
 from eom.terms.terms import DYADIC, VECTOR, Equation, Term, add, dot, expr, mul, rebuild, zero
 from eom.terms.vocabulary import quantity
 

@@ -13,8 +13,8 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.terms.own import Own
-from eom.terms.rules.basic import Rule, everywhere
-from eom.terms.rules.tracing import named
+from eom.terms.rules.basic import everywhere
+from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
     INERTIAL,
     Term,

@@ -18,7 +18,10 @@ Rule = Callable[[Term], Term]
 
 @dataclass
 class Trace:
-    """Names of the rules that changed something, and the statements that they used, each once."""
+    """What rules have done.
+
+    ``words``: the names of those that changed something, each once; ``known``: the statements used.
+    """
 
     words: dict[str, None] = field(default_factory=dict)
     known: dict[Equation, None] = field(default_factory=dict)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from eom.terms.rules.basic import Rule, apply, everywhere, until_stable
+from eom.terms.rules.basic import apply, everywhere, until_stable
 from eom.terms.rules.calculus import BILINEAR, combine, differentiate, distribute, take_out
-from eom.terms.rules.tracing import named
+from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
     DYADIC,
     INDICES,
