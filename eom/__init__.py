@@ -77,7 +77,8 @@ def __getattr__(name: str) -> object:
     """Import the module that holds ``name`` on first use."""
     if name not in _HOME:
         raise AttributeError(f"module 'eom' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"eom.{_HOME[name]}"), name)
+    found = globals()[name] = getattr(importlib.import_module(f"eom.{_HOME[name]}"), name)
+    return found
 
 
 def __dir__() -> list[str]:

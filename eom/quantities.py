@@ -10,6 +10,7 @@ import sympy as sp
 
 from eom.errors import InputError, entries, is_text, shown, typed_fields
 from eom.expressions import as_expression
+from eom.units import Dimension, read
 
 Expr = Any  # a SymPy expression; SymPy ships no types
 
@@ -21,10 +22,12 @@ TIME = sp.Symbol("t", real=True)
 class Quantity:
     """A symbol with its SI unit, a one-line meaning and its LaTeX form.
 
-    ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s;
-    ``1`` or nothing where there is none. ``meaning``, ``latex``: for pages; nothing is computed from them.
-    ``default``: of a state or parameter, its value in runs that give none by name.
-    Raises `InputError` for what is no symbol, no text, and a default that is no finite number.
+    ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s
+    (`eom.units`); ``1`` where there is none, nothing where it is not stated. ``meaning``, ``latex``: for
+    pages; nothing is computed from them. ``default``: of a state or parameter, its value in runs that give
+    none by name.
+    Raises `InputError` for what is no symbol, no text, an unknown unit, and a default that is no finite
+    number.
     """
 
     symbol: Expr
@@ -43,6 +46,8 @@ class Quantity:
             and isinstance(self.latex, str)
         ):
             raise InputError("unit, meaning and LaTeX are texts", where=f"quantity {self.name!r}")
+        if self.unit:
+            _known_unit(self)
         if self.default is not None and not is_finite(self.default):
             raise InputError("the default is no finite number", where=f"quantity {self.name!r}",
                              got=shown(self.default))  # fmt: skip
@@ -51,6 +56,15 @@ class Quantity:
     def name(self) -> str:
         """The symbol's name."""
         return str(self.symbol.name)
+
+    @property
+    def dimension(self) -> Dimension | None:
+        """The dimension of its unit; None where that is not stated.
+
+        >>> Quantity(sp.Symbol("M"), "N m").dimension.words
+        'kg m^2/s^2'
+        """
+        return read(self.unit).dimension if self.unit else None
 
     @property
     def description(self) -> str:
@@ -133,6 +147,14 @@ class Assumption:
         if not self.tolerance >= 0:
             raise InputError("the tolerance is negative", where=f"assumption {self.name!r}",
                              got=self.tolerance)  # fmt: skip
+
+
+def _known_unit(given: Quantity) -> None:
+    """Raise `InputError` for an unknown unit, with the quantity that has it."""
+    try:
+        read(given.unit)
+    except InputError as error:
+        raise error.at(f"unit of {given.name}") from None
 
 
 def is_finite(value: Any) -> bool:

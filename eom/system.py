@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from eom import proof
+from eom.dimensions import Dimensions
 from eom.errors import InputError, entries, is_text, shown, typed, unknown_name
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
 from eom.quantities import (
@@ -28,6 +29,7 @@ from eom.quantities import (
     as_symbol,
 )
 from eom.structure import BodyAttitude, SequenceAngles, form_of
+from eom.units import NONE, coherent
 
 __all__ = (
     "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
@@ -49,13 +51,15 @@ class System:
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
     `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
-    ``time``: the symbol of time. Units are SI; angles are in radians.
+    ``time``: the symbol of time. Units are SI; angles are in radians. ``numbers``: what exact numbers in
+    expressions are, a row of `NUMBERS`; the dimension of every formula is checked where they are counts.
 
     Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
     by the meanings of the quantities. Two systems are equal if all but their titles are.
 
-    Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, and attitudes
-    that are not so, with the equation that fails.
+    Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, attitudes that
+    are not so, with the equation that fails, and formulas of another dimension than their quantities have,
+    with the term that does not fit; what follows from no unit is not refused.
     """
 
     name: str
@@ -74,6 +78,7 @@ class System:
     attitudes: tuple[BodyAttitude, ...] = ()
     angles: tuple[SequenceAngles, ...] = ()
     title: str = field(default="", compare=False)
+    numbers: str = field(default="counts", compare=False)
 
     def __post_init__(self) -> None:
         for name, made in _FIELDS.items():
@@ -81,6 +86,7 @@ class System:
         _check_names(self)
         _check_shapes(self)
         _check_symbols(self)
+        _check_units(self)
         _check_attitudes(self)
 
     @classmethod
@@ -165,6 +171,11 @@ class System:
         """Names of the constants of the motion, in order."""
         return tuple(d.name for d in self.invariants)
 
+    @property
+    def output_quantities(self) -> tuple[Quantity, ...]:
+        """The outputs, with their units, in order."""
+        return tuple(d.quantity for d in self.outputs)
+
     @cached_property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the states on which no rate depends, by form."""
@@ -241,6 +252,24 @@ class System:
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
         -d*v - k*x
         """
+        closed = self.closed_loop(laws, states, definitions=definitions, parameters=parameters)
+        if self.numbers != "counts":
+            _check_control(self, closed)
+        return closed
+
+    @typed
+    def closed_loop(
+        self,
+        laws: Mapping[Any, Any],
+        states: Mapping[Any, Any] | None = None,
+        *,
+        definitions: Mapping[Any, Any] | None = None,
+        parameters: Iterable[Any] = (),
+    ) -> System:
+        """Return what `with_control` does, with no check of the dimensions of laws.
+
+        Units are those of the quantities. Raises `InputError` as `with_control`.
+        """
         held = {q.name: q for q in self.inputs}
         by_name = {_name_of(key): law for key, law in laws.items()}
         for name in by_name:
@@ -253,6 +282,26 @@ class System:
         made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
         rates = {q: spoken.over(rate) for q, rate in moved.items()}
         return _closed(self, made, rates, tuple(spoken.gains.values()))
+
+
+def _check_control(system: System, closed: System) -> None:
+    """Check the dimensions of what a control adds to a system whose own numbers may be values."""
+    gains = {q.symbol for q in closed.parameters if q.unit} - {q.symbol for q in system.parameters}
+    if not gains:
+        return
+    before = {d.symbol for d in system.definitions}
+    own = [*closed.states, *closed.parameters, *closed.inputs]
+    own += [d.quantity for d in closed.definitions]
+    stated = [*((q.symbol, q.unit) for q in own), (system.time, "s")]
+    known = Dimensions(stated, counts=False, time=system.time)
+    second = known.of_symbol(system.time)
+    for d in closed.definitions:
+        if d.symbol not in before and free_symbols((d.expression,)) & gains:
+            known.check(d.expression, f"control of {d.name}", of=known.of_symbol(d.symbol))
+    added = slice(len(system.states), None)
+    for q, rate in zip(closed.states[added], closed.rates[added], strict=True):
+        if free_symbols((rate,)) & gains:
+            known.check(rate, f"rate of {q.name}", of=known.of_symbol(q.symbol, second))
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
@@ -453,6 +502,20 @@ def _matrix(value: Any, where: str) -> Expr | None:
         raise InputError("not a matrix", where=where, got=shown(value)) from None
 
 
+NUMBERS: Mapping[str, str] = {
+    "counts": "they have no unit, as the two in 2*m*g",
+    "values": "they may be values with units that were put in, as the mass in 3*g for m = 3",
+    "decimals": "as values, and are written as decimals",
+}
+"""What exact numbers in the expressions of a system are."""
+
+
+def _numbers(value: Any, where: str) -> str:
+    if value not in NUMBERS:
+        raise unknown_name("kind of numbers", value, NUMBERS, where)
+    return str(value)
+
+
 _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "name": _text,
     "states": _quantities,
@@ -470,6 +533,7 @@ _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "attitudes": _all_of(BodyAttitude),
     "angles": _all_of(SequenceAngles),
     "title": _text,
+    "numbers": _numbers,
 }
 """What makes each field of a `System` of what a user gives: (value, where it is)."""
 
@@ -532,6 +596,48 @@ def _check_symbols(system: System) -> None:
     if any(isinstance(e, UNUSABLE) or (e.is_Symbol and e not in known) for e in everything):
         for where, expression in named:
             _check_expression(system, where, expression, known)
+
+
+def _check_units(system: System) -> None:
+    """Variables have units of SI without a factor; every formula is of the dimension of its quantity."""
+    variables = [*system.states, *system.parameters, *system.inputs]
+    for q in variables:
+        if q.unit:
+            coherent(q.unit, f"system {system.name!r}: unit of {q.name}")
+    if system.numbers != "counts":
+        return
+    named = [*system.definitions, *system.outputs, *system.invariants]
+    if any(q.unit for q in (*variables, *(d.quantity for d in named))):
+        _check_dimensions(system, variables)
+
+
+def _check_dimensions(system: System, variables: Sequence[Quantity]) -> None:
+    """Check formulas in the order in which they are defined; a matrix row by row, by its rate.
+
+    Time is in s, unless every unit that is stated is none: then it follows.
+    """
+    own = [*variables, *(d.quantity for d in system.definitions)]
+    units = [(q.symbol, q.unit) for q in own]
+    stated = (q.dimension for q in own if q.unit)
+    timeless = all(d == NONE for d in stated)
+    known = Dimensions([*units, (system.time, "" if timeless else "s")], time=system.time)
+    second = known.of_symbol(system.time)
+    for d in system.definitions:
+        known.check(
+            d.expression, f"definition {d.name} of {system.name}", of=known.of_symbol(d.symbol)
+        )
+    moved = [known.of_symbol(q.symbol, second) for q in system.states]
+    for k, (q, rate) in enumerate(zip(system.states, system.rates, strict=True)):
+        where = f"rate of {q.name} of {system.name}"
+        if system.mass_matrix is None:
+            known.check(rate, where, of=moved[k])
+        else:
+            known.row(list(system.mass_matrix.row(k)), moved, rate, where)
+    for kind, group in (("output", system.outputs), ("invariant", system.invariants)):
+        for d in group:
+            known.check(d.expression, f"{kind} {d.name} of {system.name}", d.quantity.unit)
+    for s in system.singularities:
+        known.check(s.expression, f"singularity of {system.name}")
 
 
 def _check_attitudes(system: System) -> None:

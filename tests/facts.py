@@ -175,6 +175,12 @@ FACTS = {
         NONE,
     ),
     "eom.multibody.Examination": (NONE, NONE, NONE, NONE),
+    "eom.multibody.Jet": (
+        "(3,)",
+        "(kg/s)",
+        "in the body's axes",
+        "Thomson, Introduction to Space Dynamics (1961)",
+    ),
     "eom.multibody.Joint": (
         NONE,
         "(N m/rad or N/m)",

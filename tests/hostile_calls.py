@@ -17,7 +17,6 @@ from eom import multibody
 from eom.checker.report.findings import Settings
 from eom.kinematics.frames import vector
 from eom.mechanics.torques import applied
-from eom.terms.own import Own
 
 y, v, k, M = sp.symbols("y v k M", real=True)
 OSCILLATOR = eom.System.from_rates(
@@ -182,9 +181,10 @@ def _eom(folder):
     note = {"notation": "arrow-tilde", "lexicon": "", "given": ("constant_mass",), "kind": ""}
     scene = {"name": "s", "title": "", "description": "", "parameters": {},
              "inputs": {}, "outputs": (), "integration": {"t_end": 1.0}}  # fmt: skip
-    own = {"name": "d", "title": "", "group": "", "scalars": {}, "assumed": (), "steps": []}
     return {
-        "Derivation": (eom.Derivation, {**own, "own": Own()}),
+        "Derivation": (eom.Derivation, {
+            "name": "d", "title": "", "group": "", "assumed": ("rigid",),
+        }),
         "check": (eom.check, {"note": note_file, **note, "system": None, "seconds": 0.5,
                               "strict": False}),
         "check_files": (eom.check_files, {
@@ -273,6 +273,9 @@ def _multibody():
         "Rotor": (m.Rotor, {
             "name": "r", "body": "bob", "axis": (0, 0, 1), "inertia": 1, "damping": 0, "torque": 0,
             "motor": False, "angle": False, "speed": None,
+        }),
+        "Jet": (m.Jet, {
+            "name": "j", "body": "bob", "velocity": (0, 0, -1), "point": (0, 0, 1), "rate": None,
         }),
         "Spring": (m.Spring, {
             "name": "s", "bodies": ("ground", "bob"), "points": ((0, 0, 0), (0, 0, 1)), "stiffness": 1,

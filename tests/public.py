@@ -116,7 +116,7 @@ def texts_behind(body):
 def doc_of_constant(package, name):
     """The text behind the assignment, in the package or in the module that it is imported from."""
     tree = tree_of(package)
-    for node in tree.body:
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and name in {a.name for a in node.names}:
             importlib.import_module(node.module)
             tree = tree_of(node.module)

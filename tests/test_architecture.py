@@ -122,13 +122,15 @@ def test_command_line_imports_codegen_and_arrays_late():
 def test_codegen_knows_the_contract_alone():
     """Tables belong to it: they are numbers that the expressions of a system hold.
 
+    So do the units of its quantities, in which values are given.
+
     How processes are started is the same in both packages, and says nothing of systems; nor do
     exact arithmetic and quaternions over any scalars, which import nothing.
     """
     arithmetic = {"eom.fields", "eom.rotations"}
     assert not any(t in NAMES for m in arithmetic for t, _ in imports(m, inside_functions=True))
     contract = {"eom.system", "eom.quantities", "eom.tables", "eom.errors", "eom.interrupts"}
-    contract |= arithmetic
+    contract |= {"eom.units"} | arithmetic
 
     def foreign(target):
         return within(target, "eom") and target not in contract

@@ -144,6 +144,8 @@ def test_simulate_reports_and_saves(run, tmp_path, name):
     assert "drift of" in done.output or name in {
         "seven-joint-arm",
         "foucault-pendulum",
+        "rotary-pendulum",
+        "walking-leg",
     }  # damped, driven
     assert "steps" in done.output
     with np.load(tmp_path / "run.npz") as saved:

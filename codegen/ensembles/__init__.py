@@ -1,6 +1,6 @@
 """Many trajectories of one system, and their statistics.
 
 In: distributions, arrays of initial values. Out: `Ensemble`s, summaries, stores on disk.
-Imports: `codegen.compiling`, `codegen.frontend`, `codegen.integrate`, `codegen.ir`, `codegen.native`,
-`codegen.precision`, `codegen.runs`, `eom.errors`, `eom.system`.
+Imports: `codegen.compiling`, `codegen.frontend`, `codegen.integrate`, `codegen.ir`,
+`codegen.native`, `codegen.precision`, `codegen.runs`, `eom.errors`, `eom.system`, `eom.units`.
 """

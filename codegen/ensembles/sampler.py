@@ -27,12 +27,13 @@ from scipy.special import ndtri
 
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
-from codegen.frontend.layout import completed, names_of
+from codegen.frontend.layout import completed, in_si, names_of
 from codegen.frontend.structure import Condition
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import Array
 from eom.errors import AssumptionError, InputError, shown, typed, typed_fields, unknown_name
 from eom.system import System
+from eom.units import in_unit, nearest
 
 
 @runtime_checkable
@@ -143,6 +144,7 @@ def _columns(compiled: Compiled, kind: str, values: Any, names: Sequence[str]) -
     if not isinstance(values, Mapping):
         values = _rows(kind, values, names)
     held = compiled.structure.states if kind == "state" else compiled.structure.parameters
+    values = in_si(values, compiled.layout.known)
     found = {}
     for name, value in values.items():
         array = _numbers(kind, name, value)
@@ -519,14 +521,16 @@ KINDS = (
 )
 
 
-def distribution(given: str | float, where: str) -> Value:
+def distribution(given: str | float, where: str, unit: str = "") -> Value:
     """Return a distribution, or the number that stands for all.
 
-    Raises `InputError` for what is neither, with ``where`` it stands.
+    ``unit``: of what is sampled, nothing where it is not known; numbers may have others, as in
+    ``normal(30 deg, 1 deg)``. Raises `InputError` for what is neither, with ``where`` it stands, and for
+    values of another dimension.
     """
     if isinstance(given, int | float) and not isinstance(given, bool):
         return float(given)
-    number = _number(given) if isinstance(given, str) else None
+    number = _number(given, unit, where) if isinstance(given, str) else None
     if number is not None:
         return number
     call = _CALL.fullmatch(given) if isinstance(given, str) else None
@@ -537,7 +541,9 @@ def distribution(given: str | float, where: str) -> Value:
     if kind is None:
         raise unknown_name("distribution", call[1], [kind.name for kind in KINDS], where)
     numbers = (
-        [_number(word) for word in (call[2] or "").split(",")] if (call[2] or "").strip() else []
+        [_number(word, unit, where) for word in (call[2] or "").split(",")]
+        if (call[2] or "").strip()
+        else []
     )
     if len(numbers) != kind.numbers or None in numbers:
         raise InputError(
@@ -549,7 +555,10 @@ def distribution(given: str | float, where: str) -> Value:
         raise InputError(error.what, where=where, got=given, expected=error.expected) from None
 
 
-def _number(text: str) -> float | None:
+def _number(text: str, unit: str, where: str) -> float | None:
+    measured = in_unit(text, unit, where)
+    if measured is not None:
+        return nearest(measured)
     try:
         return float(text)
     except ValueError:
@@ -566,10 +575,17 @@ def names(text: str, where: str) -> Names:
     return found[0] if len(found) == 1 else found
 
 
-def sampler_of(values: Mapping[str, str | float], count: int, seed: int) -> Sampler:
+def sampler_of(
+    values: Mapping[str, str | float], count: int, seed: int, units: Mapping[str, str] | None = None
+) -> Sampler:
     """Return the sampler of distributions in words by name, or by names parted by commas.
 
-    Raises `InputError` for what cannot be read and for names that do not fit.
+    ``units``: of what is sampled, by name, as far as they are known. Raises `InputError` for what cannot be
+    read, for values of another dimension, and for names that do not fit.
     """
-    found = {names(name, name): distribution(given, name) for name, given in values.items()}
+    own = units or {}
+    found = {
+        names(name, name): distribution(given, name, own.get(name, ""))
+        for name, given in values.items()
+    }
     return Sampler(found, count, seed)

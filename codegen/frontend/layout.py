@@ -20,6 +20,7 @@ from eom.errors import InputError, near_matches, shown, unknown_name
 from eom.quantities import Quantity
 from eom.system import System
 from eom.tables import Table
+from eom.units import number_in
 
 V = TypeVar("V")
 
@@ -95,6 +96,11 @@ class Layout:
         return {**given, **results}
 
     @property
+    def known(self) -> tuple[Quantity, ...]:
+        """All that has a name and a unit."""
+        return tuple(q for group in self.quantities().values() for q in group)
+
+    @property
     def winds(self) -> tuple[str, ...]:
         """Names of the outputs that jump by whole turns, of those that are there."""
         return tuple(n for n in self.results.get(OUTPUTS, ()) if n in self.winding)
@@ -110,8 +116,21 @@ def names_of(quantities: Sequence[Quantity]) -> tuple[str, ...]:
     return tuple(q.name for q in quantities)
 
 
+def in_si(values: Any, quantities: Sequence[Quantity]) -> Any:
+    """Return values by name in SI: texts with units, as "30 deg", converted, others as they are.
+
+    Raises `InputError` for texts that are no numbers, unknown units, and other dimensions than the
+    quantities have.
+    """
+    if not isinstance(values, Mapping) or not any(isinstance(v, str) for v in values.values()):
+        return values
+    units = {q.name: q.unit for q in quantities}
+    return {n: number_in(v, units.get(n, ""), f"value of {n}") for n, v in values.items()}
+
+
 def completed(values: Any, quantities: Sequence[Quantity]) -> Any:
-    """Return values by name with the defaults of quantities that have none; values in order as they are."""
+    """Return values by name in SI, with defaults where there are none; values in order as they are."""
+    values = in_si(values, quantities)
     standing = {q.name: q.default for q in quantities if q.default is not None}
     if not standing or not (values is None or isinstance(values, Mapping)):
         return values

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.attitude import quaternions_of
-from codegen.frontend.layout import completed, names_of, to_array
+from codegen.frontend.layout import completed, in_si, names_of, to_array
 from codegen.ir.passes import dependence
 from codegen.ir.program import INVARIANTS, OUTPUTS, RATES
 from codegen.linearisation.unknowns import Equations, Equilibrium, maintained, together
@@ -170,13 +170,13 @@ FAMILY_STEP = 1e-3
 @typed
 def equilibrium(
     compiled: Compiled,
-    guess: Mapping[str, float] | None = None,
-    parameters: Mapping[str, float] | Sequence[float] | None = None,
+    guess: Mapping[str, float | str] | None = None,
+    parameters: Mapping[str, float | str] | Sequence[float] | None = None,
     *,
-    inputs: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float | str] | None = None,
     free: Iterable[str] = (),
     cyclic: Iterable[str] = (),
-    hold: Mapping[str, float] | None = None,
+    hold: Mapping[str, float | str] | None = None,
     starts: int = 24,
     seed: int = 0,
     spread: float = 1.0,
@@ -219,13 +219,13 @@ def equilibrium(
 @typed
 def equilibria(
     compiled: Compiled,
-    guess: Mapping[str, float] | None = None,
-    parameters: Mapping[str, float] | Sequence[float] | None = None,
+    guess: Mapping[str, float | str] | None = None,
+    parameters: Mapping[str, float | str] | Sequence[float] | None = None,
     *,
-    inputs: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float | str] | None = None,
     free: Iterable[str] = (),
     cyclic: Iterable[str] = (),
-    hold: Mapping[str, float] | None = None,
+    hold: Mapping[str, float | str] | None = None,
     starts: int = 24,
     seed: int = 0,
     spread: float = 1.0,
@@ -268,18 +268,19 @@ class _Search:
     def __init__(
         self,
         compiled: Compiled,
-        guess: Mapping[str, float] | None,
-        parameters: Mapping[str, float] | Sequence[float] | None,
-        inputs: Mapping[str, float] | None,
+        guess: Mapping[str, float | str] | None,
+        parameters: Mapping[str, float | str] | Sequence[float] | None,
+        inputs: Mapping[str, float | str] | None,
         free: Iterable[str],
         cyclic: Iterable[str],
-        hold: Mapping[str, float] | None,
+        hold: Mapping[str, float | str] | None,
     ) -> None:
         self.asked = (compiled, guess, parameters, inputs, free, cyclic, hold)
         layout = compiled.layout
         self.compiled, self.name = compiled, f"system {layout.name!r}"
         states, self.inputs = names_of(layout.states), names_of(layout.inputs)
         given = completed(parameters, layout.parameters)
+        guess, inputs, hold = (in_si(v, layout.known) for v in (guess, inputs, hold))
         self.p = to_array(given, names_of(layout.parameters), "parameter")
         if dependence(compiled.program, RATES, "time"):
             raise InputError("the rates depend on time: nothing is steady", where=self.name)
@@ -288,9 +289,8 @@ class _Search:
         hold = dict.fromkeys(maintained(compiled), 0.0) | dict(hold or {})
         fours = self.fours = quaternions_of(layout.attitudes)
         self.x = _start(guess or {}, states, fours)
-        self.u = to_array(
-            dict.fromkeys(self.inputs, 0.0) | dict(inputs or {}), self.inputs, "input"
-        )
+        acting = dict.fromkeys(self.inputs, 0.0) | dict(inputs or {})
+        self.u = to_array(acting, self.inputs, "input")
         held = self._held(hold, states, cyclic)
         moving = [n for n in states if n not in held and n not in cyclic]
         self.labels = [*states, *self.inputs]

@@ -52,6 +52,7 @@ from codegen.ir.program import Program
 from codegen.loops.written import Choice
 from codegen.passes.pipeline import formed, optimise, pressure, steps
 from eom.system import System
+from eom.units import in_unit, nearest
 
 WIDTH = 132
 """Columns that a table may take, also where a terminal has fewer: nothing is cut off."""
@@ -257,17 +258,23 @@ def measured(
     progress: Callable[[float], None] | None,
 ) -> AccuracyReport:
     """Return the report for the words of a command line: ``ranges`` as name=low:high or name=value."""
-    domain = dict(_stated(text) for text in ranges)
+    units = {q.name: q.unit for q in compiled.layout.known}
+    domain = dict(_stated(text, units) for text in ranges)
     count = SAMPLES if samples is None else samples
     return accuracy(
         compiled, domain, count, seed, around=values, jacobians=jacobian, progress=progress
     )
 
 
-def _stated(text: str) -> tuple[str, Range | float]:
+def _stated(text: str, units: Mapping[str, str]) -> tuple[str, Range | float]:
     name, _, span = text.partition("=")
+    unit = units.get(name.strip(), "s" if name.strip() == "t" else "")
+    parts = span.split(":")
+    found = [in_unit(part, unit, f"--range {text!r}") for part in parts]
     try:
-        numbers = [float(part) for part in span.split(":")]
+        numbers = [
+            float(part) if x is None else nearest(x) for part, x in zip(parts, found, strict=True)
+        ]
     except ValueError:
         numbers = []
     if not name or len(numbers) not in {1, 2}:

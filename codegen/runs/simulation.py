@@ -20,7 +20,7 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event, Given, Occurrences
 from codegen.compiling.signals import Inputs, reads_state
-from codegen.frontend.layout import completed, names_of, to_array
+from codegen.frontend.layout import completed, in_si, names_of, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
@@ -38,8 +38,8 @@ from eom.system import Singularity, System
 
 DEFAULT_MARGIN = 1e-6
 
-Values = Mapping[str, float] | Sequence[float] | Array | None
-InputValue = float | Callable[..., float]
+Values = Mapping[str, float | str] | Sequence[float] | Array | None
+InputValue = float | str | Callable[..., float]
 InputsGiven = Mapping[str, InputValue] | Callable[..., Any]
 
 
@@ -207,19 +207,19 @@ def simulate(
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
-    ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function for
-    each input, or one function of all that returns them by name or in order. Functions are of time, f(t),
-    or of time and states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time
-    alone is f(t). They are called from Python, and may state their knots and longest step
-    (`codegen.Signal`). ``method``: one of `METHODS`.
-    ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
-    ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 of the
-    scale of each state unless given, see `codegen.integrate.scales`). ``t_eval``: times to store; without
-    it every step, with a closed form 1001 times at equal distances. ``dense_output``: whether ``sol`` is
-    made, a function of time. ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that
-    is narrower than a step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their
-    number. ``margin``: the run stops where a singularity's expression gets below it. ``progress``:
-    called with the share that is done, 0 to 1.
+    ``initial``, ``parameters``: numbers by name or in order; by name also texts with units, as "30 deg"
+    (`eom.units`), which are put into SI. ``inputs``: a number or a function for each input, or one
+    function of all that returns them by name or in order. Functions are of time, f(t), or of time and
+    states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time alone is
+    f(t). They are called from Python, and may state their knots and longest step (`codegen.Signal`).
+    ``method``: one of `METHODS`. ``outputs``: names of outputs and states; only states that these need
+    are integrated. ``rtol``, ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or
+    (n,): rtol / 1000 of the scale of each state unless given, see `codegen.integrate.scales`).
+    ``t_eval``: times to store; without it every step, with a closed form 1001 times at equal distances.
+    ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``: limits of
+    steps (s); a feature of the rates that is narrower than a step may be stepped over, unless
+    ``max_step`` is shorter. ``max_steps``: of their number. ``margin``: the run stops where a
+    singularity's expression gets below it. ``progress``: called with the share that is done, 0 to 1.
 
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.loops.projection`); all stored points lie on them. Without
@@ -252,8 +252,8 @@ def simulate(
     (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
-    part = _part(_compiled(system), outputs, found, inputs)
-    x0, values, held, signals = _numbers(part, initial, parameters, inputs or {})
+    part = _part(compiled := _compiled(system), outputs, found, inputs)
+    x0, values, held, signals = _numbers(part, *_in_si(compiled, initial, parameters, inputs or {}))
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
     point = sizes_of.Point(x0, values, held, since)
     smallest, unknown = _smallest(part.compiled, atol, point, span, rtol, signals)
@@ -268,6 +268,11 @@ def simulate(
     clock = clock_of(part.compiled, span, since, found)
     result = _with_notice(_run(part, problem, method, signals, found, clock), unknown)
     return result.with_accuracy() if accuracy else result
+
+
+def _in_si(compiled: Compiled, *values: Any) -> tuple[Any, ...]:
+    """Return values by name in SI: those that are texts with units are converted."""
+    return tuple(in_si(v, compiled.layout.known) for v in values)
 
 
 def _with_notice(result: Result, unknown: str) -> Result:

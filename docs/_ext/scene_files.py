@@ -12,10 +12,14 @@ from shown_tables import Rows, inline, table
 from sphinx.application import Sphinx
 
 from eom.multibody.files.description import TreeDescription
-from eom.scenes.description import Description, Formula, Number, Positive, Triple
+from eom.scenes.description import MEASURED, Description, Formula, Number, Triple
 
 MODELS = {"one": Description, "tree": TreeDescription}
-SCALARS = ((Formula, "number or formula"), (Number, "number"), (Positive, "positive number"))
+SCALARS = (
+    (Formula, "number or formula"),
+    (Number, "number"),
+    *((kind, f"{words} ({unit})") for kind, words, unit in MEASURED),
+)
 PLAIN = {str: "text", bool: "true or false", int: "whole number", float: "number"}
 COUNTS = {2: "two", 3: "three", 4: "four"}
 

@@ -202,6 +202,22 @@ def _tree_outputs() -> Rows:
     ]
 
 
+def _units() -> Rows:
+    from eom.units import ROWS
+
+    return [
+        (f"`{name}`", str(row.factor), f"`{row.text}`" if row.text != name else "")
+        for name, row in ROWS.items()
+        if name != "1"
+    ]
+
+
+def _prefixes() -> Rows:
+    from eom.units import PREFIXES
+
+    return [(f"`{name}`", f"10^{power}") for name, power in PREFIXES.items()]
+
+
 def _pictures() -> Rows:
     from eom.views.gallery import PICTURES
 
@@ -221,6 +237,8 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "presets": (("preset", "title"), _presets),
     "quantities": (("quantity", "what it is, with its labels by number", "an entry"), _quantities),
     "pictures": (("picture", "what it shows", "of"), _pictures),
+    "units": (("unit", "how many", "of"), _units),
+    "prefixes": (("prefix", "how many"), _prefixes),
     "tree-outputs": (("word", "outputs"), _tree_outputs),
 }  # fmt: skip
 

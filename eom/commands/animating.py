@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from eom.commands.shared import progress_of, report_files, scene_argument, scene_of, target_option
+from eom.commands.shared import (
+    SECONDS,
+    progress_of,
+    report_files,
+    scene_argument,
+    scene_of,
+    target_option,
+)
 from eom.commands.simulating import job_of
 from eom.errors import InputError
 
@@ -31,7 +38,7 @@ FILMS = (".gif", ".png", ".apng", ".webp")
     help="Write FILE.html, or for slides FILE.gif, .apng, .png (animated) or .webp.",
 )
 @click.option(
-    "--seconds", type=float, default=None, help="Seconds of the motion.  [default: the scene's]"
+    "--seconds", type=SECONDS, default=None, help="Seconds of the motion.  [default: the scene's]"
 )
 @click.option(
     "--speed",
@@ -41,7 +48,7 @@ FILMS = (".gif", ".png", ".apng", ".webp")
 )
 @click.option("--fps", type=int, default=None, help="Pictures a second, for slides.  [default: 15]")
 @click.option(
-    "--length", type=float, default=None, help="Longest film, for slides, in s.  [default: 8]"
+    "--length", type=SECONDS, default=None, help="Longest film, for slides, in s.  [default: 8]"
 )
 @click.option("--size", default=None, metavar="WxH", help="Pixels, for slides.  [default: 640x480]")
 @click.option("--dark", is_flag=True, help="A dark background, for slides.")

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.shared import (
+    SECONDS,
     Rows,
     WithTable,
     compiled_of,
@@ -84,7 +85,7 @@ def _distributions() -> Rows:
 @click.option(
     "--method", default="auto", show_default=True, metavar="auto|taylor|DOP853", help="Integrator."
 )
-@click.option("--t-end", type=float, help="End time in seconds.  [default: the scene's]")
+@click.option("--t-end", type=SECONDS, help="End time in seconds.  [default: the scene's]")
 @click.option("--rtol", type=float, help="Relative tolerance.  [default: the scene's]")
 @click.option(
     "--out", "store", type=click.Path(path_type=Path), help="Folder for all trajectories, in chunks; "
@@ -295,7 +296,10 @@ def _samples(scene: AnyScene, plan: _Plan) -> tuple[Samples, dict[str, float]]:
     """Return the sampler, which has every state, and the parameters that do not vary."""
     from codegen.ensembles.sampler import Sampler, sampler_of
 
-    varied = sampler_of(plan.vary, plan.count, plan.seed)
+    full = scene.full_system
+    known = (*full.states, *full.parameters, *full.inputs, *full.output_quantities)
+    units = {q.name: q.unit for q in known}
+    varied = sampler_of(plan.vary, plan.count, plan.seed, units)
     if not len(varied):
         raise InputError("how many trajectories?", expected="--count N", hint="or a grid")
     _check_attitude(scene, varied)

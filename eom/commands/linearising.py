@@ -33,8 +33,8 @@ MOST_PLACES = 300
     "held",
     multiple=True,
     metavar="NAME=VALUE",
-    help="A value that a state, an output or a constant of the motion must have: a number or a formula "
-    "over parameters, such as pi/2.  [default: free]",
+    help="A value that a state, an output or a constant of the motion must have: a number, one with a "
+    "unit, or a formula over parameters, such as 90 deg or pi/2.  [default: free]",
 )
 @click.option("--cyclic", multiple=True, metavar="STATE", help="A state that may run.")
 @click.option("--free", multiple=True, metavar="INPUT", help="An input that is looked for (trim).")
@@ -66,7 +66,10 @@ def linearise(
 
     opened = scene_of(scene).as_stated()
     guess, parameters = opened.initial_values(), opened.parameter_values()
-    fixed = dict(_value(given, parameters) for given in held)
+    full = opened.full_system
+    known = (*full.states, *full.output_quantities, *(d.quantity for d in full.invariants))
+    units = {q.name: q.unit for q in known}
+    fixed = dict(_value(given, parameters, units) for given in held)
     with waiting_for("deriving") as show:
         compiled = codegen.compile(opened.derive(), target, progress=compiling(show))
         show("looking for the point")
@@ -81,8 +84,10 @@ def linearise(
         click.echo(text(near))
 
 
-def _value(given: str, parameters: Mapping[str, float]) -> tuple[str, float]:
-    """Return a name and its value, a formula over the parameters."""
+def _value(
+    given: str, parameters: Mapping[str, float], units: Mapping[str, str]
+) -> tuple[str, float]:
+    """Return a name and its value: with a unit, or a formula over the parameters."""
     import sympy as sp
 
     from eom.scenes.parse import parse
@@ -92,7 +97,7 @@ def _value(given: str, parameters: Mapping[str, float]) -> tuple[str, float]:
     if not sign or not name or not formula:
         raise InputError("not a value of a name", where=where, expected='as "omega_3=20"')
     symbols = {n: sp.Symbol(n, real=True) for n in parameters}
-    found = parse(formula, symbols, where)
+    found = parse(formula, symbols, where, unit=units.get(name, ""))
     value = found.subs({symbols[n]: sp.Rational(v) for n, v in parameters.items()}).evalf(30)
     if not value.is_real or not value.is_finite:
         raise InputError("a formula has no finite value", where=where, got=str(value))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.shared import (
+    SECONDS,
     Rows,
     WithTable,
     progress_of,
@@ -54,7 +55,7 @@ def _pictures() -> Rows:
 @click.option(
     "--omega", metavar="W1,W2,W3", default="", help="Its angular velocity at t = 0, rad/s."
 )
-@click.option("--seconds", type=float, default=None, help="Time that is drawn.")
+@click.option("--seconds", type=SECONDS, default=None, help="Time that is drawn.")
 @click.option("--points", type=click.IntRange(2, 1_000_000), default=None, help="Number of times.")
 @click.option("--size", metavar="WxH", default="", help="Width and height in inches, as 6x4.")
 @click.option(

@@ -14,6 +14,7 @@ import click
 
 from eom.commands.shared import (
     EVERY,
+    SECONDS,
     WithTable,
     compiled_of,
     event_option,
@@ -128,7 +129,10 @@ accuracy_option = click.option(
     "--method", default=None, help="Integrator, one of those below.  [default: the scene's]"
 )
 @click.option(
-    "--t-end", type=float, default=None, help="End time in seconds.  [default: the scene's]"
+    "--t-end",
+    type=SECONDS,
+    default=None,
+    help='End time in seconds, or with a unit, as "2 min".  [default: the scene\'s]',
 )
 @click.option(
     "--rtol", type=float, default=None, help="Relative tolerance.  [default: the scene's]"
@@ -138,7 +142,7 @@ accuracy_option = click.option(
 )
 @click.option(
     "--max-step",
-    type=float,
+    type=SECONDS,
     default=None,
     help="Longest step in seconds: a pulse or another narrow feature of the rates may be stepped over "
     "unless this is shorter.  [default: the scene's, else any]",

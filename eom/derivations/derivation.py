@@ -16,7 +16,7 @@ from typing import Any
 from eom.derivations.derived import Derived, Step
 from eom.derivations.reached import KINDS, RESULT, Path, is_tautology, meets, smallest
 from eom.derivations.verification import DerivationError, verify
-from eom.errors import InputError
+from eom.errors import InputError, typed_fields
 from eom.fields import Singular
 from eom.terms import rules
 from eom.terms.own import Law, Own, OwnFrame
@@ -123,24 +123,30 @@ class Chain:
         return self.maker.state(sides, reason, label=label, states=states, path=path)
 
 
+@typed_fields
 @dataclass
 class Derivation:
     """Collects lines, each verified when it is made; `finish` freezes them as an `eom.Derived`.
 
-    ``name``, ``title``, ``group``: how it is called. ``scalars``: what symbols stand for, as terms;
-    ``assumed``: names of assumptions (`eom.worlds.worlds.ASSUMPTIONS`); ``steps``: what stands so far;
-    ``stated``: the labels of steps by what they state. Quantities are in SI units. A line that is false
-    or undecided raises `eom.derivations.verification.DerivationError` and is not kept.
+    ``name``, ``title``, ``group``: how it is called; ``assumed``: names of assumptions
+    (`eom.worlds.worlds.ASSUMPTIONS`) to begin with. Quantities are in SI units. What stands so far:
+    ``scalars``, what symbols stand for, as terms; ``steps``; ``own``, its frames, points and laws;
+    ``stated``, the labels of steps by what they state. A line that is false or undecided raises
+    `eom.derivations.verification.DerivationError` and is not kept; so do arguments of other types raise
+    `InputError`, and assumptions that are unknown or at odds.
     """
 
     name: str
     title: str
     group: str
-    scalars: dict[Any, Term] = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
-    steps: list[Step] = field(default_factory=list)
-    own: Own = field(default_factory=Own)
+    scalars: dict[Any, Term] = field(default_factory=dict, init=False)
+    steps: list[Step] = field(default_factory=list, init=False)
+    own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
+
+    def __post_init__(self) -> None:
+        self.only(*self.assumed)
 
     def frame(self, name: str, angle: Any, axis: int = 3, base: str = "I") -> None:
         """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad)."""

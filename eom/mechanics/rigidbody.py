@@ -195,6 +195,7 @@ def rigid_body(
         definitions=(*law.directions, *torque_definitions, *h_definitions),
         singularities=attitude.singularities if attitude else (),
         assumptions=(*_assumptions(J, law), *rotation(attitude)),
+        numbers=law.numbers,
     )
     outputs = _outputs(J, law, named_torque, attitude)
     return with_outputs(_stated(system, J, law, attitude), outputs)

@@ -62,7 +62,8 @@ class SpinningSymmetricBody:
     parameters, inputs, time and the states theta, psi, phi, theta_dot, psi_dot, C, Omega.
     ``parameters``, ``inputs``: the quantities in it. ``potential``: energy (J) whose loss is the work of
     the torque; without one that of a constant M1 is M1 theta. ``reference_point``: what momentum and torque
-    are about, in words: the centre of mass, or a fixed point on the axle.
+    are about, in words: the centre of mass, or a fixed point on the axle. ``numbers``: what exact numbers
+    in the torque are, a row of `eom.system.NUMBERS`.
     Raises `InputError` for what is no expression.
     Source: lecture 001.
 
@@ -75,6 +76,7 @@ class SpinningSymmetricBody:
     inputs: tuple[Quantity, ...] = ()
     potential: Expr = 0
     reference_point: str = "centre of mass"
+    numbers: str = "counts"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "torque", tuple(map(as_expression, self.torque)))
@@ -190,16 +192,7 @@ class SpinningSymmetricBody:
             title=title,
             states=tuple(equations),
             rates=tuple(equations.values()),
-            parameters=(
-                Quantity(
-                    I1,
-                    "kg m^2",
-                    f"moment of inertia about b1 and b3, through the {self.reference_point}",
-                    "I_1",
-                ),
-                Quantity(I2, "kg m^2", "moment of inertia about the axle b2", "I_2"),
-                *self.parameters,
-            ),
+            parameters=(*self._moments, *self.parameters),
             inputs=self.inputs,
             singularities=(
                 Singularity(
@@ -208,8 +201,16 @@ class SpinningSymmetricBody:
             ),
             assumptions=self._assumptions(),
             attitudes=(self._attitude,),
+            numbers=self.numbers,
         )
         return with_outputs(system, self._outputs())
+
+    @property
+    def _moments(self) -> tuple[Quantity, Quantity]:
+        """The moments of inertia."""
+        across = f"moment of inertia about b1 and b3, through the {self.reference_point}"
+        along = "moment of inertia about the axle b2"
+        return Quantity(I1, "kg m^2", across, "I_1"), Quantity(I2, "kg m^2", along, "I_2")
 
     @property
     def _determinant(self) -> Expr:

@@ -32,7 +32,8 @@ class Torque:
     torque, or zero. ``frame_rate``: angular velocity (rad/s) in inertial space of the frame A that
     attitude is measured from, in B; ``frame_rate_in_A``: the same in A. ``parameters``, ``inputs``: the
     quantities in it. ``directions``: components in B of the axes of A that matter, as definitions.
-    ``assumptions``: under which it holds. ``reference_point``: what momentum and torque are about; empty
+    ``assumptions``: under which it holds. ``numbers``: what exact numbers in it are, a row of
+    `eom.system.NUMBERS`. ``reference_point``: what momentum and torque are about; empty
     for a couple, which is the same about every point.
 
     Torques about one point add up. Raises `InputError` where they are about different points, or their
@@ -51,6 +52,7 @@ class Torque:
     assumptions: tuple[Assumption, ...] = ()
     reference_point: str = ""
     frame_rate_in_A: Vector | None = None
+    numbers: str = "counts"
 
     def __add__(self, other: Torque) -> Torque:
         """Return the sum: components and potentials are added, what comes with each is kept."""
@@ -69,6 +71,7 @@ class Torque:
             _each(self.assumptions, other.assumptions),
             point,
             turning[1],
+            other.numbers if self.numbers == "counts" else self.numbers,
         )
 
     def inlined(self) -> Torque:

@@ -23,6 +23,7 @@ from eom.multibody.model.constraints import (
     Rolling,
     SpeedEquation,
 )
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.model import (
     GROUND,
     Body,
@@ -60,6 +61,7 @@ __all__ = [
     "Distance",
     "Equation",
     "Examination",
+    "Jet",
     "Joint",
     "KnifeEdge",
     "Load",

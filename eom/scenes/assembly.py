@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce as reduce_by
 from typing import Any
@@ -38,6 +38,7 @@ from eom.scenes.description import Description, inertia_values, principal_values
 from eom.scenes.naming import check_used
 from eom.scenes.reduce import Explanation, Pass
 from eom.scenes.start import initial_names, sizes
+from eom.scenes.stated import Stated
 from eom.system import System
 
 Expr = Any
@@ -52,6 +53,11 @@ MODEL_NAMES = frozenset(
 )
 """Names that the models give to moments of inertia, definitions and outputs."""
 _SPINNER_STATES = (PSI, THETA, PHI, PSI_DOT, THETA_DOT, SPIN, SPIN_RATE)
+_SPINNER_UNITS = {
+    **dict.fromkeys(map(str, (PSI, THETA, PHI)), "rad"),
+    **dict.fromkeys(map(str, (PSI_DOT, THETA_DOT, SPIN, SPIN_RATE)), "rad/s"),
+    **dict.fromkeys(map(str, (I1, I2)), "kg m^2"),
+}
 
 
 def full_system(scene: Description, *, general_torque: bool = False) -> System:
@@ -67,7 +73,7 @@ def _spinner(scene: Description, general_torque: bool) -> System:
     whole = reduce_by(operator.add, _torques(scene, general_torque)[0].values())
     body = SpinningSymmetricBody(
         whole.components.components, whole.parameters, whole.inputs, whole.potential,
-        whole.reference_point or "centre of mass",
+        whole.reference_point or "centre of mass", whole.numbers,
     )  # fmt: skip
     return _through_singular(body.system(scene.name, scene.title), UNSPUN)
 
@@ -112,8 +118,14 @@ def _torques(scene: Description, general_torque: bool) -> tuple[dict[str, torque
         *(q for torque in found.values() for q in torque.parameters),
     )
     names = _names((*OMEGA.components, *(q.symbol for q in known)))
-    given = components(scene, names, ("tau_1", "tau_2", "tau_3"), general_torque and not found)
+    units = {
+        **dict.fromkeys(map(str, OMEGA.components), "rad/s"),
+        **{q.name: q.unit for q in known},
+    }
+    general = ("tau_1", "tau_2", "tau_3")
+    given = components(scene, names, general, general_torque and not found, units)
     found["components"] = torques.applied(_over_states(given[0], angles), *given[1:])
+    found["components"] = replace(found["components"], numbers="values")
     return found, given[0]
 
 
@@ -125,10 +137,12 @@ def _of_spinner(
     if scene.torque.weight is not None:
         C = SpinningSymmetricBody((0, 0, 0)).C_BI.matrix
         found["weight"] = LAWS["weight"](scene.torque.weight, C, None).inlined()
-    known = (q.symbol for torque in found.values() for q in torque.parameters)
-    names = _names((*_SPINNER_STATES, I1, I2, *known))
-    given = components(scene, names, ("M1", "M2", "M3"), general_torque and not found)
-    return {**found, "components": torques.applied(*given)}, given[0]
+    known = [q for torque in found.values() for q in torque.parameters]
+    names = _names((*_SPINNER_STATES, I1, I2, *(q.symbol for q in known)))
+    units = {**_SPINNER_UNITS, **{q.name: q.unit for q in known}}
+    given = components(scene, names, ("M1", "M2", "M3"), general_torque and not found, units)
+    whole = replace(torques.applied(*given), numbers="values")
+    return {**found, "components": whole}, given[0]
 
 
 def _names(symbols: Iterable[Expr]) -> dict[str, Expr]:
@@ -173,12 +187,17 @@ def _over_states(parts: Triple, angles: RotationSequence | None) -> Triple:
 
 
 def components(
-    scene: Description, known: dict[str, Expr], general: tuple[str, str, str], general_torque: bool
+    scene: Description,
+    known: dict[str, Expr],
+    general: tuple[str, str, str],
+    general_torque: bool,
+    units: Mapping[str, str],
 ) -> tuple[tuple[Expr, Expr, Expr], tuple[Quantity, ...], tuple[Quantity, ...]]:
     """Parse the torque components; return them with the scene's own parameters and inputs in them.
 
-    ``known``: symbols of states and of what the body and the other torques define, by name. With
-    ``general_torque`` each component that is zero is an input instead, of a name in ``general``.
+    ``known``: symbols of states and of what the body and the other torques define, by name, and their
+    ``units``. With ``general_torque`` each component that is zero is an input instead, of a name in
+    ``general``.
     """
     groups = [
         tuple(
@@ -190,12 +209,9 @@ def components(
     own = {q.name: q.symbol for group in groups for q in group}
     _check_clash(scene, own, {**known, **sizes(scene)})
     names = {**known, **sizes(scene), **own, "t": TIME}
-    parsed = [
-        parse.parse(c, names, f"[torque] components, number {k}")
-        if isinstance(c, str)
-        else sp.Rational(str(c))
-        for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
-    ]
+    spoken = {**units, **dict.fromkeys(scene.body.size, "m"), "mass": "kg", "t": "s"}
+    stated = Stated(spoken, {q.name: q.unit for group in groups for q in group})
+    parsed = _parsed(scene, names, stated)
     acting = set().union(*(c.free_symbols for c in parsed))
     groups = [tuple(q for q in group if q.symbol in acting) for group in groups]
     used = {str(s.name) for s in acting} | initial_names(scene) | scene.control.words
@@ -208,6 +224,17 @@ def components(
         inputs = (*inputs, *(Quantity(s, "N m") for s in zero.values()))
     a, b, c = parsed
     return (a, b, c), groups[0], inputs
+
+
+def _parsed(scene: Description, names: dict[str, Expr], stated: Stated) -> list[Expr]:
+    """Return the torque components as expressions. Raises `InputError` for other dimensions."""
+    found = []
+    for k, c in enumerate(scene.torque.components or (0, 0, 0), 1):
+        where = f"[torque] components, number {k}"
+        stated.check(c, where, "N m")
+        is_text = isinstance(c, str)
+        found.append(parse.parse(c, names, where, unit="N m") if is_text else sp.Rational(str(c)))
+    return found
 
 
 def _check_clash(scene: Description, own: dict[str, Expr], known: dict[str, Expr]) -> None:

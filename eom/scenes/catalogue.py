@@ -16,7 +16,8 @@ TOML, URDF = ".toml", ".urdf"
 TREE = "tree"
 """The ``model`` of scenes with many bodies, which `eom.multibody.files.scene.TreeScene` reads."""
 OF_TREES = frozenset(
-    "bodies constraints gravity gravity_gradient joint joints loads points repeat rotors springs".split()
+    "bodies constraints gravity gravity_gradient jets joint joints loads points repeat rotors "
+    "springs".split()
 )
 """Keys of scene files that bring what trees have; of one body, they make it a tree of one."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 import pydantic
@@ -16,6 +16,7 @@ from eom.kinematics.frames import tilde
 from eom.mass import inertia, solids
 from eom.scenes import parse
 from eom.scenes.naming import check_names
+from eom.units import coherent, in_unit, measure, nearest, read
 
 
 def _number(value: Any) -> Any:
@@ -24,9 +25,42 @@ def _number(value: Any) -> Any:
     return value
 
 
+def _in(unit: str) -> pydantic.BeforeValidator:
+    """Return what reads a number, or a value with a unit in quotes, of the dimension of ``unit``."""
+
+    def read(value: Any) -> Any:
+        found = in_unit(value, unit) if isinstance(value, str) else None
+        if isinstance(value, bool | str) and found is None:
+            raise ValueError(f'expected a number in {unit}, or one with a unit, as "2 {unit}"')
+        return value if found is None else nearest(found)
+
+    return pydantic.BeforeValidator(read)
+
+
 Number = Annotated[FiniteFloat, pydantic.BeforeValidator(_number)]
-Positive = Annotated[PositiveFloat, pydantic.BeforeValidator(_number)]
+Inertia = Annotated[FiniteFloat, _in("kg m^2")]
+Angle = Annotated[FiniteFloat, _in("rad")]
+Seconds = Annotated[FiniteFloat, _in("s")]
+Metres = Annotated[FiniteFloat, _in("m")]
+Size = Annotated[PositiveFloat, _in("m")]
+Mass = Annotated[PositiveFloat, _in("kg")]
+Acceleration = Annotated[PositiveFloat, _in("m/s^2")]
+Rate = Annotated[PositiveFloat, _in("rad/s")]
+Step = Annotated[PositiveFloat, _in("s")]
 Triple = tuple[Number, Number, Number]
+Row = tuple[Inertia, Inertia, Inertia]
+MEASURED: tuple[tuple[Any, str, str], ...] = (
+    (Inertia, "number", "kg m^2"),
+    (Angle, "number", "rad"),
+    (Seconds, "number", "s"),
+    (Metres, "number", "m"),
+    (Size, "positive number", "m"),
+    (Mass, "positive number", "kg"),
+    (Acceleration, "positive number", "m/s^2"),
+    (Rate, "positive number", "rad/s"),
+    (Step, "positive number", "s"),
+)
+"""Numbers that may be written with units: what they are, and the unit where none is written."""
 
 
 def _formula(value: Any) -> Any:
@@ -69,11 +103,11 @@ class Body(Part):
     axis along b3, for a spinner along b2.
     """
 
-    moments: tuple[Number, ...] | None = None
-    matrix: tuple[Triple, Triple, Triple] | None = None
+    moments: tuple[Inertia, ...] | None = None
+    matrix: tuple[Row, Row, Row] | None = None
     solid: str | None = None
-    mass: Positive | None = None
-    size: dict[str, Positive] = Field(default_factory=dict)
+    mass: Mass | None = None
+    size: dict[str, Size] = Field(default_factory=dict)
 
 
 class Weight(Part):
@@ -83,9 +117,9 @@ class Weight(Part):
     a spinner along its axle b2 alone.
     """
 
-    mass: Positive
-    gravity: Positive = 9.81
-    centre_of_mass: Triple
+    mass: Mass
+    gravity: Acceleration = 9.81
+    centre_of_mass: tuple[Metres, Metres, Metres]
 
 
 class GravityGradient(Part):
@@ -94,7 +128,7 @@ class GravityGradient(Part):
     ``orbital_rate`` (rad/s). The orbit frame: a1 radially out, a2 along the velocity, a3 the normal.
     """
 
-    orbital_rate: Positive
+    orbital_rate: Rate
 
 
 class Torque(Part):
@@ -113,23 +147,47 @@ class Torque(Part):
 
 
 class Value(Part):
-    """A number ``value`` with its SI ``unit`` and ``meaning``, which are texts for pages."""
+    """A number ``value`` with its ``unit`` and ``meaning``, a text for pages.
+
+    In any unit of `eom.units`, also in the value, as ``value = "30 deg"``: it is kept in SI.
+    """
 
     value: Number
     unit: str = ""
     meaning: str = ""
+
+    @pydantic.model_validator(mode="before")
+    @classmethod
+    def _converted(cls, data: Any) -> Any:
+        """Put the value into SI."""
+        if not isinstance(data, Mapping) or not isinstance(data.get("unit", ""), str):
+            return data
+        unit, value = read(data.get("unit", "")), data.get("value")
+        if isinstance(value, str):
+            found = measure(value)
+            if found is None:
+                raise ValueError('expected a number, or one with a unit, as "30 deg"')
+            if data.get("unit") and found.unit.dimension != unit.dimension:
+                in_unit(value, data["unit"])
+            own = data["unit"] if data.get("unit") and unit.is_coherent else found.unit.text
+            return {**data, "value": nearest(found.value), "unit": own}
+        if unit.is_coherent or not isinstance(value, int | float) or isinstance(value, bool):
+            return data
+        exact = sp.Rational(str(value)) if math.isfinite(value) else value
+        return {**data, "value": nearest(exact * unit.factor), "unit": unit.text}
 
 
 class InitialAttitude(Part):
     """The attitude at the start, by a rotation sequence (one of the two units) or a quaternion.
 
     ``sequence``: one of the 12, for ``radians`` or ``degrees``: three angles in the order of the turns,
-    each about an axis of the body as it then is. ``quaternion``: four numbers of unit norm, scalar first,
-    of B in A: C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q).
+    each about an axis of the body as it then is; in ``radians`` also with units, as "30 deg".
+    ``quaternion``: four numbers of unit norm, scalar first, of B in A: C_BA = (q0^2 - q.q) 1 + 2 q q^T -
+    2 q0 tilde(q).
     """
 
     sequence: str = "3-1-2"
-    radians: Triple | None = None
+    radians: tuple[Angle, Angle, Angle] | None = None
     degrees: Triple | None = None
     quaternion: tuple[Number, Number, Number, Number] | None = None
 
@@ -144,12 +202,12 @@ class Integration(Part):
     run is given up.
     """
 
-    t_end: Number = 10.0
+    t_end: Seconds = 10.0
     method: str = "auto"
     rtol: Annotated[float, Field(gt=0, lt=1)] = 1e-9
     atol: Annotated[float, Field(gt=0)] | None = None
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
-    max_step: Annotated[float, Field(gt=0)] | None = None
+    max_step: Step | None = None
     max_steps: Annotated[int, Field(ge=1)] = 10_000_000
 
     @pydantic.model_validator(mode="before")
@@ -167,7 +225,7 @@ class Integration(Part):
 
 
 def _as_value(value: Any) -> Any:
-    if isinstance(value, int | float):
+    if isinstance(value, int | float | str):
         return {"value": value}
     if not isinstance(value, dict | Value):
         raise ValueError("expected a number, or { value = ..., unit = ..., meaning = ... }")
@@ -182,11 +240,18 @@ def _as_rate(value: Any) -> Any:
 
 
 class StateOfControl(Part):
-    """A state of a control by its ``rate``, a formula, with ``unit`` and ``meaning``, texts for pages."""
+    """A state of a control by its ``rate``, a formula; ``unit`` of SI, ``meaning``: a text for pages."""
 
     rate: Formula
     unit: str = ""
     meaning: str = ""
+
+    @pydantic.field_validator("unit")
+    @classmethod
+    def _known(cls, unit: str) -> str:
+        """Refuse unknown units, and those with a factor."""
+        coherent(unit)
+        return unit
 
 
 Rates = dict[str, Annotated[StateOfControl, pydantic.BeforeValidator(_as_rate)]]
@@ -223,7 +288,8 @@ class Request(Part):
     """What scenes of every model have: names, numbers of formulas, and what is asked for.
 
     ``name``: for files, by default the scene file's. ``title``, ``description``: for pages.
-    ``parameters``: numbers, or numbers with unit and meaning, by the names that formulas use;
+    ``parameters``: numbers, or numbers with unit and meaning, by the names that formulas use, which must be
+    of the dimensions that these have, where any is given;
     ``inputs``: the same, for what may vary with time, at the value that it is held at. ``outputs``:
     names of states and outputs; nothing else is derived. Empty means all states. ``integration``: how
     the scene is simulated. ``control``: laws for inputs.

@@ -18,6 +18,7 @@ import sympy as sp
 
 from eom.errors import InputError, near_matches
 from eom.expressions import saturate
+from eom.units import in_unit, measure
 
 Expr = Any
 
@@ -57,15 +58,29 @@ class Token:
     start: int
 
 
-def parse(text: str, names: Mapping[str, Expr], where: str = "") -> Expr:
-    """Return the expression that ``text`` spells over ``names``.
+def parse(
+    text: str,
+    names: Mapping[str, Expr],
+    where: str = "",
+    *,
+    unit: str = "",
+    number: Callable[[str], Expr] | None = None,
+) -> Expr:
+    """Return the expression that ``text`` spells over ``names``; or a value with its unit, in SI, exactly.
 
-    Raises `InputError` with the place for anything outside the grammar and its limits.
+    ``unit``: that a value with a unit is to have, where it is known. ``number``: what makes numbers of
+    their texts, else exact ones. Raises `InputError` with the place for anything outside the grammar and
+    its limits, for unknown units, and for a value of another dimension than ``unit``.
 
     >>> x = sp.Symbol("x")
     >>> parse("-2*x^2 + sin(x)/4", {"x": x})
     -2*x**2 + sin(x)/4
+    >>> parse("90 deg", {}), parse("5 km/h", {})
+    (pi/2, 25/18)
     """
+    measured = in_unit(text, unit, where)
+    if measured is not None:
+        return measured
     if len(text) > MAX_LENGTH:
         raise InputError(
             "formula is too long",
@@ -73,7 +88,7 @@ def parse(text: str, names: Mapping[str, Expr], where: str = "") -> Expr:
             got=f"{len(text)} characters",
             expected=f"at most {MAX_LENGTH}",
         )
-    parser = _Parser(text, names, where)
+    parser = _Parser(text, names, where, number or _exact)
     try:
         expression = parser.expression(0, 0)
     except InputError:
@@ -83,6 +98,21 @@ def parse(text: str, names: Mapping[str, Expr], where: str = "") -> Expr:
     if parser.token.kind != "end":
         raise parser.error("unexpected text after the formula")
     return expression
+
+
+def _exact(text: str) -> Expr:
+    value = Fraction(text)
+    return sp.Rational(value.numerator, value.denominator)
+
+
+def dimensional(text: str) -> Expr:
+    """Return a number for a check of dimensions: one with a decimal point, a float, may have a unit."""
+    return sp.Float(text) if has_decimals(text) else _exact(text)
+
+
+def has_decimals(text: str) -> bool:
+    """Return whether a formula has a decimal number, or is a value with a unit."""
+    return "." in text or measure(text) is not None
 
 
 def words(text: str) -> set[str]:
@@ -98,8 +128,10 @@ _SYMPY_FAILURES = (ArithmeticError, AttributeError, RecursionError, TypeError, V
 class _Parser:
     """Precedence climbing over a token list (Pratt, 1973)."""
 
-    def __init__(self, text: str, names: Mapping[str, Expr], where: str) -> None:
-        self.text = text
+    def __init__(
+        self, text: str, names: Mapping[str, Expr], where: str, exact: Callable[[str], Expr]
+    ) -> None:
+        self.text, self.exact = text, exact
         self.names = names
         self.where = where
         self.tokens = self._tokens()
@@ -177,8 +209,7 @@ class _Parser:
         raise self.error("a number, a name or '(' expected")
 
     def number(self, token: Token) -> Expr:
-        value = Fraction(token.text)
-        return self.checked(sp.Rational(value.numerator, value.denominator), token)
+        return self.checked(self.exact(token.text), token)
 
     def name(self, token: Token, depth: int) -> Expr:
         if token.text in FUNCTIONS:

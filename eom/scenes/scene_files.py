@@ -19,7 +19,9 @@ from eom.scenes import catalogue, parse, reduce
 from eom.scenes.description import Control, Request
 from eom.scenes.reduce import Explanation, Pass, Step
 from eom.scenes.start import pick
+from eom.scenes.stated import Stated
 from eom.system import System
+from eom.units import in_unit
 
 Expr = Any
 MAX_FILE_BYTES = 1_000_000
@@ -149,6 +151,7 @@ class BaseScene(Request):
         """
         if self.control == Control():
             return system
+        self._check_control(system)
         read = self._control_over(names)
         own = {
             n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
@@ -158,7 +161,7 @@ class BaseScene(Request):
             Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the control")
             for n, v in self.parameters.items()
         )
-        return system.with_control(
+        return system.closed_loop(
             read["laws"],
             {own[n]: rate for n, rate in read["states"].items()},
             definitions=read["definitions"],
@@ -177,9 +180,34 @@ class BaseScene(Request):
                 )
         known = {**names, **{n: sp.Symbol(n, real=True) for n in own}}
         return {
-            section: {n: _read(f, known, f"[control.{section}] {n}") for n, f in group.items()}
+            section: {
+                n: _read(f, known, f"[control.{section}] {n}", self._unit_of(section, n))
+                for n, f in group.items()
+            }
             for section, group in self.control.formulas.items()
         }
+
+    def _unit_of(self, section: str, name: str) -> str:
+        """Return the unit of a formula of the control, as far as it is known here."""
+        unit = self.control.states[name].unit if section == "states" else ""
+        return f"({unit})/s" if unit else ""
+
+    def _check_control(self, system: System) -> None:
+        """Raise `InputError` for a formula of the control of another dimension than it is to have."""
+        groups = (system.states, system.parameters, system.inputs)
+        units = {
+            q.name: q.unit for q in (*(q for g in groups for q in g), *system.output_quantities)
+        }
+        units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
+        units |= {n: s.unit for n, s in self.control.states.items()}
+        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items() if v.unit}
+        stated = Stated(units, own)
+        for section in ("definitions", "laws", "states"):
+            for name, formula in self.control.formulas[section].items():
+                of = units.get(name, "") if section == "laws" else self._unit_of(section, name)
+                stated.check(formula, f"[control.{section}] {name}", of)
+                if section == "laws" and isinstance(formula, str):
+                    in_unit(formula, of, f"[control.laws] {name}")
 
     def _general(self) -> System:
         """Return the system that passes make smaller."""
@@ -262,8 +290,10 @@ def _with_inputs(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "inputs": {**dict.fromkeys(laws, 0.0), **inputs}}
 
 
-def _read(formula: str | float, names: Mapping[str, Expr], where: str) -> Expr:
-    return parse.parse(formula, names, where) if isinstance(formula, str) else exact(formula)
+def _read(formula: str | float, names: Mapping[str, Expr], where: str, unit: str) -> Expr:
+    if not isinstance(formula, str):
+        return exact(formula)
+    return parse.parse(formula, names, where, unit=unit)
 
 
 def exact(number: float) -> Expr:
@@ -293,9 +323,10 @@ def limited(data: Mapping[str, Any]) -> dict[str, Any]:
 def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -> InputError:
     """Turn the first finding about ``model`` into one error; count the others."""
     findings = error.errors(include_url=False)
-    ours = [f["ctx"]["error"] for f in findings if "error" in f.get("ctx", {})]
-    if ours and isinstance(ours[0], InputError):
-        return ours[0]
+    ours = [(f, f["ctx"]["error"]) for f in findings if "error" in f.get("ctx", {})]
+    if ours and isinstance(ours[0][1], InputError):
+        found, own = ours[0]
+        return own if own.where else own.at(".".join(map(str, found["loc"])))
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"])
     more = f" (and {len(others)} more)" if others else ""

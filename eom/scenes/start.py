@@ -19,7 +19,9 @@ from eom.scenes.description import (
     inertia_values,
     principal_values,
 )
+from eom.scenes.stated import Stated
 from eom.system import System
+from eom.units import in_unit
 
 Expr = Any
 
@@ -105,6 +107,7 @@ def states(scene: Description, full: System) -> dict[str, float]:
 
     An output that is given must determine one missing state; it must be linear in it.
     """
+    _check_units(scene, full)
     states, given = full.state_names, initial(scene)
     values = dict.fromkeys(scene.control.states, 0.0)
     values |= {n: v for n, v in given.items() if n in states}
@@ -121,6 +124,19 @@ def states(scene: Description, full: System) -> dict[str, float]:
             values[name] = value
     _check_constraints(scene, values)
     return values
+
+
+def _check_units(scene: Description, full: System) -> None:
+    """Raise `InputError` for an initial value of another dimension than its state or output."""
+    units = {q.name: q.unit for q in (*full.states, *full.output_quantities)}
+    known = {q.name: q.unit for q in full.parameters} | dict.fromkeys(scene.body.size, "m")
+    own = {n: v.unit for n, v in scene.parameters.items() if v.unit}
+    stated = Stated({**known, "mass": "kg"}, own)
+    for name, given in scene.initial.items():
+        if isinstance(given, str):
+            where = f"[initial] {name}"
+            in_unit(given, units.get(name, ""), where)
+            stated.check(given, where, units.get(name, ""))
 
 
 def _state_of_output(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -19,7 +20,7 @@ from eom.typeset import pages
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line
 from eom.typeset.boxes import Box, Formula, Fraction, Operator, Row, Symbol, Words
 from eom.typeset.markup import symbol_latex
-from eom.typeset.writing import expression_pieces
+from eom.typeset.writing import expression_pieces, in_decimals
 
 __all__ = ["FORMATS", "blocks", "latex", "markdown", "show", "symbol_latex", "text"]
 
@@ -32,6 +33,7 @@ _OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
 
 def blocks(system: System, *, primes: bool = False) -> list[Block]:
     """Return what there is to print; empty sections are left out. ``primes``: write x' for dx/dt."""
+    system = _as_decimals(system) if system.numbers == "decimals" else system
     names = _latex_names(system)
     return [
         *_variables("States", system.states, names),
@@ -53,6 +55,24 @@ def blocks(system: System, *, primes: bool = False) -> list[Block]:
         ),
         *_assumptions(system),
     ]
+
+
+def _as_decimals(system: System) -> System:
+    """Return what is printed of a system with decimal numbers: the rest of it is left out."""
+    groups = ("definitions", "outputs", "invariants")
+    changed: dict[str, Any] = {
+        group: tuple(
+            replace(d, expression=in_decimals(d.expression)) for d in getattr(system, group)
+        )
+        for group in groups
+    }
+    changed["singularities"] = tuple(
+        replace(s, expression=in_decimals(s.expression)) for s in system.singularities
+    )
+    if system.mass_matrix is not None:
+        changed["mass_matrix"] = in_decimals(system.mass_matrix)
+    rates = tuple(map(in_decimals, system.rates))
+    return replace(system, rates=rates, attitudes=(), angles=(), **changed)
 
 
 def _latex_names(system: System) -> Names:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from decimal import Decimal, Inexact, localcontext
 from typing import Any
 
 import sympy as sp
@@ -107,6 +108,43 @@ def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tup
     if len(parts) > 1 or width(parts[0]) <= LONG:
         return parts
     return _opened(value, names or {}) or parts
+
+
+def in_decimals(value: Any) -> Any:
+    """Return an expression, or a matrix, whose fractions are written as decimal numbers, but for exponents.
+
+    One without an end, or of more than `DIGITS` digits, stays a fraction where that is short, else it is
+    rounded. For eyes alone: such numbers are no longer exact.
+
+    >>> x = sp.Symbol("x")
+    >>> in_decimals(x / 20 + 3 * sp.sqrt(x) / 2 + x**2 / 3)
+    1.5*sqrt(x) + x**2/3 + 0.05*x
+    """
+    if isinstance(value, sp.MatrixBase):
+        return value.applyfunc(in_decimals)
+    if value.is_Rational:
+        return value if value.is_Integer else _in_decimals(value)
+    if not value.args:
+        return value
+    if value.is_Pow and value.exp.is_Rational:
+        return value.func(in_decimals(value.base), value.exp)
+    return value.func(*map(in_decimals, value.args))
+
+
+DIGITS = 17
+"""Digits of a decimal number at most: as many as tell doubles apart."""
+_SHORT = 1000
+"""Beyond which numbers in a fraction are long."""
+
+
+def _in_decimals(number: Any) -> Any:
+    """Return a fraction as a decimal number."""
+    with localcontext(prec=DIGITS) as context:
+        found = Decimal(int(number.p)) / Decimal(int(number.q))
+        is_exact = not context.flags[Inexact]
+    if is_exact:
+        return sp.Float(str(found), max(15, len(found.as_tuple().digits)))
+    return number if max(abs(number.p), number.q) < _SHORT else sp.Float(number, 15)
 
 
 LONG = 90

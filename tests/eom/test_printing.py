@@ -68,7 +68,7 @@ def test_own_latex_is_used_unless_it_is_a_bare_word():
     system = System(
         "names",
         (Quantity(x, "m/s", "speed of A & B", r"\dot{s}"),),
-        (-x,),
+        (-1.0 * x,),
         outputs=(Definition(Quantity(y, latex="word_1"), x),),
     )
     shown = show(system, "latex")

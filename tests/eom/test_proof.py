@@ -78,14 +78,14 @@ def test_a_term_of_any_size_in_any_rate_is_refused(exponent, place):
     late = sp.Rational(10) ** exponent * sp.exp(-((TIME - 20) ** 2))
     rates = [r + late * int(k == place) for k, r in enumerate(FREE.rates)]
     with pytest.raises(InputError, match="stated, but not so"):
-        replace(FREE, rates=tuple(rates))
+        replace(FREE, rates=tuple(rates), numbers="values")
 
 
 @pytest.mark.parametrize("number", [2**61 - 1, 2**521 - 1, 2**607 - 1, 10**18 + 9])
 def test_no_prime_that_people_know_hides_a_torque(number):
     rates = (FREE.rates[0] + number * w[1], *FREE.rates[1:])
     with pytest.raises(InputError, match="stated, but not so"):
-        replace(FREE, rates=rates)
+        replace(FREE, rates=rates, numbers="values")
 
 
 REFUSED = {

@@ -443,7 +443,7 @@ BAD = {
     "infinite moment": ({"body": {"moments": [1, 2, math.inf]}}, "finite", "body.moments.2", ""),
     "moments in words": (
         {"body": {"moments": ["one", 2, 2]}},
-        "a number, without quotes",
+        "a number in kg m^2, or one with a unit",
         "body.moments.0",
         "",
     ),

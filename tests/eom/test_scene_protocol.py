@@ -71,5 +71,5 @@ def test_a_start_without_a_number_is_refused():
     data = eom.load_scene(MANY).model_dump(exclude_unset=True)
     length = next(n for n in data["parameters"] if n.startswith("l"))
     with pytest.raises(InputError, match="no finite number") as caught:
-        eom.TreeScene(**{**data, "initial": {"q_elbow": f"log(-{length})"}})
+        eom.TreeScene(**{**data, "initial": {"q_elbow": f"log(-1.0*{length})"}})
     assert caught.value.where == "[initial] q_elbow"

@@ -542,7 +542,7 @@ def _differs(found: list[Orders]) -> str:
 
 
 def _names(small: tuple[Expr, ...]) -> str:
-    return ", ".join(sorted({str(s) for s in small if not isinstance(s, sp.Dummy)}))
+    return ", ".join(sorted({f"${sp.latex(s)}$" for s in small if not isinstance(s, sp.Dummy)}))
 
 
 def _orders(claim: Claim, sides: Sides, small: tuple[Expr, ...]) -> Orders:
@@ -691,5 +691,7 @@ def _expression(term: Term, scalars: Mapping[Any, Term], found: dict[Term, Expr]
             term = Term("der", (term,), ("",))
     if inner.head != "atom" or inner.data[0] not in FREELY:
         raise InputError("this is nothing that may be small or fixed", got=described(term))
-    name = "_".join(map(str, inner.data[1:2])) + "'" * sum(n.head == "der" for n in nodes(term))
-    return found.setdefault(term, sp.Symbol(name, positive=True))
+    written = (str(s) for s, t in scalars.items() if t == inner)
+    name = next(written, "_".join(map(str, inner.data[1:2])))
+    rates = "'" * sum(n.head == "der" for n in nodes(term))
+    return found.setdefault(term, sp.Symbol(name + rates, positive=True))

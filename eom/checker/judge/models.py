@@ -146,6 +146,10 @@ class Models(ABC):
         """Return whether something that the claim writes vanishes under a set alone."""
         return False
 
+    def rests_on(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return those of assumptions that can say something of what the claim is about."""
+        return tuple(names)
+
     def doubt(self) -> str:
         """Say why what does not hold in these models may hold for real numbers, "" for no doubt."""
         return ""

@@ -125,6 +125,7 @@ _PRINCIPAL = (*_USUAL, "about_centre", "principal_axes")
 LEVELS: tuple[tuple[str, ...], ...] = (
     _USUAL,
     (*_USUAL, "about_centre"),
+    (*_USUAL, "one_rotor"),
     (*_USUAL, "O_fixed_in_body"),
     (*_USUAL, "O_fixed_in_body", "O_fixed_in_space"),
     (*_PRINCIPAL, "C_at_rest"),
@@ -286,6 +287,12 @@ class Worlds(Models):
     def needs(self, name: str) -> frozenset[str]:
         """Return an assumption with all that it needs."""
         return _needed(name)
+
+    def rests_on(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the assumptions, none for a claim between free quantities alone."""
+        sides = (t for q in self.said for t in (q.left, q.right))
+        kinds = {a.data[0] for t in sides for a in atoms_in(t, self.scalars)}
+        return () if kinds <= UNBOUND else tuple(names)
 
     def doubt(self) -> str:
         """Say that what is false may be true of open systems, with roots of other signs, of one motion."""

@@ -365,11 +365,16 @@ def _entries_of(
 
 
 def about(
-    lexicon: Lexicon, system: str | System | AnyScene, symbols: Mapping[str, str] | None = None
+    lexicon: Lexicon,
+    system: str | System | AnyScene,
+    symbols: Mapping[str, str] | None = None,
+    *,
+    first: bool = False,
 ) -> Lexicon:
     """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
 
-    ``system``: the name of one, a scene file, or an object. Raises `InputError` for those that are not
+    ``system``: the name of one, a scene file, or an object; ``first``: whether its letters go before the
+    entries of the lexicon, as where those are only a draft. Raises `InputError` for systems that are not
     known and for names that the system has not.
     """
     from eom.checker.mean.model import model_from
@@ -377,7 +382,8 @@ def about(
     given = {"symbols": dict(symbols or {})}
     model, spelt = _entries_of(model_from(system), given, lexicon.notation, "symbols")
     plain = lexicon.without_system()
-    return replace(plain, layers=(*plain.layers[:1], *spelt, *plain.layers[1:]), system=model)
+    own = 0 if first else 1
+    return replace(plain, layers=(*plain.layers[:own], *spelt, *plain.layers[own:]), system=model)
 
 
 def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexicon:

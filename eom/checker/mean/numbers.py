@@ -28,6 +28,7 @@ from eom.checker.read.syntax import (
     Symbol,
 )
 from eom.terms.terms import expr, table
+from eom.units import read
 
 Expr = Any
 
@@ -38,28 +39,20 @@ RADIANS, TURNS = 2 * sp.pi, sp.Integer(1)
 TURNED = {"rad": RADIANS, "deg": RADIANS, "Hz": TURNS, "1": TURNS}
 """How much a turn counts for a quantity by what its unit in the lexicon begins with."""
 
-MULTIPLES = {"n": -9, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
-"""Powers of ten by their prefixes."""
+MULTIPLES = ("n", "µ", "m", "c", "k", "M", "G")
+"""The prefixes that units in notes may have."""
 
+_NAMES = (
+    *(m + unit for unit in ("m", "s", "N", "J", "W", "Pa", "Hz", "rad") for m in MULTIPLES),
+    *"g mg min h day days Wh kWh MWh".split(),
+)
 SCALES: dict[str, tuple[Expr, str]] = {
-    **{
-        prefix + unit: (sp.Integer(10) ** power, unit)
-        for unit in ("m", "s", "N", "J", "W", "Pa", "Hz", "rad")
-        for prefix, power in MULTIPLES.items()
-    },
-    "g": (sp.Rational(1, 1000), "kg"),
-    "mg": (sp.Rational(1, 10**6), "kg"),
-    "min": (sp.Integer(60), "s"),
-    "h": (sp.Integer(3600), "s"),
-    **dict.fromkeys(("day", "days"), (sp.Integer(86400), "s")),
-    "Wh": (sp.Integer(3600), "J"),
-    "kWh": (sp.Integer(3600000), "J"),
-    "MWh": (sp.Integer(3600000000), "J"),
+    **{name: (read(name).factor, read(name).text) for name in _NAMES},
     "deg": (sp.pi / 180, "rad"),
     "rev": (TURN, "rad"),
     "rpm": (TURN / 60, "Hz"),
 }
-"""Units that are no units of SI: how many of which."""
+"""Units that are no units of SI: how many of which; turns are counted as `TURN` says."""
 
 MICRO = "µ"
 """The prefix that is written by a letter of its own."""

@@ -103,7 +103,8 @@ def check_note(note: Note, settings: Settings) -> Report:
     with seldom_collected(), deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
         if settings.system is not None:
-            known = replace(known, lexicon=about(known.lexicon, settings.system))
+            drafted = known.draft is not None
+            known = replace(known, lexicon=about(known.lexicon, settings.system, first=drafted))
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
         found = tuple(_explained(f, settings) for f in _found(reviewed, known))

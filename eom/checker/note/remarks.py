@@ -231,7 +231,8 @@ class _Before:
         """Yield what a claim contradicts, and keep its members if it is not wrong."""
         members = _members(judged.claim, closure([*self.given, *judged.judgement.context]))
         value = _value(judged)
-        earlier = [self.members[m] for m in members if m in self.members]
+        known = (self.members.get(m, (number, None)) for m in members)
+        earlier = [(n, v) for n, v in known if n != number]
         if judged.verdict == WRONG and len(judged.claim.members) == 2 and earlier:
             yield remark("contradicts", self.lines[max(n for n, _ in earlier)])
         other = [n for n, v in earlier if None not in {v, value} and v != value]

@@ -118,7 +118,8 @@ def _fails(
     found = counterexample(shop, candidate, model)
     if found is None:
         return None
-    return replace(found, assumptions=tuple(n for n in found.assumptions if n not in given))
+    beyond = (n for n in found.assumptions if n not in given)
+    return replace(found, assumptions=shop.line.models().rests_on(beyond))
 
 
 def _correction(understood: Understood, wrong: Line, found: Verified) -> Correction:

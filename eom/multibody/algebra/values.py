@@ -17,6 +17,28 @@ from eom.system import as_expression
 Value = Any
 """An `int`, a `Fraction` or a SymPy expression that is no number."""
 
+
+class Decimal(Fraction):
+    """A fraction that was given as a decimal number; results of arithmetic are fractions as any others."""
+
+    __slots__ = ()
+
+
+def decimal(number: float) -> Value:
+    """Return a float exactly as the shortest decimal number that it is read from, a whole one as `int`.
+
+    >>> decimal(0.05), decimal(2.0)
+    (Decimal(1, 20), 2)
+    """
+    found = Decimal(repr(number))
+    return found.numerator if found.denominator == 1 else found
+
+
+def is_decimal(x: Value) -> bool:
+    """Return whether a value is a decimal number, or an expression with one."""
+    return isinstance(x, Decimal) or (isinstance(x, sp.Basic) and x.has(sp.Float))
+
+
 TOLERANCE = 1e-9
 """How far from a rotation or a unit vector given numbers may be."""
 
@@ -28,7 +50,7 @@ NAMED_AXES = {
 
 
 def value(given: Any, where: str) -> Value:
-    """Return a number exactly, a float as the dyadic fraction that it is; or an expression.
+    """Return a number exactly, a float as the decimal number that it is written as; or an expression.
 
     Raises `InputError` for text, complex numbers, infinities and NaN.
     """
@@ -41,7 +63,7 @@ def value(given: Any, where: str) -> Value:
     if isinstance(given, Real):
         if not math.isfinite(given):
             raise InputError("not a finite number", where=where, got=given)
-        return _exact(Fraction(float(given)))
+        return decimal(float(given))
     try:
         expression = as_expression(given)
     except InputError as error:
@@ -49,8 +71,7 @@ def value(given: Any, where: str) -> Value:
     if expression.is_number and expression.is_finite is False:
         raise InputError("not a finite number", where=where, got=given)
     if isinstance(expression, sp.Rational | sp.Float):
-        exact = sp.Rational(expression)
-        return _exact(Fraction(int(exact.p), int(exact.q)))
+        return _of_sympy(expression)
     if not isinstance(expression, sp.Expr) or expression.is_real is False:
         raise InputError("not a real number or expression", where=where, got=given)
     return expression
@@ -58,6 +79,14 @@ def value(given: Any, where: str) -> Value:
 
 def _exact(number: Fraction) -> Value:
     return number.numerator if number.denominator == 1 else number
+
+
+def _of_sympy(number: Any) -> Value:
+    """Return a number of SymPy exactly, a double as `decimal`."""
+    exact = sp.Rational(number)
+    if number.is_Float and sp.Rational(float(number)) == exact:
+        return decimal(float(number))
+    return _exact(Fraction(int(exact.p), int(exact.q)))
 
 
 def is_number(x: Value) -> bool:
@@ -167,5 +196,5 @@ def _normalised(a: Sequence[Any], where: str) -> tuple[Value, Value, Value]:
     p, q = math.isqrt(square.numerator), math.isqrt(square.denominator)
     exact = p * p == square.numerator and q * q == square.denominator
     length = Fraction(p, q) if exact else Fraction(math.sqrt(square))
-    x, y, z = (_exact(c / length if exact else Fraction(float(c / length))) for c in a)
+    x, y, z = (_exact(c / length) if exact else decimal(float(c / length)) for c in a)
     return x, y, z

@@ -140,6 +140,7 @@ class ClosedForm:
             inputs=inputs,
             definitions=self.prescribed,
             singularities=singularities_of(self.tree),
+            numbers=self.tree.numbers,
         )
 
     def show(self, style: str = "text") -> str:

@@ -465,7 +465,9 @@ def _constants(tree: Tree) -> list[set[Expr]]:
 
 
 KNOWN: dict[type, frozenset[str]] = {
-    Tree: frozenset({"name", "bodies", "joints", "gravity", "loads", "inputs", "parameters"}),
+    Tree: frozenset(
+        {"name", "bodies", "joints", "gravity", "loads", "inputs", "parameters", "numbers"}
+    ),
     Body: frozenset({"name", "mass", "centre", "inertia", "about", "axes"}),
     Joint: frozenset(
         {

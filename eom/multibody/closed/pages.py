@@ -60,10 +60,20 @@ from eom.typeset.boxes import (
     symbol,
 )
 from eom.typeset.markup import render
-from eom.typeset.writing import expression_pieces
+from eom.typeset.writing import expression_pieces, in_decimals
 
 Expr = Any
-Names = dict[Expr, Expr]
+
+
+class Names(dict[Expr, Expr]):
+    """How symbols are shown, and whether numbers are shown as decimals."""
+
+    decimals = False
+
+    def of(self, value: Expr) -> Expr:
+        """Return an expression, or a matrix, as it is shown."""
+        found = value.xreplace(self)
+        return in_decimals(found) if self.decimals else found
 
 
 @shown.register(ClosedForm)
@@ -126,7 +136,8 @@ def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
 
 def display_names(form: ClosedForm) -> Names:
     """Return how speeds and accelerations are shown: those of a coordinate q as rates of q."""
-    found: Names = {}
+    found = Names()
+    found.decimals = form.tree.numbers == "decimals"
     given = form.steps.mechanism
     for u, a, moved in zip(given.speeds, given.accelerations, given.basis, strict=True):
         if len(moved) == 1 and set(moved.values()) == {1}:
@@ -178,7 +189,7 @@ def _stage_lines(stage: Stage, names: Names) -> Iterator[Line]:
 def _pieces(value: Value, names: Names) -> tuple[Box, ...]:
     if isinstance(value, tuple):
         return (Grid(tuple((row(*_pieces(x, names)),) for x in value)),)
-    return expression_pieces(value.xreplace(names))
+    return expression_pieces(names.of(value))
 
 
 def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
@@ -207,7 +218,7 @@ def _sum(terms: list[Term], names: Names) -> tuple[Box, ...]:
 
 def _signed(term: Term, names: Names) -> Iterator[tuple[bool, Box]]:
     """Yield the parts of a term with whether they are subtracted; a factor stands behind a sum."""
-    coefficient, factor = term.coefficient.xreplace(names), term.factor.xreplace(names)
+    coefficient, factor = names.of(term.coefficient), term.factor.xreplace(names)
     whole = [coefficient] if factor != 1 else sp.Add.make_args(coefficient)
     for part in whole:
         minus = bool(part.as_coeff_Mul()[0].is_negative)
@@ -289,11 +300,11 @@ def _by_kind(form: ClosedForm) -> Iterator[Block]:
     for kind, meaning in KINDS.items():
         terms = [t for t in form.terms if t.kind == kind]
         if terms and kind == "inertial":
-            matrix = form.mass_matrix.xreplace(names)
+            matrix = names.of(form.mass_matrix)
             yield Paragraph("Mass matrix, over the accelerations in the order of the variables:")
             yield Display((Line(symbol("M"), EQUALS, (_grid(matrix),)),))
         elif terms:
-            column = form.column(kind).xreplace(names)
+            column = names.of(form.column(kind))
             side = "" if meaning.left else " (right side)"
             yield Paragraph(f"{meaning.title}{side}:")
             yield Display((Line(symbol(_LETTERS[kind]), EQUALS, (_grid(column),)),))

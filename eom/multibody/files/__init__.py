@@ -2,6 +2,6 @@
 
 In: TOML or URDF. Out: `TreeScene`s: trees, parameters, initial states, outputs.
 Imports: `eom.errors`, `eom.kinematics`, `eom.mass`, `eom.mechanics`, `eom.multibody.algebra`,
-`eom.multibody.constrained`, `eom.multibody.model`, `eom.multibody.recursion`, `eom.multibody.system`,
-`eom.quantities`, `eom.scenes`, `eom.system`.
+`eom.multibody.constrained`, `eom.multibody.model`, `eom.multibody.recursion`,
+`eom.multibody.system`, `eom.quantities`, `eom.scenes`, `eom.system`, `eom.units`.
 """

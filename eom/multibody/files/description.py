@@ -31,6 +31,7 @@ from eom.multibody.model.constraints import (
     Rolling,
     SpeedEquation,
 )
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.parts import ACTING, CENTRE, MOVING, ORIGIN, Kind, kinds
 from eom.multibody.recursion.quantities import Point as TreePoint
 from eom.scenes.description import Formula, InitialAttitude, Part, Request
@@ -79,7 +80,8 @@ class BodyPart(Part):
     """A body: see `eom.multibody.model.model.Body`.
 
     The inertia by principal ``moments``, by a ``matrix``, or of a uniform ``solid`` with its ``size`` about
-    its centre; of the solid with its axis along the third axis. ``rotation``: from the body's axes to
+    its centre; of the solid with its axis along the third axis. All may be over t, too, if mass leaves or
+    enters by ``jets`` (`eom.multibody.model.jets.Jet`). ``rotation``: from the body's axes to
     those in which the inertia is given. ``mass`` (kg), ``centre`` of mass (m), ``about`` as there.
     """
 
@@ -164,6 +166,7 @@ CONSTRAINTS: Mapping[str, type[model.Constraint]] = {
 
 if TYPE_CHECKING:
     JointPart = Any
+    JetPart = Any
     LoadPart = Any
     RotorPart = Any
     SpringPart = Any
@@ -176,6 +179,7 @@ else:
         "outputs and count whole turns (`codegen.runs.turns`).",
         angles=(str, ""),
     )
+    JetPart = _described(Jet)
     LoadPart = _described(model.Load)
     RotorPart = _described(model.Rotor)
     SpringPart = _described(
@@ -196,10 +200,11 @@ class TreeDescription(Request):
 
     ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes, at its origin;
     ``gravity_gradient``: by how much it grows with the position (1/s^2), over parameters and t. ``bodies``,
-    ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name. ``initial``:
-    coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters, and over masses,
-    moments and sizes of bodies, as mass_BODY, I1_BODY; what is not given is zero, the attitude of a joint
-    no turn. ``initial_attitude``: by joint. Under constraints the start is the nearest that meets them;
+    ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``jets``, ``points``: by name.
+    ``initial``: coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters, and over
+    masses, moments and sizes of bodies, as mass_BODY, I1_BODY; what is not given is zero, the attitude of a
+    joint no turn. ``initial_attitude``: by joint. Under constraints the start is the nearest that meets
+    them;
     ``keep``: names of speeds, and of coordinates whose rate is a speed, that it does not change.
     ``outputs``: names of states, of outputs, or of groups of outputs
     (`eom.multibody.files.scene.Choice`); all states and points where none are named.
@@ -214,6 +219,7 @@ class TreeDescription(Request):
     constraints: dict[str, ConstraintPart] = Field(default_factory=dict)
     rotors: dict[str, RotorPart] = Field(default_factory=dict)
     springs: dict[str, SpringPart] = Field(default_factory=dict)
+    jets: dict[str, JetPart] = Field(default_factory=dict)
     points: dict[str, PointPart] = Field(default_factory=dict)
     keep: tuple[str, ...] = ()
     initial: dict[str, Formula] = Field(default_factory=dict)

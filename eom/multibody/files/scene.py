@@ -87,9 +87,9 @@ class TreeScene(BaseScene, TreeDescription):
     Fields: see `eom.multibody.files.description.TreeDescription`; ``repeat`` writes out repeated parts
     first (`eom.multibody.files.scene`), and ``body`` is a tree of one (`of_one`). ``notes``: what a file
     said that is not used, for `explain`; ``repairs``: what was mended in reading it leniently; ``spare``:
-    parameters that no formula need use. SI units, angles in radians; frames are those of the ground, the
-    bodies and the joints (`Joint`). Raises `InputError` for
-    anything that is misspelt, missing or impossible.
+    parameters that no formula need use; ``implied``: those whose units the scene does not state itself.
+    SI units, angles in radians; frames are those of the ground, the bodies and the joints (`Joint`).
+    Raises `InputError` for anything that is misspelt, missing or impossible.
 
     >>> rod = {"mass": "m", "centre": (0, 0, "-l/2"), "moments": ("m*l**2/12", "m*l**2/12", 0)}
     >>> hinge = {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x"}
@@ -102,6 +102,7 @@ class TreeScene(BaseScene, TreeDescription):
     notes: tuple[str, ...] = ()
     repairs: tuple[Repair, ...] = ()
     spare: tuple[str, ...] = ()
+    implied: tuple[str, ...] = ()
 
     def __init__(self, /, **data: Any) -> None:
         super().__init__(**data)
@@ -225,7 +226,7 @@ class TreeScene(BaseScene, TreeDescription):
 ONE = "body"
 """The name of the body of a scene of one, and of its joint."""
 _UNSAID: dict[str, dict[str, Any]] = {
-    **{key: {"body": ONE} for key in ("rotors", "loads", "points")},
+    **{key: {"body": ONE} for key in ("rotors", "loads", "points", "jets")},
     "springs": {"first": GROUND, "second": ONE},
     "constraints": {},
 }
@@ -271,7 +272,7 @@ def of_one(data: Mapping[str, Any]) -> Mapping[str, Any]:
     if "initial_attitude" in data:
         found["initial_attitude"] = {ONE: data["initial_attitude"]}
     made = {"bodies": bodies, "joints": joints, "parameters": {**said.parameters, **own}}
-    return {**found, **field, **made, "spare": tuple(sizes(said))}
+    return {**found, **field, **made, "spare": tuple(sizes(said)), "implied": tuple(own)}
 
 
 def _by_laws(said: Description) -> Scene:
@@ -429,11 +430,14 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
         found[names[0]] = 1.0
     found |= dict.fromkeys(reading.scene.control.states, 0.0)
     parameters = {n: v.value for n, v in reading.scene.parameters.items()}
+    units = {q.name: q.unit for q in reading.states}
     for name, given in reading.scene.initial.items():
         if name not in found:
             raise unknown_name("state", name, found, "[initial]")
         place = f"[initial] {name}"
-        formula = sp.sympify(reading.constants.value(given, place), strict=True)
+        formula = sp.sympify(
+            reading.constants.value(given, place, units.get(name, "")), strict=True
+        )
         found[name] = number(formula, parameters, place)
     for name, value in _attitudes(reading, free):
         if name in reading.scene.initial:

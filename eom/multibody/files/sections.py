@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -25,15 +25,18 @@ from eom.multibody.files.description import (
     TreeDescription,
     Turned,
 )
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
 from eom.multibody.model.parts import Kind, kinds
 from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity
 from eom.scenes import parse
-from eom.scenes.description import one_of
+from eom.scenes.description import Part, one_of
 from eom.scenes.naming import check_names, spelling
+from eom.scenes.stated import Stated
 from eom.system import System
+from eom.units import measure
 
 Names = Mapping[str, Any]
 
@@ -41,25 +44,26 @@ Names = Mapping[str, Any]
 class Formulas:
     """Reads formulas over names, and keeps which names were used."""
 
-    def __init__(self, names: Names) -> None:
-        self.names = names
+    def __init__(self, names: Names, stated: Stated) -> None:
+        self.names, self.stated = names, stated
         self.used: set[str] = set()
 
-    def value(self, given: Any, where: str) -> Value:
+    def value(self, given: Any, where: str, unit: str = "") -> Value:
         """Return a number or formula as a value. Raises `InputError` with its place."""
         if not isinstance(given, str):
             return value(given, where)
-        found = parse.parse(given, self.names, where)
+        found = parse.parse(given, self.names, where, unit=unit)
+        self.stated.check(given, where, unit, read=found)
         self.used |= {str(s.name) for s in found.free_symbols}
         return rounded(found, where)
 
-    def values(self, given: Any, where: str) -> Any:
+    def values(self, given: Any, where: str, unit: str = "") -> Any:
         """Return a value, those of a list, of rows, or of a table."""
         if isinstance(given, tuple | list):
-            return tuple(self.values(g, where) for g in given)
+            return tuple(self.values(g, where, unit) for g in given)
         if isinstance(given, Mapping):
-            return {n: self.value(g, f"{where} of {n}") for n, g in given.items()}
-        return self.value(given, where)
+            return {n: self.value(g, f"{where} of {n}", unit) for n, g in given.items()}
+        return self.value(given, where, unit)
 
     def rotation(self, given: Turned | None, where: str) -> Any:
         """Return the matrix of a rotation. Raises `InputError` unless it is given in one way."""
@@ -67,12 +71,21 @@ class Formulas:
             return IDENTITY
         one_of(given, ("matrix", "radians", "degrees"), "a rotation", where)
         if given.matrix is not None:
-            return self.values(given.matrix, where)
+            return self.values(given.matrix, where, "1")
         factor = sp.pi / 180 if given.degrees is not None else sp.Integer(1)
-        angles = self.values(given.degrees or given.radians or (), where)
+        if given.degrees is not None and any(map(_has_unit, given.degrees)):
+            raise InputError(
+                "degrees have no other unit", where=where, got=given.degrees,
+                expected="numbers, or radians = with values in any unit",
+            )  # fmt: skip
+        angles = self.values(given.degrees or given.radians or (), where, "rad")
         return turned(
             given.sequence, [right(sp.sympify(a, strict=True) * factor) for a in angles], where
         )
+
+
+def _has_unit(given: Any) -> bool:
+    return isinstance(given, str) and measure(given) is not None
 
 
 def turned(sequence: str, angles: Iterable[Any], where: str) -> tuple[tuple[Value, ...], ...]:
@@ -107,7 +120,8 @@ def right(angle: Any) -> Any:
 class Reading:
     """What formulas of a scene may speak of.
 
-    ``plain``: parameters, for bodies; ``constants``: also what bodies define; ``moving``: time too;
+    ``plain``: parameters and time, for bodies; ``constants``: parameters, and what bodies define that does
+    not change; ``moving``: time, and what changes, too;
     ``acting``: inputs, coordinates and speeds too.
     """
 
@@ -148,15 +162,15 @@ class Reading:
 
     @cached_property
     def plain(self) -> Formulas:
-        """Over parameters."""
-        return Formulas({q.name: q.symbol for q in self.parameters})
+        """Over parameters and time."""
+        return Formulas({"t": TIME, **{q.name: q.symbol for q in self.parameters}}, self.stated)
 
     @cached_property
     def defined(self) -> dict[str, Any]:
         """Masses, moments and sizes of bodies that the scene states, under KEY_BODY, as I1_hub."""
         return {
             f"{key}_{name}": sp.sympify(
-                self.plain.value(given, f"body {name!r}: {key}"), strict=True
+                self.plain.value(given, f"body {name!r}: {key}", _UNITS.get(key, "m")), strict=True
             )
             for name, part in self.scene.bodies.items()
             for key, given in _stated(part)
@@ -165,12 +179,14 @@ class Reading:
     @cached_property
     def constants(self) -> Formulas:
         """Over parameters, and masses, moments and sizes of bodies."""
-        return Formulas({**self.defined, **self.plain.names})
+        constant = {n: x for n, x in self.defined.items() if TIME not in x.free_symbols}
+        own = {q.name: q.symbol for q in self.parameters}
+        return Formulas({**constant, **own}, self.stated)
 
     @cached_property
     def moving(self) -> Formulas:
         """Over parameters and time."""
-        return Formulas({"t": TIME, **self.constants.names})
+        return Formulas({**self.defined, **self.plain.names}, self.stated)
 
     @cached_property
     def acting(self) -> Formulas:
@@ -183,12 +199,32 @@ class Reading:
         }
         states = (q for q in self.states if q not in driven)
         known = (*states, *self.motors.values(), *self.inputs)
-        return Formulas({**{q.name: q.symbol for q in known}, **self.moving.names})
+        return Formulas({**{q.name: q.symbol for q in known}, **self.moving.names}, self.stated)
+
+    @cached_property
+    def stated(self) -> Stated:
+        """The units of all that formulas may speak of."""
+        units = {q.name: q.unit for q in (*self.states, *self.motors.values())}
+        for name, part in self.scene.bodies.items():
+            units |= {f"{key}_{name}": _UNITS.get(key, "m") for key, _ in _stated(part)}
+        given = {q.name: q.unit for q in (*self.parameters, *self.inputs)}
+        implied = getattr(self.scene, "implied", ())
+        own = {n: unit for n, unit in given.items() if n not in implied}
+        return Stated({**given, **units, "t": "s"}, own)
+
+    def speeds_of(self, part: type, name: str) -> tuple[Quantity, ...]:
+        """Return the speeds of a joint, of other parts none."""
+        found = (j.speeds for j in self.joints if part is Joint and j.name == name)
+        return next(found, ())
 
     @property
     def used(self) -> set[str]:
         """The names that formulas used so far."""
         return self.plain.used | self.constants.used | self.moving.used | self.acting.used
+
+
+_UNITS = {"mass": "kg", **{f"I{k}": "kg m^2" for k in (1, 2, 3)}}
+"""Units of what bodies state; of sizes m."""
 
 
 def _stated(part: BodyPart) -> Iterator[tuple[str, Any]]:
@@ -216,26 +252,35 @@ def _bare_rotor(name: str, part: RotorPart) -> Rotor:
 
 
 def made(
-    part: Any, given: Any, reading: Reading, name: str = "", where: str = "", **own: Any
+    part: Any,
+    given: Any,
+    reading: Reading,
+    name: str = "",
+    where: str = "",
+    speeds: Sequence[Quantity] = (),
+    **own: Any,
 ) -> Any:
     """Return a part of a tree from what a file says of it; ``own``: fields that are known.
 
-    ``where``: its place, if it has no name. Raises `InputError` for formulas that say what they may not.
+    ``where``: its place, if it has no name; ``speeds``: of the joint that it is part of. Raises
+    `InputError` for formulas that say what they may not.
     """
     where = where or f"{part.noun} {name!r}"
-    held = kinds(part)
+    held, speeds = kinds(part), speeds or reading.speeds_of(part, name)
     for field in (f.name for f in dataclasses.fields(part) if f.name not in own):
         kind = held.get(field, Kind("word"))
         keys = kind.keys or (field,)
         found = [
-            name if key == "name" else _read(kind, getattr(given, key), reading, f"{where}: {key}")
+            name
+            if key == "name"
+            else _read(kind, getattr(given, key), reading, f"{where}: {key}", speeds)
             for key in keys
         ]
         own[field] = tuple(found) if len(keys) > 1 else found[0]
     return part(**own)
 
 
-def _read(held: Kind, given: Any, reading: Reading, where: str) -> Any:
+def _read(held: Kind, given: Any, reading: Reading, where: str, speeds: Sequence[Quantity]) -> Any:
     known = (*reading.scene.bodies, GROUND)
     if held.shape == "body" and given not in known:
         raise unknown_name("body", given, known, where.rpartition(":")[0])
@@ -244,15 +289,22 @@ def _read(held: Kind, given: Any, reading: Reading, where: str) -> Any:
     if given is None or held.shape in {"body", "axes", "word"}:
         return given
     if isinstance(held.shape, type):
-        return made(held.shape, given, reading, where=where)
+        return made(held.shape, given, reading, where=where, speeds=speeds)
     if held.shape in {"axis", "place"} and isinstance(given, str):
         return given
-    return getattr(reading, held.scope).values(given, where)
+    read = getattr(reading, held.scope)
+    if held.shape != "each":
+        return read.values(given, where, held.unit)
+    units = held.units(speeds)
+    if isinstance(given, tuple | list):
+        rows = zip(given, (*units, *[""] * len(given)), strict=False)
+        return tuple(read.value(g, where, u) for g, u in rows)
+    return read.value(given, where, units[0] if len({*units}) == 1 else "")
 
 
 def _body(part: BodyPart, reading: Reading, name: str) -> Any:
     where, read = f"body {name!r}", reading.plain
-    J = _inertia(part, read.value(part.mass, f"{where}: mass"), read, where)
+    J = _inertia(part, read.value(part.mass, f"{where}: mass", "kg"), read, where)
     axes = read.rotation(part.rotation, f"{where}: rotation")
     return made(Body, part, reading, name, inertia=J, axes=axes)
 
@@ -267,8 +319,10 @@ def _inertia(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
     if part.size:
         raise InputError("size belongs to a solid", where=where, hint="name a solid, or drop it")
     if part.matrix is not None:
-        return read.values(part.matrix, f"{where}: matrix")
-    return ZERO if part.moments is None else read.values(part.moments, f"{where}: moments")
+        return read.values(part.matrix, f"{where}: matrix", "kg m^2")
+    if part.moments is None:
+        return ZERO
+    return read.values(part.moments, f"{where}: moments", "kg m^2")
 
 
 def _solid(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
@@ -276,7 +330,7 @@ def _solid(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
         raise InputError(
             "the inertia of a solid is about its centre", where=where, got=f"about {part.about}"
         )
-    size = {n: read.value(v, f"{where}: size {n}") for n, v in part.size.items()}
+    size = {n: read.value(v, f"{where}: size {n}", "m") for n, v in part.size.items()}
     name = str(part.solid)
     if name not in solids.SOLIDS:
         raise unknown_name("solid", name, solids.SOLIDS, f"{where}: solid")
@@ -304,6 +358,7 @@ SECTIONS: Mapping[str, Callable[[Any, Reading, str], Any]] = {
     "constraints": _constraint,
     "rotors": partial(made, Rotor),
     "springs": partial(made, Spring),
+    "jets": partial(made, Jet),
 }
 """What makes the parts of each section, a field of `TreeDescription` and of `Tree`, of data and name."""
 
@@ -321,12 +376,33 @@ def tree_of(reading: Reading) -> Tree:
     }
     return Tree(
         spelling(scene.name),
-        gravity=reading.constants.values(scene.gravity, "gravity"),
-        gravity_gradient=reading.moving.values(scene.gravity_gradient or ZEROS, "gravity_gradient"),
+        gravity=reading.constants.values(scene.gravity, "gravity", "m/s^2"),
+        gravity_gradient=reading.moving.values(
+            scene.gravity_gradient or ZEROS, "gravity_gradient", "1/s^2"
+        ),
+        numbers="decimals" if has_decimals(scene) else "values",
         inputs=reading.inputs,
         parameters=reading.parameters,
         **parts,
     )
+
+
+def has_decimals(scene: TreeDescription) -> bool:
+    """Return whether any number of a scene's bodies, joints and what acts has decimals."""
+    told = {key: getattr(scene, key) for key in (*SECTIONS, "points")}
+    return _has_decimals([scene.gravity, scene.gravity_gradient, told])
+
+
+def _has_decimals(given: Any) -> bool:
+    if isinstance(given, Part):
+        return _has_decimals(dict(given))
+    if isinstance(given, Mapping):
+        return any(map(_has_decimals, given.values()))
+    if isinstance(given, tuple | list):
+        return any(map(_has_decimals, given))
+    if isinstance(given, str):
+        return parse.has_decimals(given)
+    return isinstance(given, float) and not given.is_integer()
 
 
 def points_of(reading: Reading) -> tuple[Point, ...]:

@@ -169,7 +169,7 @@ def regressor(tree: Tree, *, armature: bool = False, damping: bool = False) -> R
 
     ``armature``, ``damping``: whether there are columns for these (kg m^2 or kg, N m s or N s/m). Loads,
     springs, rotors, applied forces and motors are not in tau = Y pi; gravity is. Raises `InputError` for
-    prescribed motions, a gradient of gravity and names in use.
+    prescribed motions, jets, a gradient of gravity and names in use.
     Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5, whose inverse dynamics is linear in
     the inertias; Atkeson, An and Hollerbach, Int. J. Robotics Research 5(3), 1986.
 
@@ -185,10 +185,11 @@ def regressor(tree: Tree, *, armature: bool = False, damping: bool = False) -> R
                 "prescribed motion has no place in a regressor", where=f"joint {joint.name!r}",
                 hint="leave it out: accelerations are inputs here",
             )  # fmt: skip
-    if any(not is_zero(x) for row in tree.gravity_gradient for x in row):
+    if tree.jets or any(not is_zero(x) for row in tree.gravity_gradient for x in row):
+        what = "a jet" if tree.jets else "a gradient of gravity"
         raise InputError(
-            "a gradient of gravity has no place in a regressor", where=f"tree {tree.name!r}",
-            hint="leave it out: gravity is uniform here",
+            f"{what} has no place in a regressor", where=f"tree {tree.name!r}",
+            hint="leave it out: gravity is uniform here, and masses are constant",
         )  # fmt: skip
     coordinates = [c for j in tree.ordered for c in j.coordinates]
     speeds = [s for j in tree.ordered for s in j.speeds]
@@ -253,6 +254,7 @@ def _system(
         inputs=tuple(inputs),
         definitions=definitions,
         outputs=tuple(outputs),
+        numbers=tree.numbers,
     )
 
 

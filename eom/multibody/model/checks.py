@@ -7,10 +7,14 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
+import sympy as sp
+
+from eom.dimensions import Dimensions
 from eom.errors import InputError
 from eom.multibody.algebra.scalars import mul, sub, total
 from eom.multibody.algebra.spatial import Matrix, Vector, product, transposed
 from eom.multibody.algebra.values import Value, is_number
+from eom.quantities import TIME, Quantity
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 SLACK = Fraction(1, 10**9)
@@ -76,3 +80,20 @@ def not_parallel(axis: Vector, other: Vector, where: str) -> None:
     cosine = total(mul(a, b) for a, b in zip(axis, other, strict=True))
     if is_number(cosine) and abs(cosine) > 1 - SLACK:
         raise InputError("the two axes are parallel", where=where, got=float(cosine))
+
+
+def units(
+    rows: Iterable[tuple[str, Any, str]], own: Iterable[Quantity], moving: Iterable[Quantity]
+) -> None:
+    """Raise `InputError` for an expression over ``own`` quantities that has another unit than its place.
+
+    ``rows``: places, values and units. Numbers in expressions may be values with units.
+    """
+    known = [(q.symbol, q.unit) for q in own if q.unit]
+    if not known:
+        return
+    stated, others = {s for s, _ in known}, [(q.symbol, q.unit) for q in moving]
+    dimensions = Dimensions([*known, *others, (TIME, "s")], counts=False, time=TIME)
+    for where, value, unit in rows:
+        if isinstance(value, sp.Basic) and value.free_symbols & stated:
+            dimensions.check(value, where, unit)

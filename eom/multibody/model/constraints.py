@@ -23,7 +23,7 @@ from eom.multibody.model import checks
 from eom.multibody.model.joints import KINDS
 from eom.multibody.model.joints import Kind as JointKind
 from eom.multibody.model.model import HERE, Constraint, Placement, Tree
-from eom.multibody.model.parts import ACTING, Axis, BodyName, Kind, Number, Triple
+from eom.multibody.model.parts import ACTING, Axis, BodyName, Kind, Length, Position
 
 CLOSING = tuple(k for k in KINDS if k not in {"free", "helical"})
 """Kinds of joints that close loops."""
@@ -83,9 +83,9 @@ class Distance(Constraint):
     name: str
     first: BodyName
     second: BodyName
-    length: Number
-    first_point: Triple = ZERO
-    second_point: Triple = ZERO
+    length: Length
+    first_point: Position = ZERO
+    second_point: Position = ZERO
 
     def complete(self) -> None:
         """Raise `InputError` for a distance that is not positive."""
@@ -210,12 +210,12 @@ class Rolling(Constraint):
 
     name: str
     body: BodyName
-    radius: Number
-    axis: Annotated[Any, Kind("axis", optional=True)] = "z"
-    centre: Triple = ZERO
+    radius: Length
+    axis: Annotated[Any, Kind("axis", optional=True, unit="1")] = "z"
+    centre: Position = ZERO
     normal: Axis = "z"
-    origin: Triple = ZERO
-    half_axis: Number = 0
+    origin: Position = ZERO
+    half_axis: Length = 0
 
     def complete(self) -> None:
         """Raise `InputError` for a radius that is not positive, and a normal in no plane of two axes."""
@@ -250,7 +250,7 @@ class KnifeEdge(Constraint):
     name: str
     body: BodyName
     direction: Axis = "y"
-    point: Triple = ZERO
+    point: Position = ZERO
 
 
 def _over(constraint: Equation | SpeedEquation, symbols: Any, kind: str) -> None:

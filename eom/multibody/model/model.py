@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from typing import Annotated, Any
 
 import sympy as sp
@@ -19,7 +20,8 @@ from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
-from eom.multibody.model import checks
+from eom.multibody.model import checks, jets
+from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import ALONE, KINDS, QUATERNION
 from eom.multibody.model.joints import Kind as JointKind
 from eom.multibody.model.parts import (
@@ -30,11 +32,10 @@ from eom.multibody.model.parts import (
     PLAIN,
     Axis,
     BodyName,
-    Each,
     Kind,
-    Number,
+    Length,
     Part,
-    Triple,
+    Position,
     kinds,
 )
 from eom.quantities import TIME, Quantity
@@ -51,7 +52,8 @@ class Body(Part):
     ``mass`` (kg). ``centre``: of mass, from the body's origin, in its axes (m). ``inertia`` (kg m^2):
     three principal moments or a symmetric matrix, J12 = -integral of r1 r2 dm; ``about`` the ``centre``
     of mass, the ``origin``, or a point (m). ``axes``: C takes components in the body's axes to those
-    in the axes in which the inertia is given. A body of mass 0 has no inertia.
+    in the axes in which the inertia is given. A body of mass 0 has no inertia. All may change in time, by
+    a `Jet` through which mass leaves.
 
     Shapes: ``centre`` (3,), ``inertia`` (3,) or (3, 3), ``axes`` (3, 3).
     Raises `InputError` for a mass below zero, and an inertia in numbers that no body has.
@@ -63,11 +65,11 @@ class Body(Part):
     noun = "body"
 
     name: str
-    mass: Annotated[Value, Kind("number", PLAIN)] = 0
-    centre: Annotated[Any, Kind("vector", PLAIN)] = ZERO
-    inertia: Annotated[Any, Kind("inertia", PLAIN)] = ZERO
-    about: Annotated[Any, Kind("place", PLAIN)] = CENTRE
-    axes: Annotated[Any, Kind("rotation")] = IDENTITY
+    mass: Annotated[Value, Kind("number", PLAIN, unit="kg")] = 0
+    centre: Annotated[Any, Kind("vector", PLAIN, unit="m")] = ZERO
+    inertia: Annotated[Any, Kind("inertia", PLAIN, unit="kg m^2")] = ZERO
+    about: Annotated[Any, Kind("place", PLAIN, unit="m")] = CENTRE
+    axes: Annotated[Any, Kind("rotation", unit="1")] = IDENTITY
 
     def complete(self) -> None:
         """Raise `InputError` for an inertia that no body has."""
@@ -109,8 +111,8 @@ class Placement(Part):
 
     noun = "placement of a joint"
 
-    position: Triple = ZERO
-    rotation: Annotated[Any, Kind("rotation")] = IDENTITY
+    position: Position = ZERO
+    rotation: Annotated[Any, Kind("rotation", unit="1")] = IDENTITY
 
 
 HERE = Placement()
@@ -127,9 +129,13 @@ class Motion(Part):
 
     noun = "prescribed motion"
 
-    position: Annotated[tuple[Value, ...], Kind("each", MOVING)]
-    rate: Annotated[tuple[Value, ...] | None, Kind("each", MOVING, optional=True)] = None
-    acceleration: Annotated[tuple[Value, ...] | None, Kind("each", MOVING, optional=True)] = None
+    position: Annotated[tuple[Value, ...], Kind("each", MOVING, each=("rad", "m"))]
+    rate: Annotated[
+        tuple[Value, ...] | None, Kind("each", MOVING, optional=True, each=("rad/s", "m/s"))
+    ] = None
+    acceleration: Annotated[
+        tuple[Value, ...] | None, Kind("each", MOVING, optional=True, each=("rad/s^2", "m/s^2"))
+    ] = None
 
     def complete(self) -> None:
         """Derive the rates that are left out, and raise `InputError` for what is no expression."""
@@ -189,15 +195,15 @@ class Joint(Part):
     child: str
     axis: Axis = "z"
     second_axis: Axis = "x"
-    pitch: Number = 0
+    pitch: Length = 0
     attitude: str = QUATERNION
     on_parent: Annotated[Placement, Kind(Placement)] = HERE
     on_child: Annotated[Placement, Kind(Placement)] = HERE
-    stiffness: Each = 0
-    rest: Each = 0
-    damping: Each = 0
-    armature: Each = 0
-    force: Annotated[Any, Kind("each", ACTING)] = 0
+    stiffness: Annotated[Any, Kind("each", each=("N m/rad", "N/m"))] = 0
+    rest: Annotated[Any, Kind("each", each=("rad", "m"))] = 0
+    damping: Annotated[Any, Kind("each", each=("N m s/rad", "N s/m"))] = 0
+    armature: Annotated[Any, Kind("each", each=("kg m^2", "kg"))] = 0
+    force: Annotated[Any, Kind("each", ACTING, each=("N m", "N"))] = 0
     motor: bool = False
     motion: Annotated[Any, Kind(Motion, optional=True)] = None
     alone: bool = False
@@ -285,9 +291,9 @@ class Load(Part):
     noun = "load"
 
     body: BodyName
-    force: Annotated[Any, Kind("vector", ACTING)] = ZERO
-    torque: Annotated[Any, Kind("vector", ACTING)] = ZERO
-    point: Annotated[Any, Kind("vector", ACTING)] = ZERO
+    force: Annotated[Any, Kind("vector", ACTING, unit="N")] = ZERO
+    torque: Annotated[Any, Kind("vector", ACTING, unit="N m")] = ZERO
+    point: Annotated[Any, Kind("vector", ACTING, unit="m")] = ZERO
     axes: Annotated[str, Kind("axes")] = GROUND
 
     @property
@@ -323,12 +329,12 @@ class Rotor(Part):
     name: str
     body: BodyName
     axis: Axis = "z"
-    inertia: Annotated[Value, Kind("number", needed=True)] = 0
-    damping: Number = 0
-    torque: Annotated[Value, Kind("number", ACTING)] = 0
+    inertia: Annotated[Value, Kind("number", needed=True, unit="kg m^2")] = 0
+    damping: Annotated[Value, Kind("number", unit="N m s")] = 0
+    torque: Annotated[Value, Kind("number", ACTING, unit="N m")] = 0
     motor: bool = False
     angle: bool = False
-    speed: Annotated[Any, Kind("number", MOVING, optional=True)] = None
+    speed: Annotated[Any, Kind("number", MOVING, optional=True, unit="rad/s")] = None
 
     def complete(self) -> None:
         """Raise `InputError` for a moment that is not positive, and for two ways to say how it spins."""
@@ -381,10 +387,13 @@ class Spring(Part):
 
     name: str
     bodies: Annotated[tuple[str, str], Kind("body", keys=("first", "second"))]
-    points: Annotated[Any, Kind("vector", keys=("first_point", "second_point"))] = (ZERO, ZERO)
-    stiffness: Number = 0
-    length: Number = 0
-    damping: Number = 0
+    points: Annotated[Any, Kind("vector", keys=("first_point", "second_point"), unit="m")] = (
+        ZERO,
+        ZERO,
+    )
+    stiffness: Annotated[Value, Kind("number", unit="N/m")] = 0
+    length: Length = 0
+    damping: Annotated[Value, Kind("number", unit="N s/m")] = 0
 
     def complete(self) -> None:
         """Raise `InputError` for other than two points."""
@@ -439,13 +448,16 @@ class Tree:
 
     ``bodies``, ``joints``: one joint leads to each body. ``gravity``: its acceleration in the ground's axes
     (m/s^2), (3,), at the ground's origin; ``gravity_gradient``: by how much it grows with the position,
-    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``: what else acts and
-    spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
+    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``, ``jets``: what else acts
+    and spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
     parameters (every other symbol is one too). ``constraints``: rows of
     `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
+    ``numbers``: what numbers in the equations are, a row of `eom.system.NUMBERS`; nothing where that is
+    to be seen from the values, whose dimensions are then checked.
 
     Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
-    hangs on nothing or on two joints, a loop, a joint that moves no mass.
+    hangs on nothing or on two joints, a loop, a joint that moves no mass, an expression of another
+    dimension than its place has, where it is over parameters or inputs with units.
 
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
     >>> hinge = Joint("hinge", "revolute", GROUND, "bob", axis="x")
@@ -464,10 +476,21 @@ class Tree:
     rotors: tuple[Rotor, ...] = ()
     springs: tuple[Spring, ...] = ()
     gravity_gradient: Any = ZEROS
+    jets: tuple[Jet, ...] = ()
+    numbers: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in ("bodies", "joints", "loads", "parameters", "constraints", "rotors", "springs"):
+        for name in (
+            "bodies",
+            "joints",
+            "loads",
+            "parameters",
+            "constraints",
+            "rotors",
+            "springs",
+            "jets",
+        ):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         place = f"tree {self.name!r}: gravity_gradient"
@@ -475,6 +498,10 @@ class Tree:
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)
+        if not self.numbers:
+            _check_units(self)
+            found = any(map(values.is_decimal, _numbers(self)))
+            keep(self, "numbers", "decimals" if found else "values")
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
@@ -490,6 +517,39 @@ class Tree:
     def joint_of(self) -> dict[str, Joint]:
         """The joint that leads to each body."""
         return {j.child: j for j in self.joints}
+
+
+def _numbers(given: Tree) -> Iterator[Value]:
+    """Yield all values of a tree."""
+    yield from (*given.gravity, *(x for row in given.gravity_gradient for x in row))
+    parts = (
+        given.bodies,
+        given.joints,
+        given.loads,
+        given.constraints,
+        given.rotors,
+        given.springs,
+    )
+    for part in (p for group in parts for p in group):
+        yield from part.given
+
+
+def _check_units(given: Tree) -> None:
+    of_joints = (q for j in given.joints for q in (*j.coordinates, *j.speeds, *j.motors))
+    of_rotors = (q for r in given.rotors for q in (*r.states, *r.motors))
+    own = (*given.parameters, *given.inputs)
+    checks.units(_measured(given), own, chain(of_joints, of_rotors))
+
+
+def _measured(given: Tree) -> Iterator[tuple[str, Value, str]]:
+    """Yield all values with places and units."""
+    yield from ((f"tree {given.name!r}: gravity", x, "m/s^2") for x in given.gravity)
+    place = f"tree {given.name!r}: gravity_gradient"
+    yield from ((place, x, "1/s^2") for row in given.gravity_gradient for x in row)
+    for joint in given.joints:
+        yield from joint.measured(joint.speeds)
+    for group in (given.bodies, given.loads, given.constraints, given.rotors, given.springs):
+        yield from (row for part in group for row in part.measured())
 
 
 # -- what they must be --
@@ -527,7 +587,8 @@ def _check_tree(given: Tree) -> None:
     """Raise `InputError` for what is no tree, naming the body or joint."""
     where = f"tree {given.name!r}"
     checks.name(given.name, where)
-    for parts in (given.bodies, given.joints, given.rotors, given.springs, given.constraints):
+    named = (given.bodies, given.joints, given.rotors, given.springs, given.constraints, given.jets)
+    for parts in named:
         _once(parts, where)
     known = {b.name for b in given.bodies}
     if GROUND in known:
@@ -543,6 +604,9 @@ def _check_tree(given: Tree) -> None:
             raise InputError("both ends are on one body", where=s.where, got=s.bodies[0])
     _single_parents(given, where)
     ordered(given)
+    moving = {q.symbol for j in given.joints for q in (*j.coordinates, *j.speeds)}
+    moving |= {q.symbol for r in given.rotors for q in r.states}
+    jets.check(given.bodies, given.jets, moving, {i.symbol for i in given.inputs})
     for constraint in given.constraints:
         constraint.check(given)
     _massless(given)
@@ -557,6 +621,8 @@ def _held(given: Tree, known: set[str], where: str) -> Iterator[tuple[str, str, 
         yield "load on unknown body", where, load.body, known
     for rotor in given.rotors:
         yield "rotor on unknown body", rotor.where, rotor.body, known
+    for jet in given.jets:
+        yield "jet of unknown body", jet.where, jet.body, known
     for s in given.springs:
         for name in s.bodies:
             yield "spring on unknown body", s.where, name, known | {GROUND}

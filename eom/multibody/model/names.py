@@ -75,7 +75,7 @@ def values_of(tree: Tree) -> Iterable[Any]:
     """Yield every value of a description."""
     yield from tree.gravity
     yield from (x for row in tree.gravity_gradient for x in row)
-    for part in (*tree.bodies, *tree.joints, *tree.loads, *tree.springs, *tree.rotors):
+    for part in (*tree.bodies, *tree.joints, *tree.loads, *tree.springs, *tree.rotors, *tree.jets):
         yield from part.values
 
 
@@ -89,8 +89,8 @@ def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
 
 
 def singularities_of(tree: Tree) -> tuple[Singularity, ...]:
-    """Return where the angles of sequences fail."""
-    found: list[Singularity] = []
+    """Return where the angles of sequences fail, and where bodies that lose mass have none left."""
+    found: list[Singularity] = [s for body in tree.bodies for s in _used_up(body)]
     for joint in tree.ordered:
         if joint.row.attitude and joint.attitude != QUATERNION and joint.motion is None:
             angles = [c.symbol for c in joint.coordinates[-3:]]
@@ -100,12 +100,24 @@ def singularities_of(tree: Tree) -> tuple[Singularity, ...]:
     return tuple(found)
 
 
+def _used_up(body: Body) -> Iterable[Singularity]:
+    """Yield where mass or moments of inertia of a body that change in time are zero."""
+    J = body.central_inertia
+    sizes = [("mass", body.mass), *((f"moment of inertia {k + 1}", J[k][k]) for k in range(3))]
+    for what, size in sizes:
+        if TIME in getattr(size, "free_symbols", ()):
+            meaning = f"{what} of body {body.name} is used up"
+            yield Singularity(size, TIME, meaning, "end the run before")
+
+
 _SLACK = 1e-12
 """Of conditions on moments, relative to the largest of the values that they are made of."""
 
 
 def assumptions(tree: Tree) -> tuple[Assumption, ...]:
     """Return that masses are not negative, and that moments of inertia obey the triangle inequality.
+
+    Of what changes in time, that holds at t = 0.
 
     One for each body, and each rotor, of which parameters decide that; numbers were tested when the tree
     was made. A guard tests them on values (`codegen.frontend.structure`), those of ensembles, too.
@@ -123,8 +135,13 @@ def assumptions(tree: Tree) -> tuple[Assumption, ...]:
 def _not_negative(given: Any, where: str, what: str) -> list[Assumption]:
     if is_number(given) or not isinstance(given, sp.Expr):
         return []
+    given = _at_start(given)
     meaning = f"{what} of {where} is not negative"
     return [Assumption(f"{what}_not_negative", meaning, nonnegative=(given,), tolerance=0.0)]
+
+
+def _at_start(given: Any) -> Expr:
+    return sp.sympify(given, strict=True).subs(TIME, 0)
 
 
 def _of_body(body: Body) -> list[Assumption]:
@@ -132,9 +149,7 @@ def _of_body(body: Body) -> list[Assumption]:
     J = body.central_inertia
     if all(is_number(x) for row in J for x in row):
         return found
-    conditions = physical(
-        sp.ImmutableMatrix([[sp.sympify(x, strict=True) for x in row] for row in J])
-    )
+    conditions = physical(sp.ImmutableMatrix([[_at_start(x) for x in row] for row in J]))
     meaning = (
         f"no moment of inertia of body {body.name} about its centre of mass exceeds the sum of the "
         "other two (triangle inequality)"

@@ -6,7 +6,7 @@ that it holds are found (`Part.values`), and scene files are described and read 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
@@ -14,9 +14,10 @@ from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 from eom.multibody.algebra import values
 from eom.multibody.algebra.values import Value
 from eom.multibody.model import checks
+from eom.quantities import Quantity
 
 PLAIN, CONSTANTS, MOVING, ACTING = "plain", "constants", "moving", "acting"
-"""Over parameters; what bodies define, too; time, too; inputs, coordinates and speeds, too."""
+"""Over parameters and time; what bodies define, but no time; time, too; inputs and states, too."""
 CENTRE, ORIGIN = "centre", "origin"
 
 
@@ -27,7 +28,9 @@ class Kind:
     ``shape``: a row of `SHAPES`; ``each`` (one value, or one a speed), ``ratios`` (by name), ``body`` (its
     name), ``axes`` (whose), ``word``; or the class of a part in it. ``scope``: what formulas may be over.
     ``keys``: what scene files call it, where that is not the field's name; of several the field is the
-    tuple. ``needed``: files must say it; ``optional``: it may be None.
+    tuple. ``needed``: files must say it; ``optional``: it may be None. ``unit``: of its values, nothing
+    where they may have any; ``each``: of one at a turning speed (rad/s) and of one at a sliding speed
+    (m/s).
     """
 
     shape: str | type
@@ -35,6 +38,12 @@ class Kind:
     keys: tuple[str, ...] = ()
     needed: bool = False
     optional: bool = False
+    unit: str = ""
+    each: tuple[str, str] = ("", "")
+
+    def units(self, speeds: Sequence[Quantity]) -> tuple[str, ...]:
+        """Return the unit of one value a speed."""
+        return tuple(self.each[0 if s.unit == "rad/s" else 1] for s in speeds)
 
 
 def _place(given: Any, where: str) -> Any:
@@ -53,10 +62,9 @@ SHAPES: Mapping[str, Callable[[Any, str], Any]] = {
 }
 """What makes values of a shape of what is given, or raises `InputError` with its place."""
 
-Number = Annotated[Value, Kind("number")]
-Triple = Annotated[Any, Kind("vector")]
-Axis = Annotated[Any, Kind("axis")]
-Each = Annotated[Any, Kind("each")]
+Length = Annotated[Value, Kind("number", unit="m")]
+Position = Annotated[Any, Kind("vector", unit="m")]
+Axis = Annotated[Any, Kind("axis", unit="1")]
 BodyName = Annotated[str, Kind("body")]
 
 
@@ -90,10 +98,26 @@ class Part:
     def complete(self) -> None:
         """Derive what else a field is, and raise `InputError` for what does not go together."""
 
+    def measured(self, speeds: Sequence[Quantity] = ()) -> Iterator[tuple[str, Value, str]]:
+        """Yield values with their places and the units that they have, as far as these are known."""
+        for name, kind in self._kinds.items():
+            held, where = getattr(self, name), f"{self.where}: {name}"
+            if isinstance(held, Part):
+                yield from held.measured(speeds)
+            elif kind.shape == "each" and held is not None:
+                yield from ((where, x, u) for x, u in zip(held, kind.units(speeds), strict=True))
+            else:
+                yield from ((where, x, kind.unit) for x in _values(held))
+
+    @property
+    def given(self) -> Iterator[Value]:
+        """All numbers and expressions as they were given."""
+        return _values(tuple(getattr(self, name) for name in self._kinds))
+
     @property
     def values(self) -> Iterator[Value]:
         """All numbers and expressions that it holds."""
-        return _values(tuple(getattr(self, name) for name in self._kinds))
+        return self.given
 
 
 def _values(given: Any) -> Iterator[Value]:

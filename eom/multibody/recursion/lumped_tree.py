@@ -53,6 +53,7 @@ from eom.multibody.algebra.spatial import (
     times,
     transposed,
 )
+from eom.multibody.model.jets import Jet, flow
 from eom.multibody.model.joints import Kind, Setting
 from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
 
@@ -105,6 +106,41 @@ class SpringDamper:
 
 
 @dataclass(frozen=True)
+class Stream:
+    """What flows in a body of a part, over scalars: see `eom.multibody.model.jets.Flow`.
+
+    ``rotation``: C takes components in the part's axes to those in the body's; ``origin``: of the body, in
+    the part's axes. The rest is about that origin, in the body's axes.
+    """
+
+    rotation: Matrix
+    origin: Vector
+    momentum: Vector
+    spin: Vector
+    force: Vector
+    moment: Vector
+    damping: Matrix
+
+    def needed(self, omega: Vector) -> tuple[Vector, Vector]:
+        """Return moment about the part's origin and force that the part takes for it, in its axes."""
+        w = times(self.rotation, omega)
+        force = plus(self.force, scaled(2, cross(w, self.momentum)))
+        turning = plus(times(self.damping, w), cross(w, self.spin))
+        return self.carried(plus(self.moment, turning), force)
+
+    @property
+    def relative(self) -> tuple[Vector, Vector]:
+        """Angular momentum about the part's origin and momentum of the flow, relative to the part."""
+        return self.carried(self.spin, self.momentum)
+
+    def carried(self, moment: Vector, force: Vector) -> tuple[Vector, Vector]:
+        """Return a moment about the body's origin and a force, in its axes, as those of the part."""
+        back = transposed(self.rotation)
+        force = times(back, force)
+        return plus(times(back, moment), cross(self.origin, force)), force
+
+
+@dataclass(frozen=True)
 class Part:
     """A body with what is fixed to it, and the joint that leads to it.
 
@@ -129,6 +165,7 @@ class Part:
     pulls: tuple[AppliedLoad, ...] = ()
     spins: bool = False
     rotors: tuple[RotorSpin, ...] = ()
+    streams: tuple[Stream, ...] = ()
 
     @property
     def mass(self) -> Scalar:
@@ -193,6 +230,8 @@ def lumped_tree(
         builder.load(load)
     for rotor in tree.rotors:
         builder.rotor(rotor)
+    for name in dict.fromkeys(jet.body for jet in tree.jets):
+        builder.stream(tree.body[name], [jet for jet in tree.jets if jet.body == name])
     held = {*turning, *(name for spring in tree.springs for name in spring.bodies)}
     held |= {name for constraint in tree.constraints for name in constraint.bodies}
     fast = {builder.seats[name].part for name in held if name in builder.seats}
@@ -303,6 +342,23 @@ class _Growing:
         part = self.parts[seat.part]
         self.parts[seat.part] = replace(part, pulls=(*part.pulls, pull))
 
+    def stream(self, body: Body, jets: Sequence[Jet]) -> None:
+        """Add what flows in a body to its part; what is fixed to the ground does not matter."""
+        seat = self.seats[body.name]
+        if seat.part < 0:
+            return
+        found, part = flow(body, jets), self.parts[seat.part]
+        own = Stream(
+            rotation=seat.rotation,
+            origin=seat.origin,
+            momentum=self.vector(found.momentum),
+            spin=self.vector(found.spin),
+            force=self.vector(found.force),
+            moment=self.vector(found.moment),
+            damping=self.matrix(found.damping),
+        )
+        self.parts[seat.part] = replace(part, streams=(*part.streams, own))
+
     def link(self, spring: Spring) -> SpringDamper:
         """Return a spring on its parts."""
         seats = [self.seats[name] for name in spring.bodies]
@@ -352,6 +408,7 @@ def _spinning(k: int, parts: list[Part], held: set[int]) -> Part:
         or not part.kind.spins
         or part.pulls
         or part.rotors
+        or part.streams
         or any(p.parent == k for p in parts[k + 1 :])
     ):
         return part

@@ -28,6 +28,7 @@ from eom.multibody.algebra.spatial import (
     keep_symmetric,
     keep_vector,
     matrix_of,
+    minus,
     negative_vector,
     plus,
     product,
@@ -229,6 +230,19 @@ def loads(placed: Sequence[Place], work: Work) -> list[SpatialVector]:
             n, f = plus(n, plus(torque, cross(pull.point, force))), plus(f, force)
         found.append(SpatialVector(n, f))
     return found
+
+
+def flowing(
+    found: list[SpatialVector], placed: Sequence[Place], moved: Sequence[Moving], work: Work
+) -> list[SpatialVector]:
+    """Return moments and forces on the parts less what they take for what flows in them."""
+    done = list(found)
+    for k, (place, moving) in enumerate(zip(placed, moved, strict=True)):
+        for stream in place.part.streams:
+            moment, force = stream.needed(moving.omega)
+            n, f = (minus(a, b) for a, b in zip(done[k], (moment, force), strict=True))
+            done[k] = keep_pair(work, ("n", "f"), f"{place.part.name}", SpatialVector(n, f))
+    return done
 
 
 def attracted(

@@ -31,7 +31,7 @@ from eom.multibody.algebra.spatial import (
     trace,
     transposed,
 )
-from eom.multibody.model.parts import BodyName, Part, Triple
+from eom.multibody.model.parts import BodyName, Part, Position
 from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import (
     Place,
@@ -78,7 +78,10 @@ def flow(tree: LumpedTree, q: Scalars, u: Scalars, work: Work) -> Flow:
 
 
 def kinetic_energy(flow: Flow, u: Scalars) -> Scalar:
-    """Return half the sum of momenta times velocities, with that of rotors in joints and bodies."""
+    """Return half the sum of momenta times velocities, with that of rotors in joints and bodies.
+
+    What flows in bodies counts as if it did not: of its velocities nothing is known.
+    """
     twice = total(dot(p.six, v.six) for p, v in zip(flow.momenta, flow.velocities, strict=True))
     for place, velocity in zip(flow.placed, flow.velocities, strict=True):
         for spin in place.part.rotors:
@@ -123,13 +126,19 @@ def gravity_potential(tree: LumpedTree, flow: Flow) -> Scalar:
 
 
 def momentum(flow: Flow) -> SpatialVector:
-    """Return angular momentum about the ground's origin and momentum, in the ground's axes."""
+    """Return angular momentum about the ground's origin and momentum, in the ground's axes.
+
+    What flows in bodies relative to them is in both.
+    """
     L: Vector = ZERO
     p: Vector = ZERO
-    for (R, x), own in zip(flow.poses, flow.momenta, strict=True):
-        back = transposed(R)
-        linear = times(back, own.linear)
-        L = plus(L, plus(times(back, own.angular), cross(x, linear)))
+    for place, (R, x), own in zip(flow.placed, flow.poses, flow.momenta, strict=True):
+        back, (angular, linear) = transposed(R), own
+        for stream in place.part.streams:
+            spin, along = stream.relative
+            angular, linear = plus(angular, spin), plus(linear, along)
+        linear = times(back, linear)
+        L = plus(L, plus(times(back, angular), cross(x, linear)))
         p = plus(p, linear)
     return SpatialVector(L, p)
 
@@ -191,7 +200,7 @@ class Point(Part):
 
     name: str
     body: BodyName
-    position: Triple = ZERO
+    position: Position = ZERO
     quantities: tuple[str, ...] = tuple(QUANTITIES)
 
     def complete(self) -> None:

@@ -52,6 +52,7 @@ from eom.multibody.recursion.motion import (
     biases,
     carrier_of,
     combined,
+    flowing,
     handed,
     inward,
     keep_inertia,
@@ -77,8 +78,8 @@ class End:
 def applied(
     tree: LumpedTree, placed: Sequence[Place], moved: Sequence[Moving], work: Work
 ) -> list[SpatialVector]:
-    """Return moment about its origin and force, by loads, links and uneven gravity, on each part."""
-    found = loads(placed, work)
+    """Return moment about its origin and force, by loads, jets, links and uneven gravity, on each part."""
+    found = flowing(loads(placed, work), placed, moved, work)
     if not tree.links and tree.gradient is None:
         return found
     posed, speeds = poses(placed, work), velocities(placed, moved, work)

@@ -240,7 +240,7 @@ def afloat(tree: Tree) -> bool:
         j.kind != "free" or j.motor or not all(map(is_zero, (*j.damping, *j.force, *j.armature)))
         for j in roots
     )
-    alone = not (held or len(roots) > 1 or tree.loads) and inner(tree)
+    alone = not (held or len(roots) > 1 or tree.loads or tree.jets) and inner(tree)
     field = (*tree.gravity, *(x for row in tree.gravity_gradient for x in row))
     return alone and all(map(is_zero, field)) and _unchanging(tree)
 
@@ -274,7 +274,7 @@ def conservative(tree: Tree) -> bool:
     )
     fixed = not _varying(tree) & set(symbols_in(values_of(tree)))
     coasting = coasting and all(is_zero(s.damping) for s in tree.springs)
-    return joints and coasting and fixed and not tree.loads and lossless(tree)
+    return joints and coasting and fixed and not (tree.loads or tree.jets) and lossless(tree)
 
 
 @typed
@@ -449,6 +449,7 @@ def _system(
         assumptions=(*assumptions(tree), *binding.assumptions(held)),
         maintained=tuple(d.name for d in held),
         attitudes=attitudes,
+        numbers=tree.numbers,
     )
 
 
@@ -456,7 +457,8 @@ def _with_inertia(stated: BodyAttitude, derived: Derived) -> BodyAttitude:
     """Return the attitude with inertia and torque about the joint, of a body that alone turns about it."""
     part, given, work = derived.lumped.parts[0], derived.variables, derived.work
     alone = len(derived.lumped.parts) == 1 and len(given.u) == 3 and not derived.tree.constraints
-    if not alone or part.spins or part.rotors or not all(map(is_zero, part.armature)):
+    more = part.spins or part.rotors or part.streams or not all(map(is_zero, part.armature))
+    if more or not alone:
         return stated
     placed = places(derived.lumped, given.q, work)
     load, *_ = applied(derived.lumped, placed, motion(placed, given.u, work), work)
@@ -552,6 +554,7 @@ class _Function:
             inputs=(*inputs_of(tree), *self.inputs),
             definitions=used(work.definitions, [*expressions, *(o.expression for o in outputs)]),
             outputs=outputs,
+            numbers=tree.numbers,
         )
         return TreeFunction(system, shape, tuple(kept), symmetric)
 

@@ -2,6 +2,6 @@
 
 In: scenes and results. Out: tracks and figures as data, one page of HTML, GIF, APNG, WebP.
 Imports: `eom.errors`, `eom.kinematics`, `eom.mass`, `eom.multibody.algebra`, `eom.multibody.files`,
-`eom.multibody.model`, `eom.multibody.recursion`, `eom.opening`, `eom.rotations`, `eom.scenes`,
-`eom.structure`, `eom.views.draw`.
+`eom.multibody.model`, `eom.multibody.recursion`, `eom.opening`, `eom.quantities`, `eom.rotations`,
+`eom.scenes`, `eom.structure`, `eom.views.draw`.
 """

@@ -23,10 +23,12 @@ import sympy as sp
 from eom.errors import InputError
 from eom.kinematics.coordinates import quaternion_of_sequence
 from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene, start_values
 from eom.multibody.files.sections import Reading
 from eom.multibody.model.constraints import Distance, Loop, Rolling
+from eom.multibody.model.jets import changes
 from eom.multibody.model.model import GROUND, Body, Joint, Rotor, Tree
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.quantities import (
@@ -38,6 +40,7 @@ from eom.multibody.recursion.quantities import (
     momentum,
 )
 from eom.opening import AnyScene
+from eom.quantities import TIME
 from eom.scenes import start
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene
@@ -350,14 +353,14 @@ class ManyBodies:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A tree in numbers."""
+    """A tree in numbers, those of t = 0 of what changes in time."""
 
     scene: TreeScene
     robot: Robot
 
     def array(self, given: Any) -> Floats:
         """Return the values of a vector or matrix."""
-        return numbers(given, self.scene.numbers)
+        return numbers(given, {**self.scene.numbers, TIME.name: 0.0})
 
     @cached_property
     def places(self) -> dict[str, list[Floats]]:
@@ -389,7 +392,10 @@ class Drawing:
         centre, axes = self.array(body.centre), self.array(body.axes).T
         if part is not None and part.solid is not None:
             mesh = of_solid(part.solid, self._sizes(part.size))
-            return (Shape(mesh.moved(centre, axes)),), f"{part.solid} of the scene"
+            words = f"{part.solid} of the scene" + (
+                ", as it is at the start" if changes(body) else ""
+            )
+            return (Shape(mesh.moved(centre, axes)),), words
         J, m = self.array(body.central_inertia), float(self.array(body.mass))
         if m <= 0 or not np.any(J):
             return (), ""
@@ -397,8 +403,8 @@ class Drawing:
         return (Shape(found.mesh.moved(centre)),), found.words
 
     def _sizes(self, sizes: Mapping[str, Any]) -> dict[str, float]:
-        read = Reading(self.scene).constants
-        return {n: number(read.value(v, n), self.scene.numbers) for n, v in sizes.items()}
+        read = Reading(self.scene).plain
+        return {n: float(self.array(read.value(v, n))) for n, v in sizes.items()}
 
     def body(self, body: Body) -> Figure:
         """Return a body with its bones and its joint."""
@@ -623,6 +629,7 @@ def without_forces(tree: Tree) -> Tree:
         springs=(),
         constraints=(),
         inputs=(),
+        jets=tuple(replace(jet, velocity=ZERO) for jet in tree.jets),
     )
 
 

@@ -21,6 +21,7 @@ from eom.mechanics.torques import Torque
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.model.constraints import Distance, KnifeEdge, Loop, Rolling
+from eom.multibody.model.jets import rates
 from eom.multibody.model.model import GROUND, Constraint, Joint, Tree
 from eom.multibody.recursion.motion import places
 from eom.opening import AnyScene
@@ -447,7 +448,7 @@ def _of_many(bodies: ManyBodies) -> Sketch:
         items += _joint(s, joint)
     for constraint in s.tree.constraints:
         items += _constraint(s, constraint)
-    items += [*_springs(s), *_loads(s), *_rotors(s)]
+    items += [*_springs(s), *_loads(s), *_jets(s), *_rotors(s)]
     centres = {short(b.name): s.upright @ s.centre(b.name) for b in s.tree.bodies}
     return Sketch(
         [upright(item, s.upright) for item in items],
@@ -584,6 +585,17 @@ def _loads(s: TreeAtStart) -> Iterator[Item]:
         label = name(load.body).strip("$")
         yield from force(point, numbers(load.force, s.known) @ C, length, f"$F_{{{label}}}$")
         yield from torque(point, numbers(load.torque, s.known) @ C, length, f"$M_{{{label}}}$")
+
+
+def _jets(s: TreeAtStart) -> Iterator[Item]:
+    """Yield the thrusts: the rate of each jet times the opposite of its velocity."""
+    for body in s.tree.bodies:
+        own = [jet for jet in s.tree.jets if jet.body == body.name]
+        for jet, rate in zip(own, rates(body, own), strict=True):
+            thrust = -float(numbers(rate, s.known)) * numbers(jet.velocity, s.known)
+            point = s.on_body(jet.body, jet.point)
+            words = f"$F_{{{name(jet.name).strip('$')}}}$"
+            yield from force(point, thrust @ s.bodies[jet.body].C, 0.4 * s.size, words)
 
 
 def _rotors(s: TreeAtStart) -> Iterator[Item]:

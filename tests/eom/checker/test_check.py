@@ -343,3 +343,16 @@ def test_the_letters_of_a_system_that_was_named_need_no_confirmation():
     more = eom.check(f"$${line}$$ $$\\vec H_C = \\vec z$$", system="lecture-wheel")
     assert more.lexicon.startswith("draft")
     assert more.unplaced
+
+
+def test_a_system_that_was_named_goes_before_any_draft():
+    """Its letters mean its quantities, whatever words or books would say of them."""
+    wrong = r"\frac{d}{dt}(h_1^2 + h_2^2 + h_3^2) = h_1\tau_1 + h_2\tau_2 + h_3\tau_3"
+    euler = eom.derive("euler-equations").system
+    found = eom.check(wrong, system=euler)
+    assert found.lexicon == "letters of euler_equations"
+    assert [f.verdict for f in found.findings] == ["wrong"]
+    right = wrong.replace("= h_1", "= 2h_1").replace("+ h_2\\tau", "+ 2h_2\\tau")
+    right = right.replace("+ h_3\\tau", "+ 2h_3\\tau")
+    text = rf"$h_1$ is the height of the roof. $${right}$$"
+    assert eom.check(text, system=euler).findings[-1].verdict in {"holds", "holds under"}

@@ -30,11 +30,16 @@ def scene(**data):
     return TreeScene(**{"body": {"moments": MOMENTS, **own}, "attitude": "quaternion", **data})
 
 
+def exactly(value):
+    """A number as the decimal that it is written as."""
+    return sp.Rational(str(value))
+
+
 def numbers(system, values):
     """Return exact numbers for the symbols of a system, by name; states are any, unless given."""
     names = (*system.state_names, *system.parameter_names, *system.input_names, "t")
     numbered = {n: sp.Rational(3 + 2 * k, 7 + k * k) for k, n in enumerate(names)}
-    return {**numbered, **{n: sp.Rational(v) for n, v in values.items()}}
+    return {**numbered, **{n: exactly(v) for n, v in values.items()}}
 
 
 def at(expression, known):
@@ -54,7 +59,7 @@ def same(found, expected):
 def moment_gives(system, known, J, moment):
     """Whether J omega' + omega x J omega is the moment, to 45 digits."""
     rates, omega = rates_at(system, known), OMEGA.subs({SYMBOLS[n]: known[n] for n in RATES})
-    J = sp.Matrix(J).applyfunc(sp.Rational)
+    J = sp.Matrix(J).applyfunc(exactly)
     left = J * sp.Matrix([rates[n] for n in RATES]) + omega.cross(J * omega)
     return all(same(a, at(b, known)) for a, b in zip(left, moment, strict=True))
 
@@ -90,12 +95,11 @@ def test_a_spring_pulls_the_body_about_its_point():
     )
     system = given.full_system
     known = numbers(system, dict(zip(("I1", "I2", "I3"), MOMENTS, strict=True)))
-    r = sp.Matrix(tip).applyfunc(sp.Rational)
-    line = C * sp.Matrix(hook).applyfunc(sp.Rational) - r
+    r = sp.Matrix(tip).applyfunc(exactly)
+    line = C * sp.Matrix(hook).applyfunc(exactly) - r
     d = sp.sqrt(line.dot(line))
     norm = {
-        n: x / 1
-        for n, x in zip(("q0", "q1", "q2", "q3"), map(sp.Rational, (0.5,) * 4), strict=True)
+        n: x / 1 for n, x in zip(("q0", "q1", "q2", "q3"), map(exactly, (0.5,) * 4), strict=True)
     }
     assert moment_gives(
         system, known | norm, sp.diag(*MOMENTS), r.cross(3 * (d - sp.Rational(1, 2)) / d * line)
@@ -118,9 +122,9 @@ def test_weight_and_gradient_act_about_the_fixed_point():
     values = {**dict(zip(("I1", "I2", "I3"), MOMENTS, strict=True)), "m": 2, "g": 10}
     values |= {f"r{k}": c for k, c in enumerate(TOP["centre_of_mass"], 1)}
     known = numbers(system, values) | dict.fromkeys(("q0", "q1", "q2", "q3"), sp.Rational(1, 2))
-    exact = lambda rows: sp.Matrix(rows).applyfunc(sp.Rational)  # noqa: E731
+    exact = lambda rows: sp.Matrix(rows).applyfunc(exactly)  # noqa: E731
     J, r, G = (
-        sp.diag(*map(sp.Rational, MOMENTS)),
+        sp.diag(*map(exactly, MOMENTS)),
         exact(TOP["centre_of_mass"]),
         C * exact(FIELD) * C.T,
     )
@@ -235,7 +239,7 @@ def test_a_free_body_falls_on_its_spring():
     v, w = (sp.Matrix([known[n.format(k)] for k in (1, 2, 3)]) for n in ("v_body_{}", "omega_{}"))
     x = sp.Matrix([known[f"{a}_body"] for a in "xyz"])
     force = C.subs({SYMBOLS[k]: known[k] for k in ("q0", "q1", "q2", "q3")}) * (
-        sp.Matrix([0, 0, -sp.Rational(9.81)]) - 5 * x
+        sp.Matrix([0, 0, -exactly(9.81)]) - 5 * x
     )
     for k, a in enumerate(force - w.cross(v), 1):
         assert same(found[f"v_body_{k}"], sp.N(a, DIGITS))

@@ -554,3 +554,17 @@ def test_other_scenes_are_not_read_so():
     for words in ({"strict": False}, {"floating": True}):
         with pytest.raises(InputError, match="only robots"):
             eom.load_scene("double-pendulum", **words)
+
+
+def test_the_ready_leg_says_what_its_urdf_says():
+    """Of the scene the drives are left out; the same masses, placements and axes to the last digit."""
+    robot = eom.load_scene(Path(__file__).parent / "robots" / "solo12-leg.urdf").tree
+    scene = eom.load_scene("walking-leg").tree
+    assert [j.name for j in robot.ordered[1:]] == [f"FL_{j.name}" for j in scene.ordered]
+    for one, other in zip(robot.ordered[1:], scene.ordered, strict=True):
+        assert (one.kind, one.axis, one.on_parent) == (other.kind, other.axis, other.on_parent)
+        a, b = robot.body[one.child], scene.body[other.child]
+        assert (float(a.mass), *map(float, a.centre)) == (float(b.mass), *map(float, b.centre))
+        assert np.array(a.central_inertia, float) == pytest.approx(
+            np.array(b.central_inertia, float)
+        )
