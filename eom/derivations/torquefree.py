@@ -77,7 +77,7 @@ CONSTANT_RATES = {
     "symmetric body, free": "without torque rates across the axis of a symmetric body are constant: "
     "every axis in its equator is a principal one",
     "any body, with torque": "with the torque omega x J.omega any rates of any body are constant, as "
-    "of a wheel out of balance in its bearings: no motion without torque is needed",
+    "those of a wheel out of balance in its bearings: constant rates need not be free ones",
 }
 """Why rates are constant in the counterexamples to a claim."""
 PAIRS = tuple(zip(OMEGA.components, MOMENTS, strict=True))
