@@ -15,7 +15,7 @@ from typing import Any
 
 from eom.derivations.derived import Derived, Step
 from eom.derivations.reached import KINDS, RESULT, Path, is_tautology, meets, smallest
-from eom.derivations.verification import DerivationError, verify
+from eom.derivations.verification import IDENTITY, DerivationError, decide, has_meaning, verify
 from eom.errors import InputError, typed_fields
 from eom.fields import Singular
 from eom.terms import rules
@@ -204,7 +204,13 @@ class Derivation:
         """Return a smallest set of the assumptions made so far under which a line holds."""
         relation = "=" if equation.relation == ":=" else equation.relation
         line = Equation(equation.left, equation.right, relation)
-        return smallest(self.assumed, lambda names: self._verified(line, reason, names))
+
+        def holds(names: Iterable[str]) -> None:
+            evidence = self._verified(line, reason, names)
+            if evidence == IDENTITY and has_meaning(line, self.scalars):
+                decide(line, names, self.scalars, count=1)
+
+        return smallest(self.assumed, holds)
 
     def assume(self, *names: str) -> None:
         """From here on, take ``names`` for granted. Raises `InputError` for conflicts."""

@@ -27,6 +27,9 @@ WORLDS = 3
 SIGN_WORLDS = 30
 """Worlds in which a false sign may show: it is right by chance in half of them."""
 
+IDENTITY = "exact identity"
+"""The evidence of what holds whatever the symbols stand for."""
+
 Scalars = Mapping[Any, Term]
 Names = tuple[str, ...]
 Drawn = Callable[..., Iterator[World]]
@@ -61,8 +64,8 @@ def verify(
         return _verify_sign(equation, scalars, tuple(assumptions), where, drawn)
     if is_plain(equation):
         if _is_identity(equation, scalars):
-            return "exact identity"
-        holds = _has_meaning(equation, scalars) and decide(
+            return IDENTITY
+        holds = has_meaning(equation, scalars) and decide(
             equation, assumptions, scalars, count, drawn
         )
     else:
@@ -107,7 +110,7 @@ def is_plain(equation: Equation) -> bool:
     )
 
 
-def _has_meaning(equation: Equation, scalars: Scalars) -> bool:
+def has_meaning(equation: Equation, scalars: Scalars) -> bool:
     """Return whether every symbol stands for a quantity of the worlds."""
     parts = (*nodes(equation.left), *nodes(equation.right))
     return all(n.data[0].free_symbols <= set(scalars) for n in parts if n.head == "expr")
@@ -171,7 +174,7 @@ def _verify_sign(
     if equation.left.kind == SCALAR and equation.right.is_zero:
         if not_negative(rules.ordered(equation.left), scalars):
             return "sum of squares"
-        if not _has_meaning(equation, scalars):
+        if not has_meaning(equation, scalars):
             raise DerivationError(
                 "the sign cannot be decided", where=where, got=plain(equation.left)
             )

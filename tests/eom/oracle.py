@@ -461,6 +461,7 @@ def scene_of(assumed, seed):
     scene = make(rnd, seed, chosen)
     eye = still([[Decimal(int(i == j)) for j in range(3)] for i in range(3)])
     scene.frames["I"] = Frame(eye, eye[0] * 0)
+    scene.frames.setdefault("S", any_frame(Random("oracle", "S", seed)))
     _points(rnd, scene, chosen)
     _forces(rnd, scene, chosen)
     return scene
@@ -700,6 +701,11 @@ class Values:
     def _rows(self, term, env):
         return np.array(self._args(term, env))
 
+    def _partial(self, term, env):
+        """The derivative of an expression by one of its symbols."""
+        value, by = (a.data[0] for a in term.args)
+        return still(Decimal(0)) + self.plain(value.diff(by), env)
+
     def _expr(self, term, env):
         return still(Decimal(0)) + self.plain(term.data[0], env)
 
@@ -762,6 +768,7 @@ def _determinant(rows):
 
 EXPRESSIONS = (
     (sp.Integral, lambda v, e, env: v.quadrature(e.function, list(e.limits), env)),
+    (sp.Derivative, lambda v, e, env: v.plain(e.doit(), env)),
     (sp.Determinant, Values.determinant),
     (sp.Pow, Values.power),
     (sp.Add, lambda v, e, env: sum(v.parts(e, env))),
