@@ -45,7 +45,8 @@ Array = NDArray[np.float64]
 class Found:
     """A file: why it is refused strictly and leniently, or `READ`; what was mended; what Pinocchio says.
 
-    ``derived``: why its equations are refused, or `READ`; nothing where that was not asked.
+    ``derived``: why its equations are refused, or `READ`; nothing where not asked. ``detail``: what
+    is read for what is refused leniently.
     """
 
     file: Path
@@ -54,6 +55,7 @@ class Found:
     mended: tuple[str, ...] = ()
     peer: str = ""
     derived: str = ""
+    detail: str = ""
 
 
 def files_in(places: Iterable[str], everything: bool) -> list[Path]:
@@ -70,11 +72,11 @@ def _folder_of(module: str) -> Path | None:
 
 def read(file: Path, derive: bool = True) -> Found:
     """Read a file in both ways, and by Pinocchio; derive its equations, unless that is left out."""
-    strict, lenient = _reason(file, strict=True), _reason(file, strict=False)
+    (strict, _), (lenient, detail) = (_reason(file, strict=s) for s in (True, False))
     repairs = eom.load_scene(file, strict=False).repairs if lenient == READ else ()
     mended = tuple(sorted({r.reason for r in repairs}))
     derived = _derived(file) if derive and lenient == READ else ""
-    return Found(file, strict, lenient, mended, _peer(file), derived)
+    return Found(file, strict, lenient, mended, _peer(file), derived, detail)
 
 
 def _derived(file: Path) -> str:
@@ -85,12 +87,13 @@ def _derived(file: Path) -> str:
     return READ
 
 
-def _reason(file: Path, *, strict: bool) -> str:
+def _reason(file: Path, *, strict: bool) -> tuple[str, str]:
+    """Return why a file is refused, or `READ`, and what was found there."""
     try:
         eom.load_scene(file, strict=strict)
     except InputError as error:
-        return error.what
-    return READ
+        return error.what, str(error.got)[:80]
+    return READ, ""
 
 
 def _peer(file: Path) -> str:
@@ -188,9 +191,6 @@ def _ours(scene: Any, joints: Mapping[str, str], moving: Sequence[str], state: S
     )
     found = interpret(lower_system(system), point)["rates"]
     rates = dict(zip(system.state_names, found, strict=True))
-    for name, (driver, ratio) in state.couplings.items():
-        if f"u_{joints[name]}" in rates:  # the speed that stays is one of those that are coupled
-            rates[f"u_{joints[driver]}"] = rates[f"u_{joints[name]}"] / ratio
     return np.array([rates[f"u_{joints[n]}"] for n in moving if n not in state.couplings])
 
 
@@ -253,7 +253,7 @@ def refused(found: Sequence[Found]) -> Table:
     table = Table("refused leniently", "why", "Pinocchio")
     for f in found:
         if f.lenient != READ or f.derived not in {"", READ}:
-            why = f.lenient if f.lenient != READ else f"not derived: {f.derived}"
+            why = f"{f.lenient}: {f.detail}" if f.lenient != READ else f"not derived: {f.derived}"
             table.add_row(f.file.name, why, f.peer)
     return table
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from codegen.compiling.compiled import compile as compile
     from codegen.compiling.compiled import compiled_jacobian as compiled_jacobian
     from codegen.compiling.events import Event as Event
+    from codegen.compiling.sampled import Sampled as Sampled
     from codegen.compiling.signals import Signal as Signal
     from codegen.compiling.sparse import SparseJacobian as SparseJacobian
     from codegen.ensembles.ensemble import Ensemble as Ensemble
@@ -62,6 +63,7 @@ _HOME = {
     "METHODS": "integrate.methods",
     "Normal": "ensembles.sampler",
     "Result": "runs.simulation",
+    "Sampled": "compiling.sampled",
     "Sampler": "ensembles.sampler",
     "Sensitivities": "linearisation.sensitivity",
     "Signal": "compiling.signals",

@@ -58,9 +58,9 @@ class Commands(click.Group):
 def main() -> None:
     """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
-    SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf for a robot. Exit
-    status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input; 130
-    interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
+    SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf or MuJoCo's .xml
+    for a robot. Exit status: 0 done; 1 the run stopped before its end, or something is wrong; 2
+    unusable input; 130 interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
     """
     gc.set_threshold(*SELDOM)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from eom.errors import InputError, typed
+from eom.multibody.files.mjcf import load_mjcf
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.files.urdf import load_urdf
 from eom.scenes import catalogue
@@ -17,13 +18,14 @@ AnyScene = Scene | TreeScene
 
 @typed
 def load_scene(name: str | Path, *, strict: bool = True, floating: bool = False) -> AnyScene:
-    """Return a ready scene by its name, or one from a file: ``.toml``, or ``.urdf`` (extra ``urdf``).
+    """Return a ready scene by its name, or one from a file.
 
-    A word that is no file is a ``name`` of a ready scene. A `Scene` has one body, a `TreeScene` many;
-    both answer the same. Of a robot's file: unless ``strict``, what no body or tree is gets mended, and the
-    scene's ``repairs`` say how; ``floating`` frees the root link. SI units, angles in radians; frames are
-    those of the ground, the bodies and the joints. Raises `InputError` for other names, with the file's
-    name for whatever is wrong in it, and for these words on other scenes than robots.
+    Files: ``.toml``, ``.urdf`` (extra ``urdf``), and ``.xml`` of MuJoCo (extra ``mujoco``). A word that is
+    no file is a ``name`` of a ready scene. A `Scene` has one body, a `TreeScene` many; both answer the
+    same. Of a robot's file: unless ``strict``, what no body or tree is gets mended, and the scene's
+    ``repairs`` say how, and what was left out; ``floating`` frees the root link. SI units, angles in
+    radians; frames are those of the ground, the bodies and the joints. Raises `InputError` for other names,
+    with the file's name for whatever is wrong in it, and for these words on other scenes than robots.
 
     >>> load_scene("double-pendulum").derive().state_names
     ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
@@ -32,9 +34,12 @@ def load_scene(name: str | Path, *, strict: bool = True, floating: bool = False)
     file = catalogue.path_of(str(name)) if is_ready else Path(name)
     if file.suffix == catalogue.URDF:
         return load_urdf(file, strict=strict, floating=floating)
+    if file.suffix == catalogue.MJCF:
+        return load_mjcf(file, strict=strict, floating=floating)
     if floating or not strict:
         raise InputError(
-            "only robots from URDF files are read leniently, or freed of the ground", where=str(name),
+            "only robots from URDF and MJCF files are read leniently, or freed of the ground",
+            where=str(name),
             hint="of other scenes write the joint of kind free",
         )  # fmt: skip
     tree = catalogue.is_tree(data_of(file))

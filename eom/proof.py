@@ -35,7 +35,10 @@ KINDS = (*COUNTS, *SEQUENCES)
 
 @dataclass(frozen=True)
 class Motion:
-    """What of a system its attitudes are about: passes that leave it alone prove nothing again."""
+    """What of a system its attitudes are about: passes that leave it alone prove nothing again.
+
+    ``rates``: with the right sides of multipliers behind them, where the mass matrix has rows for some.
+    """
 
     name: str
     states: tuple[Expr, ...]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -103,6 +104,49 @@ class Definition:
 
 @typed_fields
 @dataclass(frozen=True)
+class Sampling:
+    """Laws of control that are evaluated with a period; their inputs are held between samples.
+
+    ``laws``: an input each, with the expression of its value; ``states``: of the control itself, with the
+    expression of the next value each. All are over what is there just before a sample. The first sample is
+    at the start of a run, the others follow after a ``period`` each (s). Inputs take their values ``delay``
+    (s) after the sample, which may be longer than a period; states at the sample itself. Until then they
+    have the values that a run gives, or the defaults of the quantities, or zero.
+
+    Raises `InputError` for a period that is no positive finite time, and a delay that is negative.
+    """
+
+    laws: tuple[Definition, ...]
+    states: tuple[Definition, ...] = ()
+    period: float = 1.0
+    delay: float = 0.0
+
+    def __post_init__(self) -> None:
+        checked_times(self.period, self.delay, "a sampled law")
+
+    @property
+    def rows(self) -> tuple[Definition, ...]:
+        """All that a sample gives, in order: what the inputs become, then the states."""
+        return (*self.laws, *self.states)
+
+    @property
+    def symbols(self) -> tuple[Expr, ...]:
+        """The symbols that are held, in the same order."""
+        return tuple(d.symbol for d in self.rows)
+
+
+def checked_times(period: Any, delay: Any, where: str) -> None:
+    """Raise `InputError` for a period (s) that is not positive and finite, or such a delay below zero."""
+    if not is_finite(period) or isinstance(period, complex) or not period > 0:
+        raise InputError("the period of samples is no positive time", where=where, got=shown(period),
+                         expected="a finite number of seconds above zero")  # fmt: skip
+    if not is_finite(delay) or isinstance(delay, complex) or not delay >= 0:
+        raise InputError("the delay is no time", where=where, got=shown(delay),
+                         expected="a finite number of seconds, zero or more")  # fmt: skip
+
+
+@typed_fields
+@dataclass(frozen=True)
 class Singularity:
     """A configuration in which the chosen coordinates fail: ``expression`` is zero there.
 
@@ -176,3 +220,37 @@ def as_expressions(values: Any, where: str) -> tuple[Expr, ...]:
     """Return the entries of a list or matrix as expressions. Raises `InputError` for anything else."""
     rows = list(values) if isinstance(values, sp.MatrixBase) else entries(values, where)
     return tuple(v if isinstance(v, sp.Basic) else as_expression(v) for v in rows)
+
+
+def quantity_of(value: Any, where: str) -> Quantity:
+    """Return a quantity as it is, a symbol as a quantity. Raises `InputError` for anything else."""
+    if not isinstance(value, Quantity):
+        return Quantity(as_symbol(value, where))
+    as_symbol(value.symbol, where)
+    if not (is_text(value.unit) and is_text(value.meaning) and is_text(value.latex)):
+        raise InputError("unit, meaning and LaTeX are texts", where=where, got=shown(value))
+    return value
+
+
+def quantities_of(values: Any, where: str) -> tuple[Quantity, ...]:
+    """Return the quantities of a list. Raises `InputError` for anything else."""
+    return tuple(quantity_of(v, where) for v in entries(values, where))
+
+
+def definition_of(value: Any, where: str) -> Definition:
+    """Return a definition as it is, or one of a pair of name and expression."""
+    if isinstance(value, Definition):
+        quantity_of(value.quantity, where)
+        return value
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise InputError("not a definition", where=where, got=shown(value),
+                         expected="a Definition, or a name and an expression")  # fmt: skip
+    name, expression = value
+    quantity = sp.Symbol(name, real=True) if is_text(name) else name
+    return Definition(quantity_of(quantity, where), as_expression(expression))
+
+
+def definitions_of(values: Any, where: str) -> tuple[Definition, ...]:
+    """Return the definitions of a list, or of expressions by name. Raises `InputError` for others."""
+    rows = list(values.items()) if isinstance(values, Mapping) else entries(values, where)
+    return tuple(definition_of(v, where) for v in rows)

@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from eom import proof
+from eom.control import Spoken, as_quantity, as_state, in_order, name_of, widened
 from eom.dimensions import Dimensions
 from eom.errors import InputError, entries, is_text, shown, typed, unknown_name
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
@@ -24,15 +25,18 @@ from eom.quantities import (
     Assumption,
     Definition,
     Quantity,
+    Sampling,
     Singularity,
     as_expressions,
     as_symbol,
+    definitions_of,
+    quantities_of,
 )
 from eom.structure import BodyAttitude, SequenceAngles, form_of
 from eom.units import NONE, coherent
 
 __all__ = (
-    "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
+    "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity", "Sampling",
     "SequenceAngles", "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 
@@ -46,16 +50,21 @@ class System:
     ``states``, ``parameters``, ``inputs``: quantities, in the order of every array of values; a plain
     symbol becomes a quantity without a unit. ``definitions``: named intermediates, each over the symbols
     before it; these, ``outputs`` and ``invariants`` may be given as expressions by name.
-    ``rates``: one expression a state. ``mass_matrix``: symmetric SymPy matrix, or None for identity.
+    ``rates``: one expression a state. ``mass_matrix``: SymPy matrix, symmetric or not, None for identity.
+    ``multipliers``: named unknowns beside the rates, such as forces of constraints, each with the right
+    side of its row: ``mass_matrix * (d(states)/dt, multipliers) = (rates, right sides)``; outputs alone may
+    use them.
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
     `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
+    ``sampled``: laws by which inputs are held between samples, see `Sampling`; what is held are inputs.
     ``time``: the symbol of time. Units are SI; angles are in radians. ``numbers``: what exact numbers in
     expressions are, a row of `NUMBERS`; the dimension of every formula is checked where they are counts.
 
-    Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
-    by the meanings of the quantities. Two systems are equal if all but their titles are.
+    Shapes, for n states and m multipliers: ``states`` and ``rates`` (n,), ``mass_matrix`` (n + m, n + m).
+    Frames and signs are said by the meanings of the quantities. Two systems are equal if all but their
+    titles are.
 
     Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, attitudes that
     are not so, with the equation that fails, and formulas of another dimension than their quantities have,
@@ -77,6 +86,8 @@ class System:
     maintained: tuple[str, ...] = ()
     attitudes: tuple[BodyAttitude, ...] = ()
     angles: tuple[SequenceAngles, ...] = ()
+    sampled: tuple[Sampling, ...] = ()
+    multipliers: tuple[Definition, ...] = ()
     title: str = field(default="", compare=False)
     numbers: str = field(default="counts", compare=False)
 
@@ -87,6 +98,7 @@ class System:
         _check_shapes(self)
         _check_symbols(self)
         _check_units(self)
+        _check_sampled(self)
         _check_attitudes(self)
 
     @classmethod
@@ -115,9 +127,9 @@ class System:
         >>> System.from_rates("oscillator", {y1: y2, y2: -k * y1}).parameter_names
         ('k',)
         """
-        inputs = tuple(q.symbol for q in _quantities(inputs, "inputs"))
-        as_symbol(time, "time"), _quantities(rates, "states")
-        named = [_named(group or {}) for group in (outputs, invariants)]
+        inputs = tuple(q.symbol for q in quantities_of(inputs, "inputs"))
+        as_symbol(time, "time"), quantities_of(rates, "states")
+        named = [definitions_of(g or {}, "outputs or invariants") for g in (outputs, invariants)]
         expressions = [as_expression(rate) for rate in rates.values()]
         everything = [*expressions, *(d.expression for group in named for d in group)]
         everything += [e for a in attitudes for e in a.expressions]
@@ -172,15 +184,25 @@ class System:
         return tuple(d.name for d in self.invariants)
 
     @property
+    def right_sides(self) -> tuple[Expr, ...]:
+        """Rates, and behind them the right sides of the multipliers: a row of the mass matrix each."""
+        return (*self.rates, *(d.expression for d in self.multipliers))
+
+    @property
     def output_quantities(self) -> tuple[Quantity, ...]:
         """The outputs, with their units, in order."""
         return tuple(d.quantity for d in self.outputs)
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of the inputs that sampled laws set, and of the states of these, in order."""
+        return tuple(d.name for d in _laws(self))
 
     @cached_property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the states on which no rate depends, by form."""
         used: set[Expr] = set(self.mass_matrix.free_symbols if self.mass_matrix is not None else ())
-        used = used.union(*(rate.free_symbols for rate in self.rates))
+        used = used.union(*(side.free_symbols for side in self.right_sides))
         for definition in reversed(self.definitions):
             if definition.symbol in used:
                 used |= definition.expression.free_symbols
@@ -230,6 +252,8 @@ class System:
         *,
         definitions: Mapping[Any, Any] | None = None,
         parameters: Iterable[Any] = (),
+        period: float | None = None,
+        delay: float = 0.0,
     ) -> System:
         """Return the closed loop: a system in which inputs are laws over states, outputs and time.
 
@@ -244,15 +268,24 @@ class System:
         defined here, in any order; symbols count by their names. Controlled inputs and definitions become
         outputs. Invariants that an input is part of are left out; others hold for any law.
 
+        With a ``period`` (s) the laws are sampled: evaluated at the start of a run and after each period,
+        and held between. Then ``states`` have the expressions of their next values in place of rates, and
+        laws may read the inputs that they set, as they were before; values take effect ``delay`` (s) after
+        the sample, those of states at once. What is held stays an input of the system, `Sampling` says by
+        what it is set.
+
         Raises `InputError` for what is no input, names that are taken, laws that need their own results,
-        and intermediate definitions of the system, which have no lasting names.
+        intermediate definitions of the system, which have no lasting names, a period that is not positive,
+        and a delay that is negative, or without a period.
 
         >>> x, v, u, k, d = sp.symbols("x v u k d", real=True)
         >>> cart = System.from_rates("cart", {x: v, v: u}, inputs=[u])
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
         -d*v - k*x
         """
-        closed = self.closed_loop(laws, states, definitions=definitions, parameters=parameters)
+        closed = self.closed_loop(
+            laws, states, definitions=definitions, parameters=parameters, period=period, delay=delay
+        )
         if self.numbers != "counts":
             _check_control(self, closed)
         return closed
@@ -265,23 +298,42 @@ class System:
         *,
         definitions: Mapping[Any, Any] | None = None,
         parameters: Iterable[Any] = (),
+        period: float | None = None,
+        delay: float = 0.0,
     ) -> System:
         """Return what `with_control` does, with no check of the dimensions of laws.
 
         Units are those of the quantities. Raises `InputError` as `with_control`.
         """
-        held = {q.name: q for q in self.inputs}
-        by_name = {_name_of(key): law for key, law in laws.items()}
+        held = {q.name: q for q in self.inputs if q.name not in self.held}
+        by_name = {name_of(key): law for key, law in laws.items()}
         for name in by_name:
             if name not in held:
                 raise unknown_name("input", name, held, f"laws of control of {self.name!r}")
-        moved = {_as_state(key): rate for key, rate in (states or {}).items()}
-        shared = {_as_quantity(key): e for key, e in (definitions or {}).items()}
-        spoken = _Spoken(self, (*moved, *shared), parameters)
+        if delay and period is None:
+            raise InputError(
+                "a delay of laws that are not sampled",
+                where=f"control of {self.name!r}",
+                got=f"delay = {shown(delay)}",
+                hint="give the period of the samples, too",
+            )
+        moved = {as_state(key): rate for key, rate in (states or {}).items()}
+        shared = {as_quantity(key): e for key, e in (definitions or {}).items()}
+        variables = (*self.states, *self.parameters, *self.inputs, Quantity(self.time))
+        known = {d.name: d.expression for d in self.outputs}
+        known |= {q.name: q.symbol for q in variables}
+        hidden = {d.name for d in self.definitions} - {*known}
+        where = f"control of {self.name!r}"
+        spoken = Spoken(where, known, (*moved, *shared), parameters, hidden)
         rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
         made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
         rates = {q: spoken.over(rate) for q, rate in moved.items()}
-        return _closed(self, made, rates, tuple(spoken.gains.values()))
+        gains = tuple(spoken.gains.values())
+        if period is None:
+            return _closed(self, made, rates, gains)
+        laws_, next_ = made[len(shared) :], tuple(Definition(q, e) for q, e in rates.items())
+        sampling = Sampling(laws_, next_, period, delay)
+        return _sampled(self, made[: len(shared)], sampling, gains)
 
 
 def _check_control(system: System, closed: System) -> None:
@@ -289,13 +341,13 @@ def _check_control(system: System, closed: System) -> None:
     gains = {q.symbol for q in closed.parameters if q.unit} - {q.symbol for q in system.parameters}
     if not gains:
         return
-    before = {d.symbol for d in system.definitions}
+    before = {d.symbol for d in (*system.definitions, *_laws(system))}
     own = [*closed.states, *closed.parameters, *closed.inputs]
     own += [d.quantity for d in closed.definitions]
     stated = [*((q.symbol, q.unit) for q in own), (system.time, "s")]
     known = Dimensions(stated, counts=False, time=system.time)
     second = known.of_symbol(system.time)
-    for d in closed.definitions:
+    for d in (*closed.definitions, *_laws(closed)):
         if d.symbol not in before and free_symbols((d.expression,)) & gains:
             known.check(d.expression, f"control of {d.name}", of=known.of_symbol(d.symbol))
     added = slice(len(system.states), None)
@@ -304,72 +356,12 @@ def _check_control(system: System, closed: System) -> None:
             known.check(rate, f"rate of {q.name}", of=known.of_symbol(q.symbol, second))
 
 
-def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
-    return _definitions(group, "outputs or invariants")
+def _laws(system: System) -> tuple[Definition, ...]:
+    """Return what is held between samples, with the law of each."""
+    return tuple(d for s in system.sampled for d in s.rows)
 
 
 # -- closed loops --------------------------------------------------------------------------------
-
-
-def _name_of(key: Any) -> str:
-    return key if is_text(key) else _quantity(key, "a control").name
-
-
-def _as_quantity(key: Any) -> Quantity:
-    return _quantity(sp.Symbol(key, real=True) if is_text(key) else key, "a control")
-
-
-def _as_state(key: Any) -> Quantity:
-    """Return a state of a control, which starts at zero unless it says otherwise."""
-    found = _as_quantity(key)
-    found = replace(found, meaning=found.meaning or "state of the control")
-    return found if found.default is not None else replace(found, default=0.0)
-
-
-class _Spoken:
-    """What laws of control speak of by name: of a system, and of the control's ``own`` quantities.
-
-    ``gains``: the parameters that are new, by name.
-    """
-
-    def __init__(self, system: System, own: Sequence[Quantity], parameters: Iterable[Any]) -> None:
-        self.system = system
-        self.given = {q.name: q for q in _quantities(parameters, "parameters of a control")}
-        self.gains: dict[str, Quantity] = {}
-        time = Quantity(system.time)
-        variables = (*system.states, *system.parameters, *system.inputs, time)
-        self.known = {d.name: d.expression for d in system.outputs}
-        self.known |= {q.name: q.symbol for q in variables}
-        for q in own:
-            if q.name in self.known:
-                raise InputError("this name is taken", where=self._where, got=q.name,
-                                 expected="new names for what the control defines")  # fmt: skip
-        self.known |= {q.name: q.symbol for q in own}
-        self.hidden = {d.name for d in system.definitions} - {*self.known}
-
-    @property
-    def _where(self) -> str:
-        return f"control of {self.system.name!r}"
-
-    def over(self, given: Any) -> Expr:
-        """Return an expression over the symbols of the system."""
-        law = as_expression(given)
-        symbols = sorted(free_symbols((law,)), key=lambda s: str(s.name))
-        return replaced(law, {s: self._meant(s) for s in symbols})
-
-    def _meant(self, symbol: Expr) -> Expr:
-        name = str(symbol.name)
-        if name in self.known:
-            return self.known[name]
-        if name in self.hidden:
-            raise InputError(
-                "a law speaks of an intermediate definition of the system",
-                where=self._where,
-                got=name,
-                expected="states, parameters, inputs, outputs or time",
-                hint="call a gain otherwise; to read the definition, write its expression",
-            )
-        return self.gains.setdefault(name, self.given.get(name, Quantity(symbol))).symbol
 
 
 def _closed(
@@ -380,15 +372,11 @@ def _closed(
 ) -> System:
     """Return a system with laws as definitions before what reads them, and the states of a control."""
     controlled = {d.symbol for d in laws}
-    definitions = _in_order((*laws, *system.definitions), system.name)
-    changed = set(controlled)
-    for d in definitions:
-        if free_symbols((d.expression,)) & changed:
-            changed.add(d.symbol)
-    invariants = tuple(d for d in system.invariants if not free_symbols((d.expression,)) & changed)
+    definitions = in_order((*laws, *system.definitions), system.name)
+    kept = _kept(system.invariants, definitions, controlled)
     matrix = system.mass_matrix
     if matrix is not None and states:
-        matrix = sp.diag(sp.Matrix(matrix), sp.eye(len(states)))
+        matrix = widened(sp.Matrix(matrix), len(system.states), len(states))
     shown = tuple(
         Definition(d.quantity, d.symbol) for d in laws if d.name not in system.output_names
     )
@@ -401,72 +389,46 @@ def _closed(
         definitions=definitions,
         mass_matrix=matrix,
         outputs=(*system.outputs, *shown),
-        invariants=invariants,
-        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+        invariants=kept,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in kept}),
     )
 
 
-def _in_order(rows: Sequence[Definition], where: str) -> tuple[Definition, ...]:
-    """Return definitions, each behind those that it reads, otherwise in order.
+def _kept(
+    invariants: Iterable[Definition], definitions: Iterable[Definition], controlled: Iterable[Expr]
+) -> tuple[Definition, ...]:
+    """Return the invariants that read nothing of what is controlled."""
+    changed = {*controlled}
+    for d in definitions:
+        if free_symbols((d.expression,)) & changed:
+            changed.add(d.symbol)
+    return tuple(d for d in invariants if not free_symbols((d.expression,)) & changed)
 
-    Raises `InputError` where some need each other.
-    """
-    missing = {d.symbol for d in rows}
-    waiting = [(d, free_symbols((d.expression,)) & missing) for d in rows]
-    ordered: list[Definition] = []
-    while waiting:
-        left = []
-        for d, reads in waiting:
-            if reads & missing:
-                left.append((d, reads))
-            else:
-                ordered.append(d)
-                missing.discard(d.symbol)
-        if len(left) == len(waiting):
-            raise InputError(
-                "laws of control need their own results",
-                where=where,
-                got=", ".join(d.name for d, _ in left[:6]),
-                expected="laws over states, or over outputs that do not depend on the controlled inputs",
-                hint="a filter, a state of the control, makes a loop of laws one of states",
-            )
-        waiting = left
-    return tuple(ordered)
+
+def _sampled(
+    system: System,
+    shared: tuple[Definition, ...],
+    sampling: Sampling,
+    gains: tuple[Quantity, ...],
+) -> System:
+    """Return a system under laws that are sampled; states of the control become inputs that are held."""
+    definitions = in_order((*shared, *system.definitions), system.name)
+    kept = _kept(system.invariants, definitions, sampling.symbols)
+    rows = (*shared, *sampling.rows)
+    shown = (Definition(d.quantity, d.symbol) for d in rows if d.name not in system.output_names)
+    return replace(
+        system,
+        parameters=(*system.parameters, *gains),
+        inputs=(*system.inputs, *(d.quantity for d in sampling.states)),
+        definitions=definitions,
+        outputs=(*system.outputs, *shown),
+        invariants=kept,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in kept}),
+        sampled=(*system.sampled, sampling),
+    )
 
 
 # -- fields as users write them ------------------------------------------------------------------
-
-
-def _quantity(value: Any, where: str) -> Quantity:
-    """Return a quantity as it is, a symbol as a quantity. Raises `InputError` for anything else."""
-    if not isinstance(value, Quantity):
-        return Quantity(as_symbol(value, where))
-    as_symbol(value.symbol, where)
-    if not (is_text(value.unit) and is_text(value.meaning) and is_text(value.latex)):
-        raise InputError("unit, meaning and LaTeX are texts", where=where, got=shown(value))
-    return value
-
-
-def _quantities(values: Any, where: str) -> tuple[Quantity, ...]:
-    return tuple(_quantity(v, where) for v in entries(values, where))
-
-
-def _definition(value: Any, where: str) -> Definition:
-    """Return a definition as it is, or one of a pair of name and expression."""
-    if isinstance(value, Definition):
-        _quantity(value.quantity, where)
-        return value
-    if not isinstance(value, tuple | list) or len(value) != 2:
-        raise InputError("not a definition", where=where, got=shown(value),
-                         expected="a Definition, or a name and an expression")  # fmt: skip
-    name, expression = value
-    quantity = sp.Symbol(name, real=True) if is_text(name) else name
-    return Definition(_quantity(quantity, where), as_expression(expression))
-
-
-def _definitions(values: Any, where: str) -> tuple[Definition, ...]:
-    rows = list(values.items()) if isinstance(values, Mapping) else entries(values, where)
-    return tuple(_definition(v, where) for v in rows)
 
 
 def _all_of(kind: type) -> Callable[[Any, str], tuple[Any, ...]]:
@@ -518,20 +480,22 @@ def _numbers(value: Any, where: str) -> str:
 
 _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "name": _text,
-    "states": _quantities,
+    "states": quantities_of,
     "rates": as_expressions,
-    "parameters": _quantities,
-    "inputs": _quantities,
+    "parameters": quantities_of,
+    "inputs": quantities_of,
     "time": as_symbol,
-    "definitions": _definitions,
+    "definitions": definitions_of,
     "mass_matrix": _matrix,
-    "outputs": _definitions,
-    "invariants": _definitions,
+    "outputs": definitions_of,
+    "invariants": definitions_of,
     "singularities": _all_of(Singularity),
     "assumptions": _all_of(Assumption),
     "maintained": _all_of(str),
     "attitudes": _all_of(BodyAttitude),
     "angles": _all_of(SequenceAngles),
+    "sampled": _all_of(Sampling),
+    "multipliers": definitions_of,
     "title": _text,
     "numbers": _numbers,
 }
@@ -543,7 +507,7 @@ def _check_names(system: System) -> None:
     variables = [*system.states, *system.parameters, *system.inputs, Quantity(system.time)]
     groups = {
         "variable or definition": [q.name for q in variables]
-        + [d.name for d in system.definitions],
+        + [d.name for d in (*system.definitions, *system.multipliers)],
         "output": [*system.state_names, *system.output_names],
         "invariant": list(system.invariant_names),
     }
@@ -555,7 +519,15 @@ def _check_names(system: System) -> None:
                 where=f"system {system.name!r}",
                 got=", ".join(repeated),
                 expected="each name once",
+                hint=_hint_of_time(system) if str(system.time.name) in repeated else "",
             )
+
+
+def _hint_of_time(system: System) -> str:
+    return (
+        f"the system's time is the symbol {system.time.name} with other assumptions: use eom.TIME in "
+        "expressions, or say which symbol is time by time=..."
+    )
 
 
 def _check_shapes(system: System) -> None:
@@ -566,13 +538,23 @@ def _check_shapes(system: System) -> None:
             where=f"system {system.name!r}",
             got=f"{len(system.rates)} rates for {n} states",
         )
-    if system.mass_matrix is not None and system.mass_matrix.shape != (n, n):
+    size = n + len(system.multipliers)
+    if system.mass_matrix is None and size > n:
+        raise InputError("multipliers need a mass matrix", where=f"system {system.name!r}",
+                         got=", ".join(d.name for d in system.multipliers))  # fmt: skip
+    if system.mass_matrix is not None and system.mass_matrix.shape != (size, size):
         raise InputError(
             "mass matrix of the wrong shape",
             where=f"system {system.name!r}",
             got=system.mass_matrix.shape,
-            expected=(n, n),
+            expected=(size, size),
         )
+
+
+def _rows(system: System) -> list[str]:
+    """Return what the right side of each row is, in words."""
+    rates = [f"rate of {q.name}" for q in system.states]
+    return [*rates, *(f"right side of {d.name}" for d in system.multipliers)]
 
 
 def _check_symbols(system: System) -> None:
@@ -583,12 +565,19 @@ def _check_symbols(system: System) -> None:
         if not is_over(definition.expression, known):
             _check_expression(system, f"definition {definition.name}", definition.expression, known)
         known.add(definition.symbol)
-    named = [(f"rate of {q.name}", r) for q, r in zip(system.states, system.rates, strict=True)]
-    named += [(f"output {d.name}", d.expression) for d in system.outputs]
+    named = list(zip(_rows(system), system.right_sides, strict=True))
     named += [(f"invariant {d.name}", d.expression) for d in system.invariants]
     named += [("singularity", s.expression) for s in system.singularities]
+    named += [(f"law of {d.name}", d.expression) for d in _laws(system)]
     if system.mass_matrix is not None:
         named += [("mass matrix", e) for e in system.mass_matrix]
+    _check_all(system, named, known)
+    solved = known | {d.symbol for d in system.multipliers}
+    _check_all(system, [(f"output {d.name}", d.expression) for d in system.outputs], solved)
+
+
+def _check_all(system: System, named: Sequence[tuple[str, Expr]], known: set[Expr]) -> None:
+    """Test expressions all together first, and one by one where something is wrong."""
     for where, expression in named:
         if not isinstance(expression, sp.Basic):
             _check_expression(system, where, expression, known)
@@ -616,7 +605,7 @@ def _check_dimensions(system: System, variables: Sequence[Quantity]) -> None:
 
     Time is in s, unless every unit that is stated is none: then it follows.
     """
-    own = [*variables, *(d.quantity for d in system.definitions)]
+    own = [*variables, *(d.quantity for d in (*system.definitions, *system.multipliers))]
     units = [(q.symbol, q.unit) for q in own]
     stated = (q.dimension for q in own if q.unit)
     timeless = all(d == NONE for d in stated)
@@ -627,17 +616,36 @@ def _check_dimensions(system: System, variables: Sequence[Quantity]) -> None:
             d.expression, f"definition {d.name} of {system.name}", of=known.of_symbol(d.symbol)
         )
     moved = [known.of_symbol(q.symbol, second) for q in system.states]
-    for k, (q, rate) in enumerate(zip(system.states, system.rates, strict=True)):
-        where = f"rate of {q.name} of {system.name}"
+    moved += [known.of_symbol(d.symbol) for d in system.multipliers]
+    for k, (part, rate) in enumerate(zip(_rows(system), system.right_sides, strict=True)):
+        where = f"{part} of {system.name}"
         if system.mass_matrix is None:
             known.check(rate, where, of=moved[k])
         else:
             known.row(list(system.mass_matrix.row(k)), moved, rate, where)
+    for d in _laws(system):
+        known.check(d.expression, f"law of {d.name} of {system.name}", of=known.of_symbol(d.symbol))
     for kind, group in (("output", system.outputs), ("invariant", system.invariants)):
         for d in group:
             known.check(d.expression, f"{kind} {d.name} of {system.name}", d.quantity.unit)
     for s in system.singularities:
         known.check(s.expression, f"singularity of {system.name}")
+
+
+def _check_sampled(system: System) -> None:
+    """What is held between samples is an input, by one law alone; no constant of the motion reads it."""
+    inputs = {q.symbol for q in system.inputs}
+    held = [s for sampling in system.sampled for s in sampling.symbols]
+    for symbol in held:
+        if symbol not in inputs or held.count(symbol) > 1:
+            raise InputError("a sampled law sets what is no input, or set by another one",
+                             where=f"system {system.name!r}", got=shown(symbol),
+                             expected="inputs, each with one law")  # fmt: skip
+    for d in system.invariants if held else ():
+        if free_symbols((system.expand(d.expression),)) & {*held}:
+            raise InputError("a constant of the motion reads what is held between samples",
+                             where=f"system {system.name!r}", got=d.name,
+                             expected="constants that hold for any input")  # fmt: skip
 
 
 def _check_attitudes(system: System) -> None:
@@ -657,7 +665,7 @@ def _motion(system: System) -> proof.Motion:
     return proof.Motion(
         system.name,
         tuple(q.symbol for q in system.states),
-        system.rates,
+        system.right_sides,
         None if mass is None else sp.ImmutableMatrix(mass),
         tuple((d.symbol, d.expression) for d in system.definitions),
         system.time,

@@ -127,7 +127,7 @@ FACTS = {
     "eom.Definition": (NONE, "SI unit", NONE, NONE),
     "eom.Quantity": (NONE, "SI unit", NONE, NONE),
     "eom.Singularity": (NONE, "in its own unit", NONE, NONE),
-    "eom.System": ("(n, n)", "Units are SI", "Frames and signs are said", NONE),
+    "eom.System": ("(n + m, n + m)", "Units are SI", "Frames and signs are said", NONE),
     "eom.Table": (
         "K numbers each",
         "any consistent units",

@@ -228,7 +228,7 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "title": "",
+            "attitudes": (), "angles": (), "multipliers": (), "title": "",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",
@@ -293,7 +293,7 @@ def _multibody():
         }),
         "Equation": (m.Equation, {"name": "e", "expression": y}),
         "SpeedEquation": (m.SpeedEquation, {"name": "e", "expression": y}),
-        "Coupling": (m.Coupling, {"name": "c", "ratios": {"a": 1, "b": 2}}),
+        "Coupling": (m.Coupling, {"name": "c", "ratios": {"a": 1, "b": 2}, "follower": "b"}),
         "Rolling": (m.Rolling, {
             "name": "r", "body": "bob", "radius": 1, "axis": (0, 0, 1), "centre": (0, 0, 0),
             "normal": (0, 0, 1), "origin": (0, 0, 0), "half_axis": 0,
@@ -312,7 +312,7 @@ def _multibody():
             "tree": tree, "values": {"q_hinge": 0.1}, "weights": None, "keep": (), "time": 0.0,
         }),
         "base_parameters": (m.base_parameters, {
-            "tree": tree, "armature": False, "damping": False, "seed": 0,
+            "tree": tree, "armature": False, "damping": False, "coulomb": False, "seed": 0,
         }),
         "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", "coordinates": None}),
         "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), "coordinates": None}),
@@ -321,7 +321,7 @@ def _multibody():
             "multipliers": None,
         }),
         "examine": (m.examine, {"tree": tree, "start": None}),
-        "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False}),
+        "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
             "tree": tree, "method": "lagrange", "style": "text", "coordinates": None,
         }),

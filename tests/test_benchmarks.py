@@ -1,11 +1,12 @@
 """Benchmarks with peers: what is missing is said, and what both can be asked is right."""
 
+import importlib
 import math
 
 import numpy as np
 import pytest
 
-from benchmarks import chains, compile_time, peers, pendulum
+from benchmarks import chains, compile_time, peers, pendulum, sympy_mechanics
 from benchmarks.articulated import accelerations, chain
 from benchmarks.settings import Settings
 from codegen.ir.interpret import Point, interpret
@@ -78,3 +79,31 @@ def test_the_short_forms_judge_counts_alone():
     quick = Settings(quick=True)
     for section in (chains.measure(quick), compile_time.measure(quick)):
         assert all(row.met for row in section.rows)
+
+
+@pytest.mark.parametrize(
+    ("module", "test", "kinds"),
+    [
+        pytest.param(
+            "test_kane",
+            "test_aux",
+            {"KanesMethod", "KanesMethod, 2 auxiliary speeds"},
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "test_kane2",
+            "test_aux_dep",
+            {"KanesMethod, 3 dependent speeds, 3 auxiliary speeds"},
+            marks=pytest.mark.slow,
+        ),
+        ("test_kane", "test_two_dof", {"KanesMethod"}),
+        ("test_lagrange", "test_nonminimal_pendulum", {"LagrangesMethod, 1 multipliers"}),
+    ],
+)
+def test_systems_of_sympy_s_own_tests_have_its_rates(module, test, kinds):
+    recorder = sympy_mechanics.Recorder()
+    with recorder.watching():
+        getattr(importlib.import_module(f"sympy.physics.mechanics.tests.{module}"), test)()
+    assert {b.kind for b in recorder.built} == kinds
+    for built in recorder.built:
+        assert sympy_mechanics.error(built, states=1) <= sympy_mechanics.LARGEST

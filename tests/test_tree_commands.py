@@ -117,6 +117,23 @@ def test_a_robot_is_read_leniently_and_freed_of_the_ground(run, tmp_path):
     assert "--lenient is for robots" in done.output
 
 
+def test_a_model_of_mujoco_goes_all_the_way(run, tmp_path):
+    pytest.importorskip("mujoco")
+    file = tmp_path / "swing.xml"
+    file.write_text(
+        "<mujoco><worldbody><body name='a'><joint name='hinge' axis='0 1 0' limited='true' "
+        "range='-1 1'/><geom size='.1' pos='.5 0 0'/></body></worldbody></mujoco>",
+        encoding="utf-8",
+    )
+    done = run("derive", file)
+    assert done.exit_code == 0, done.output
+    assert "note: limits: joint 'hinge': left out" in done.output
+    assert run("plot", file, "--list").exit_code == 0
+    done = run("derive", file, "--floating")
+    assert done.exit_code == 2
+    assert "one body that is fixed" in done.output
+
+
 def test_an_ensemble_varies_starts_and_parameters(run, spring):
     words = (
         "ensemble",

@@ -197,7 +197,8 @@ def compile(  # noqa: A001 - the word that users expect
 
     ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
     ``system``: an `eom.System`, or what `codegen.frontend.from_sympy_mechanics.as_system` accepts: SymPy's
-    KanesMethod, LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
+    KanesMethod, LagrangesMethod, SymbolicSystem or mechanics System, (states, rates), (states, mass matrix,
+    forces).
     ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
     name of another parameter makes the two equal. ``states``: values at which states stay, as in
     planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.

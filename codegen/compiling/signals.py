@@ -7,7 +7,7 @@ import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -131,6 +131,14 @@ def _further(t_old: float, t: float, span: float) -> Array:
 Given = Mapping[str, Any] | Callable[..., Any]
 
 
+class Followed(Protocol):
+    """Inputs that change along a run."""
+
+    def along(self, times: Array, states: Array) -> Array:
+        """Return values (m, K) at times (K,) in ``states`` (n, K)."""
+        ...
+
+
 class Inputs:
     """All inputs of a run over time and states: held values, and functions that are called.
 
@@ -145,10 +153,12 @@ class Inputs:
         given: Given,
         states: Sequence[str],
         zero: tuple[float, ...] = (),
+        watched: bool = True,
     ) -> None:
         """``given``: functions by name, or one of all inputs; ``states``: names, in order.
 
-        ``zero``: the time of the functions at which that of the run is zero, as a sum.
+        ``zero``: the time of the functions at which that of the run is zero, as a sum. ``watched``: whether
+        what they give is remembered for `hides`.
         """
         self.held, self.names, self.states, self._given = held, tuple(names), tuple(states), given
         self.zero, self.all = zero, given if callable(given) else None
@@ -165,7 +175,9 @@ class Inputs:
         )
         self.blind = tuple(n for n, f in functions.items() if not getattr(f, "is_stated", False))
         self._places = [
-            self.names.index(n) for n, f in functions.items() if getattr(f, "knots", None) is None
+            self.names.index(n)
+            for n, f in functions.items()
+            if watched and getattr(f, "knots", None) is None
         ]
         self._calls: list[tuple[float, Array]] = []
         self._least = self._most = np.empty(0)
@@ -213,6 +225,10 @@ class Inputs:
                              expected=f"{', '.join(self.names)}, by name or in order",
                              hint=f'a function of one: inputs={{"{self.names[0]}": f}}')  # fmt: skip
         return np.array([self._as_number(v, k, at) for k, v in enumerate(listed)])
+
+    def over(self, held: Array) -> Inputs:
+        """Return the same beside other held values (m,), which may change on the way."""
+        return Inputs(held, self.names, self._given, self.states, self.zero)
 
     def since(self, zero: tuple[float, ...]) -> Inputs:
         """Return the same over a time that is zero at ``zero``, a sum, which is rounded."""

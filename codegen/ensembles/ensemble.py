@@ -31,7 +31,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from codegen.compiling import sampled
 from codegen.compiling.compiled import Compiled, processors
+from codegen.compiling.sampled import Sampled
 from codegen.ensembles import store as stores
 from codegen.ensembles.sampler import Many, Population, Sampler, population
 from codegen.ensembles.statistics import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
@@ -163,7 +165,10 @@ def ensemble(
     atol: ArrayLike | None = None,
     t_eval: ArrayLike | None = None,
     *,
-    inputs: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float | Sampled | Callable[..., Any]]
+    | Sampled
+    | Callable[..., Any]
+    | None = None,
     statistics: Statistics | Sequence[str] = (),
     keep: bool | None = None,
     store: str | Path | None = None,
@@ -182,12 +187,12 @@ def ensemble(
     as ``initial`` a `Sampler` of states and parameters. ``method``: auto (Taylor series where every
     operation has a rule, else DOP853), taylor or DOP853. ``rtol``, ``atol``, ``max_step``, ``max_steps``
     and ``margin`` are those of `simulate`, ``atol`` by the scales of each trajectory, ``inputs`` numbers
-    by name. ``t_eval``: times to store; without it the end alone. ``statistics``: names of states and
-    outputs, or `Statistics`. ``keep``: whether the trajectories are kept in memory, by default where
-    there is no ``store``, a folder for them in ``store_format`` zarr or parquet; a run that broke off is
-    called again to go on. ``chunk``: trajectories of a task, made a multiple of 256. ``threads``: by
-    default one a processor; ``client``: a client of `dask.distributed` does it instead. ``progress``:
-    called with the share that is done.
+    by name, or symbolic laws that are sampled. ``t_eval``: times to store; without it the end alone.
+    ``statistics``: names of states and outputs, or `Statistics`. ``keep``: whether the trajectories are
+    kept in memory, by default where there is no ``store``, a folder for them in ``store_format`` zarr or
+    parquet; a run that broke off is called again to go on. ``chunk``: trajectories of a task, made a
+    multiple of 256. ``threads``: by default one a processor; ``client``: a client of `dask.distributed`
+    does it instead. ``progress``: called with the share that is done.
 
     Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` says so.
     Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
@@ -205,9 +210,8 @@ def ensemble(
     ((2, 1, 3), array([[1., 2., 3.]]))
     """
     compiled = system if isinstance(system, Compiled) else compile_once(SameObject(system))
-    shared = _shared(
-        compiled, t_span, inputs or {}, rtol, atol, t_eval, max_step, max_steps, margin
-    )
+    compiled, held = sampled.compiled_in(compiled, inputs or {})
+    shared = _shared(compiled, t_span, held, rtol, atol, t_eval, max_step, max_steps, margin)
     some = population(compiled, initial, parameters)
     number = processors() if threads is None else _whole(threads, "threads")
     kept = store is None if keep is None else keep
@@ -273,12 +277,8 @@ def _shared(
 ) -> Shared:
     span = span_of(t_span)
     names = names_of(compiled.layout.inputs)
-    for name, value in inputs.items():
-        if callable(value):
-            raise InputError(
-                f"input {name} is a function",
-                hint="write it into the system by System.with_control",
-            )
+    laws = sampled.laws_of(compiled, {})
+    sampled.check_laws(laws, span)
     return Shared(
         t_span=span,
         inputs=to_array(compiled.structure.without("input", inputs), names, "input"),
@@ -288,6 +288,7 @@ def _shared(
         t_eval=grid_of(span[1:] if t_eval is None else t_eval, span),
         max_step=positive(max_step, "max_step"),
         max_steps=min(_whole(max_steps, "max_steps"), 2**31 - 1),
+        laws=laws,
     )
 
 

@@ -218,7 +218,7 @@ def _outputs(plan: Plan, runs: Runs, p: Array) -> Array:
         function = batch(plan.compiled, OUTPUTS, 1)
         for k, t in enumerate(plan.shared.t_eval):
             children.check()
-            found[:, k] = function(t, runs.y[k], p, plan.shared.inputs)
+            found[:, k] = function(t, runs.y[k], p, runs.inputs(plan.shared, k))
     return found
 
 

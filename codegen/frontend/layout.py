@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 from codegen.frontend.attitude import Stated, stated_of
 from codegen.ir.ops import LEAVES
 from codegen.ir.passes import needed
-from codegen.ir.program import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
+from codegen.ir.program import (
+    GROUPS,
+    INVARIANTS,
+    OUTPUTS,
+    RATES,
+    SAMPLES,
+    SINGULARITIES,
+    Program,
+)
 from eom.errors import InputError, near_matches, shown, unknown_name
 from eom.quantities import Quantity
 from eom.system import System
@@ -63,6 +71,8 @@ class Layout:
             SINGULARITIES: tuple(str(s.expression) for s in system.singularities),
         }
         assert tuple(results) == GROUPS
+        if system.sampled:
+            results[SAMPLES] = system.held
         title = system.title or system.name
         number = {q.symbol: k for k, q in enumerate(system.states)}
         coordinates = tuple(number.get(s.coordinate, -1) for s in system.singularities)

@@ -26,7 +26,16 @@ from codegen.frontend import removable_singularities as removable
 from codegen.ir import compile_progress, fold
 from codegen.ir.linsolve import Shape
 from codegen.ir.passes import prune
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Builder, Name, Program
+from codegen.ir.program import (
+    INVARIANTS,
+    OUTPUTS,
+    RATES,
+    SAMPLES,
+    SINGULARITIES,
+    Builder,
+    Name,
+    Program,
+)
 from codegen.ir.residues import vanishing
 from eom.errors import InputError
 from eom.quantities import Definition
@@ -175,6 +184,10 @@ _COMPARISONS: dict[Any, tuple[str, bool]] = {
 }
 
 
+_UNFOLDING = (sp.Function, sp.Subs, sp.UnevaluatedExpr)
+"""What may stand for an expression that its ``doit`` writes out, as SymPy's curves of muscles do."""
+
+
 def lowering_of(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Lowering:
     """Return a lowering over the slots of a system, in a builder of its own."""
     b = Builder(rules)
@@ -198,25 +211,31 @@ def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Progra
     b = lowering.b
     for definition in system.definitions:
         lowering.define(definition)
-    rates = [
-        lowering.lower(r, f"rate of {q.name}")
-        for q, r in zip(system.states, system.rates, strict=True)
-    ]
+    rows = [*(f"rate of {q.name}" for q in system.states)]
+    rows += [f"right side of {d.name}" for d in system.multipliers]
+    solved = [lowering.lower(r, row) for row, r in zip(rows, system.right_sides, strict=True)]
     if system.mass_matrix is not None:
-        rates = solve(b, _lower_matrix(lowering, system.mass_matrix), rates)
+        solved = solve(b, _lower_matrix(lowering, system.mass_matrix), solved)
+    n = len(system.states)
+    for definition, number in zip(system.multipliers, solved[n:], strict=True):
+        lowering.stand(definition, number)
     results = {
-        RATES: rates,
+        RATES: solved[:n],
         OUTPUTS: [lowering.result(d, "output") for d in system.outputs],
         INVARIANTS: [lowering.result(d, "invariant") for d in system.invariants],
         SINGULARITIES: [lowering.lower(s.expression, "singularity") for s in system.singularities],
     }
+    if system.sampled:
+        laws = [d for s in system.sampled for d in s.rows]
+        results[SAMPLES] = [lowering.lower(d.expression, f"law of {d.name}") for d in laws]
     return b.program(results)
 
 
 def nodes(system: System) -> int:
     """Return the number of different operations in the expressions of a system."""
-    named = (*system.definitions, *system.outputs, *system.invariants)
-    stack = [*system.rates, *(d.expression for d in named), *(system.mass_matrix or ())]
+    laws = (d for s in system.sampled for d in s.rows)
+    named = (*system.definitions, *system.outputs, *system.invariants, *laws)
+    stack = [*system.right_sides, *(d.expression for d in named), *(system.mass_matrix or ())]
     stack += [s.expression for s in system.singularities]
     seen: set[Expr] = set()
     while stack:
@@ -299,6 +318,11 @@ class Lowering:
         """Lower a definition; its symbol stands for the value from here on."""
         self.memo[definition.symbol] = self.result(definition, "definition")
 
+    def stand(self, definition: Definition, number: int) -> None:
+        """Let the symbol of a definition stand for a value that was computed otherwise."""
+        self.b.name(number, _name(definition))
+        self.memo[definition.symbol] = number
+
     def result(self, definition: Definition, kind: str) -> int:
         """Lower a named expression; its value has that name."""
         number = self.lower(definition.expression, f"{kind} {definition.name}")
@@ -337,6 +361,8 @@ class Lowering:
         for test, rule in _RULES:
             if isinstance(node, test):
                 return rule(self, node)
+        if isinstance(node, _UNFOLDING) and (unfolded := node.doit(deep=False)) != node:
+            return (unfolded,), lambda a: a[0]
         raise refusal(node, self.where)
 
     @staticmethod

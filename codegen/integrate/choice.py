@@ -213,7 +213,8 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
     """
     if task.events:
         return _with_events(task, methods)
-    found = None if task.signals is not None else closed_forms.find(task.compiled, task.problem)
+    open_loop = task.signals is None and not task.problem.laws
+    found = closed_forms.find(task.compiled, task.problem) if open_loop else None
     if found is not None:
         name = f"closed form: {found.name}"
         evaluate = partial(closed.integrate, task.compiled, found)
@@ -342,8 +343,10 @@ def _going_on(
 
     def integrator(problem: Problem) -> Trajectory:
         look = _Look(task, problem, chosen)
-        made = run(problem if task.events else look.watching())
+        made = run(problem if task.events or problem.laws else look.watching())
         first = replace(made, method=name, why=chosen.why, methods=(chosen.method,))
+        if problem.laws:  # the rest of a run does not know what its laws have held
+            return first
         if look.stiff is not None and first.stop.kind == LEFT:
             return _implicitly(task, methods, problem, first, look.stiff)
         return _onward(task, methods, problem, first)

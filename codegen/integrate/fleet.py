@@ -24,11 +24,11 @@ from codegen.integrate import scipy_
 from codegen.integrate.choice import NEXT, Task
 from codegen.integrate.methods import resumed
 from codegen.ir.names import identifier
-from codegen.ir.program import RATES, SINGULARITIES, Program
-from codegen.loops import runge_kutta, taylor, taylor_lanes
+from codegen.ir.program import RATES, SAMPLES, SINGULARITIES, Program
+from codegen.loops import runge_kutta, samples, taylor, taylor_lanes
 from codegen.loops.tableaux import DOP853
 from codegen.native import children, native
-from codegen.native.trajectory import Array, Problem, Stop, Trajectory
+from codegen.native.trajectory import Array, Law, Problem, Stop, Trajectory
 from eom.errors import InputError, unknown_name
 from eom.tables import Table
 
@@ -60,6 +60,7 @@ class Shared:
     t_eval: Array
     max_step: float
     max_steps: int
+    laws: tuple[Law, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,8 @@ class Runs:
 
     ``status`` (N,): numbers of `STATUS`; ``which``: of the singularity, or of the state that is not
     finite, else -1. ``y`` is NaN at times that a trajectory did not reach. ``continued`` (N,): 0, or what
-    `codegen.integrate.fleet` says where another method went on.
+    `codegen.integrate.fleet` says where another method went on. ``held`` (times, m, N): the inputs at
+    these times, where laws are sampled.
     """
 
     y: Array
@@ -79,6 +81,11 @@ class Runs:
     steps: Integers
     rejected: Integers
     continued: Integers
+    held: Array | None = None
+
+    def inputs(self, shared: Shared, k: int) -> Array:
+        """Return the inputs at stored time ``k``, (m,), or (m, N) where trajectories have their own."""
+        return shared.inputs if self.held is None else self.held[k]
 
 
 Runner = Callable[[Shared, Array, Array], Runs]
@@ -100,6 +107,10 @@ class _Job(ctypes.Structure):
         *((f, ctypes.c_size_t) for f in ("count", "grid_count")),
         ("max_steps", ctypes.c_longlong),
         ("halt", ctypes.c_void_p),
+        ("laws", ctypes.c_void_p),
+        ("law_count", ctypes.c_size_t),
+        ("law_values", ctypes.c_void_p),
+        ("held", ctypes.c_void_p),
     ]
 
 
@@ -113,10 +124,14 @@ def runner(function: Any) -> Runner:
         times = len(shared.t_eval)
         x, p = np.ascontiguousarray(x), np.ascontiguousarray(p)
         shared = replace(shared, atol=_held(shared))
-        runs = _empty(times, n, count)
+        runs = _empty(shared, times, n, count)
+        laws = samples.laws_of(shared.laws)
         room = np.empty(times * (n + 1) + 1)
         job, flag = _job(shared, x, p, runs, room), children.flag()
         job.halt = flag.address
+        if shared.laws and runs.held is not None:
+            job.laws, job.law_count = ctypes.addressof(laws.array), len(shared.laws)
+            job.law_values, job.held = laws.values.ctypes.data, runs.held.ctypes.data
         function(ctypes.addressof(job))
         children.check()
         return runs
@@ -210,7 +225,7 @@ def _taylor(compiled: Compiled, rtol: float) -> Built:
             name = f"Taylor series of order {order} in {lanes} vector lanes, generated C"
             return Built(runner(function), name, text, series=True)
     order = taylor.order_of(rtol)
-    text = taylor.single_text(program, layout, order)
+    text = taylor.single_text(program, layout, order, SAMPLES in layout.results)
     run = _many(text, layout, "taylor", taylor.FLAGS)
     name = f"Taylor series of order {order} in generated C"
     return Built(run, name, text, f"no lanes: {reason}", series=True)
@@ -223,12 +238,14 @@ def _against_lanes(program: Program, prepared: Prepared, order: int) -> str:
         return f"{count:,} operations of straight-line code at order {order}"
     if any(isinstance(i.value, Table) for i in program.instructions):
         return "tables have no form in lanes"
+    if SAMPLES in program.results:
+        return "laws are sampled"
     return ""
 
 
 def _dop853(compiled: Compiled, rtol: float) -> Built:  # noqa: ARG001 - the signature of a row
     program, layout = compiled.program, compiled.layout
-    text = runge_kutta.single_text(DOP853, program, layout)
+    text = runge_kutta.single_text(DOP853, program, layout, SAMPLES in layout.results)
     flags = native.flags_for(0, len(program.instructions))
     return Built(_many(text, layout, DOP853.name, flags), "DOP853 in generated C", text)
 
@@ -244,8 +261,11 @@ METHODS: dict[str, Callable[[Compiled, float], Built]] = {
 def _many(text: str, layout: Layout, suffix: str, flags: tuple[str, ...]) -> Runner:
     """Compile a scalar integrator with a loop over the trajectories of a job."""
     prefix = f"{identifier(layout.name)}_{suffix}"
+    parts = samples.MANY_SAMPLED if SAMPLES in layout.results else samples.MANY_PLAIN
     values = {
         "JOB": runge_kutta.fill("job.c", {}),
+        **parts,
+        "INPUTS": str(len(layout.inputs)),
         "PREFIX": prefix,
         "UPPER": prefix.upper(),
         "PARAMETERS": str(len(layout.parameters)),
@@ -260,7 +280,7 @@ def _by_scipy(compiled: Compiled) -> Runner:
     singularities = len(compiled.layout.results[SINGULARITIES])
 
     def run(shared: Shared, x: Array, p: Array) -> Runs:
-        runs = _empty(len(shared.t_eval), *x.shape)
+        runs = _empty(shared, len(shared.t_eval), *x.shape)
         for j in range(x.shape[1]):
             children.check()
             found = scipy_.integrate(
@@ -270,6 +290,8 @@ def _by_scipy(compiled: Compiled) -> Runner:
             runs.t_stop[j], runs.y_stop[:, j] = found.stop.t, found.state_at_stop
             runs.status[j], runs.which[j] = NUMBERS[found.stop.kind], found.stop.which
             runs.steps[j], runs.rejected[j] = found.steps, found.rejected
+            if runs.held is not None and found.held is not None:
+                runs.held[: len(found.t), :, j] = found.held.at(found.t).T
         return runs
 
     return run
@@ -290,15 +312,16 @@ def problem_of(shared: Shared, x: Array, p: Array, j: int, singularities: int) -
         t_eval=shared.t_eval,
         max_step=shared.max_step,
         max_steps=shared.max_steps,
+        laws=shared.laws,
         progress=lambda _: children.check(),
     )
 
 
-def _empty(times: int, n: int, count: int) -> Runs:
+def _empty(shared: Shared, times: int, n: int, count: int) -> Runs:
     numbers = (np.zeros(count, dtype=np.int32) for _ in range(5))
-    return Runs(
-        np.full((times, n, count), math.nan), np.empty(count), np.empty((n, count)), *numbers
-    )
+    held = np.full((times, len(shared.inputs), count), math.nan) if shared.laws else None
+    y = np.full((times, n, count), math.nan)
+    return Runs(y, np.empty(count), np.empty((n, count)), *numbers, held=held)
 
 
 STUCK = ("not finite", "step")
@@ -310,7 +333,7 @@ WENT_ON, PASSED = 1, 2
 def build_onward(compiled: Compiled, method: str, rtol: float) -> Built:
     """Return what integrates many trajectories, as `fleet.build`; ``auto`` goes on where stuck."""
     found = build(compiled, method, rtol)
-    if method != "auto" or not found.series:
+    if method != "auto" or not found.series or SAMPLES in compiled.layout.results:
         return found
     return replace(found, run=_going_on(found.run, compiled), text=f"{found.text}{dict(NEXT)}")
 

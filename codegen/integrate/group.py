@@ -14,7 +14,7 @@ quaternion without a body keeps the other states as they are, and w is the vecto
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib import resources
@@ -48,9 +48,9 @@ from codegen.ir.passes import (
     transposed_times,
 )
 from codegen.ir.program import RATES, SINGULARITIES, Builder, Program
-from codegen.loops import projection, runge_kutta
+from codegen.loops import projection, runge_kutta, samples
 from codegen.loops.runge_kutta import NativeMethod
-from codegen.native.trajectory import Array, Problem, Stepwise, Trajectory
+from codegen.native.trajectory import Array, Held, Problem, Stepwise, Trajectory
 from codegen.passes.pipeline import optimise
 from codegen.targets import c
 from eom.errors import InputError
@@ -299,11 +299,33 @@ def values(layout: Layout, suffix: str) -> dict[str, str]:
     }
 
 
-def single_text(program: Program, layout: Layout, suffix: str, header: str, source: str) -> str:
-    """Return functions and integrator as one text that compiles by itself."""
+def single_text(
+    program: Program, layout: Layout, suffix: str, texts: Mapping[str, str], sampled: bool = False
+) -> str:
+    """Return functions and integrator, header and source, as one text that compiles by itself.
+
+    ``sampled``: with what stands round the loop where laws are sampled.
+    """
     name = identifier(layout.name)
-    rest = (header + source).replace(f'#include "{name}.h"\n', "")
-    return c.single_text(program, layout) + rest.replace(f'#include "{name}_{suffix}.h"\n', "")
+    rest = "".join(texts.values()).replace(f'#include "{name}.h"\n', "")
+    rest = rest.replace(f'#include "{name}_{suffix}.h"\n', "")
+    around = samples.text(suffix, layout) if sampled else ""
+    return c.single_text(program, layout) + rest + around
+
+
+def check_sampled(method: str, layout: Layout, programs: Sequence[tuple[Program, str]]) -> None:
+    """Raise `InputError` where variables of a method are made of inputs, which jump at samples.
+
+    ``programs``: with the group, of what must not read them.
+    """
+    for program, name in programs:
+        if any(i.op == "input" for i in prune(program, [name]).instructions):
+            raise InputError(
+                f"method {method} cannot change inputs on the way that its variables are made of",
+                where=layout.name,
+                got="sampled laws, and a momentum that reads inputs",
+                hint="choose DOP853 or taylor",
+            )
 
 
 def between(library: ctypes.CDLL, prefix: str) -> Between:
@@ -324,7 +346,12 @@ def integrate(method: NativeMethod, evaluate: Between, problem: Problem) -> Traj
     def solution(t: Array, h: Array, x: Array, rows: Array) -> RowSolution:
         return RowSolution(t, h, x, rows, evaluate, problem)
 
-    return runge_kutta.integrate(replace(method, solution=solution), problem)
+    made = runge_kutta.integrate(replace(method, solution=solution), problem)
+    if made.held is not None and made.solution is not None:
+        made.solution.held = made.held
+        if problem.t_eval is not None:
+            made = replace(made, y=np.ascontiguousarray(made.solution(made.t)))
+    return made
 
 
 def _address(array: Array) -> Pointer:
@@ -339,13 +366,26 @@ class RowSolution(Stepwise):
     ) -> None:
         super().__init__(t, h, x, rows)
         self._evaluate, self._problem = evaluate, problem
+        self.held: Held | None = None
+        """What inputs were held at, where they changed between steps."""
 
     def _within(self, k: NDArray[np.intp], since: Array) -> Array:
+        if self.held is None:
+            return self._under(self._problem.inputs, k, since)
+        value = np.empty((len(k), self._x.shape[1]))
+        inputs, which = np.unique(self.held.at(self.ts[k]), axis=1, return_inverse=True)
+        for number, u in enumerate(inputs.T):
+            own = which.ravel() == number
+            value[own] = self._under(np.ascontiguousarray(u), k[own], since[own])
+        return value
+
+    def _under(self, u: Array, k: NDArray[np.intp], since: Array) -> Array:
+        """Return the states in steps that were made under inputs ``u``."""
         theta = np.ascontiguousarray(since / self._h[k])
         rows = np.ascontiguousarray(self._rows[k])
         value = np.empty((len(k), self._x.shape[1]))
         self._evaluate(
-            _address(self._problem.parameters), _address(self._problem.inputs), len(k),
+            _address(self._problem.parameters), _address(u), len(k),
             theta.ctypes.data, rows.ctypes.data, value.ctypes.data,
         )  # fmt: skip
         return value

@@ -37,20 +37,20 @@ class Method:
     finds: bool = False
 
 
-Further = tuple[tuple[str, ...], tuple[events.Event, ...]]
-"""What a loop does beside integrating: invariants to project onto, events."""
+Further = tuple[tuple[str, ...], tuple[events.Event, ...], bool]
+"""What a loop does beside integrating: invariants to project onto, events, laws that are sampled."""
 
 
 def _further(task: Task) -> Further:
     """Return that of a task; of its events what generated code depends on, the expressions."""
-    return task.problem.project, events.bare(task.events)
+    return task.problem.project, events.bare(task.events), bool(task.problem.laws)
 
 
 @lru_cache(maxsize=64)
 def _extended_once(key: SameObject[Compiled], further: Further) -> tuple[Program, Layout]:
     """Return program and layout of the generated loop, with its projection and events if any."""
     compiled = key.value
-    names, looked_for = further
+    names, looked_for, _ = further
     found = compiled.program, compiled.layout
     if names:
         found = projection.extended(*found, names, compiled.stable)
@@ -63,24 +63,28 @@ def _extended_once(key: SameObject[Compiled], further: Further) -> tuple[Program
 def _runge_kutta_once(
     key: SameObject[Compiled], further: Further, tableau: Tableau
 ) -> runge_kutta.NativeMethod:
-    return runge_kutta.build(tableau, *_extended_once(key, further))
+    return runge_kutta.build(tableau, *_extended_once(key, further), further[2])
 
 
 @lru_cache(maxsize=64)
-def _rkmk_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod, group.Between]:
-    return rkmk.build(key.value.program, key.value.layout)
+def _rkmk_once(
+    key: SameObject[Compiled], sampled: bool
+) -> tuple[runge_kutta.NativeMethod, group.Between]:
+    return rkmk.build(key.value.program, key.value.layout, sampled=sampled)
 
 
 @lru_cache(maxsize=64)
-def _splitting_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod, group.Between]:
-    return splitting.build(key.value.program, key.value.layout)
+def _splitting_once(
+    key: SameObject[Compiled], sampled: bool
+) -> tuple[runge_kutta.NativeMethod, group.Between]:
+    return splitting.build(key.value.program, key.value.layout, sampled)
 
 
 @lru_cache(maxsize=64)
 def _taylor_once(
     key: SameObject[Compiled], further: Further, order: int
 ) -> runge_kutta.NativeMethod:
-    return taylor.build(*_extended_once(key, further), order)
+    return taylor.build(*_extended_once(key, further), order, further[2])
 
 
 def _native(compiled: Compiled, method: runge_kutta.NativeMethod) -> Integrator:
@@ -142,14 +146,14 @@ def _refuse_signals(name: str, task: Task) -> None:
 
 def _rkmk(task: Task) -> tuple[Integrator, str]:
     _refuse_signals("rkmk", task)
-    native, evaluate = _rkmk_once(SameObject(task.compiled))
+    native, evaluate = _rkmk_once(SameObject(task.compiled), bool(task.problem.laws))
     used = "Runge-Kutta-Munthe-Kaas of order 8 in generated C"
     return lambda problem: group.integrate(native, evaluate, problem), used
 
 
 def _splitting(task: Task) -> tuple[Integrator, str]:
     _refuse_signals("splitting", task)
-    native, evaluate = _splitting_once(SameObject(task.compiled))
+    native, evaluate = _splitting_once(SameObject(task.compiled), bool(task.problem.laws))
     used = f"splitting of order {splitting.ORDER} in generated C"
     return lambda problem: group.integrate(native, evaluate, problem), used
 

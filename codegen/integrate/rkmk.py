@@ -38,7 +38,7 @@ from codegen.integrate.group import (
 )
 from codegen.ir.names import identifier
 from codegen.ir.program import RATES, SINGULARITIES, Program
-from codegen.loops import lookout, runge_kutta
+from codegen.loops import lookout, runge_kutta, samples
 from codegen.loops.runge_kutta import NativeMethod
 from codegen.loops.tableaux import DOP853, Row, Tableau
 from codegen.native import native
@@ -92,15 +92,18 @@ def files(program: Program, layout: Layout, tableau: Tableau = DOP853) -> Mappin
 
 
 def build(
-    program: Program, layout: Layout, tableau: Tableau = DOP853
+    program: Program, layout: Layout, tableau: Tableau = DOP853, sampled: bool = False
 ) -> tuple[NativeMethod, group.Between]:
     """Compile the integrator of a system for this machine; `group.integrate` runs it.
 
     Raises `CompilerError` if that fails, and `InputError` as `files`.
     """
     filled, shape, constants, watch = _filled(program, layout, tableau)
-    header, source = filled.values()
-    text = group.single_text(program, layout, NAME, header, source)
+    if sampled:
+        begin_, changed = start(program, shape.variables), local(program, shape.variables)
+        rows = ((begin_, START), (begin_, FIXED), (changed, STATES))
+        group.check_sampled(NAME, layout, rows)
+    text = group.single_text(program, layout, NAME, filled, sampled)
     prefix = f"{identifier(layout.name)}_{NAME}"
     room = max(1, len(layout.results[SINGULARITIES]))
     of_rates = max(1, len(by_parameters(program, layout.sizes).values))
@@ -111,6 +114,7 @@ def build(
     method = NativeMethod(
         shape.terms, group.unbound, begin, run, state, output, library,
         notice=partial(_notice, shape.variables, names_of(layout.states)),
+        sampled=samples.functions(library, prefix, NAME) if sampled else None,
     )  # fmt: skip
     return method, group.between(library, prefix)
 

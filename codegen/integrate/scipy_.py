@@ -22,9 +22,10 @@ from codegen.compiling.sparse import SparseJacobian
 from codegen.integrate import sundials
 from codegen.integrate.watching import Cut, Watcher
 from codegen.ir.passes import dependence, prune
-from codegen.ir.program import INVARIANTS, RATES
+from codegen.ir.program import INVARIANTS, RATES, SAMPLES
 from codegen.loops import jumps
 from codegen.loops.projection import units
+from codegen.loops.samples import Schedule
 from codegen.loops.tableaux import TSIT5, Tableau
 from codegen.native.trajectory import Array, Problem, Stop, Trajectory
 
@@ -145,6 +146,9 @@ def integrate(
     compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None = None
 ) -> Trajectory:
     """Integrate with a method of the tables; ``inputs``: their values over time, if not held."""
+    if problem.laws:
+        problem = replace(problem, inputs=problem.inputs.copy())
+        inputs = inputs and inputs.over(problem.inputs)
     return _Run(compiled, problem, method, inputs).run()
 
 
@@ -209,7 +213,13 @@ class _Run:
     def __init__(
         self, compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None
     ) -> None:
-        self.problem = problem
+        self.problem, self.end = problem, problem.t_span[1]
+        self.schedule: Schedule | None = None
+        if problem.laws:
+            self.schedule = Schedule(problem, compiled.functions.get(SAMPLES), problem.inputs)
+            self.schedule.change(problem.t_span[0], problem.x0)
+            self.end = self.schedule.next()
+        """The end of what is done with inputs that are held: of the run, or the next change of one."""
         self.singular_function = compiled.functions.get("singularities")
         self.coordinates = compiled.layout.coordinates
         self.rhs = compiled.rhs
@@ -289,15 +299,29 @@ class _Run:
         self._store_grid(start, None)
         with np.errstate(all="ignore"):
             self.solver = self._solver(start, problem.x0, problem.first_step)
-            while self.solver.status == "running":
+            while self.solver.status == "running" or self._changes():
                 stop = self._step(self.solver)
                 if stop is not None:
                     return self._finish(stop, self.points[-1])
         return self._finish(Stop("end", end), self.points[-1])
 
+    def _changes(self) -> bool:
+        """Change inputs at the end of a piece, and begin the next; False at the end of the run."""
+        if self.schedule is None or self.end == self.problem.t_span[1]:
+            return False
+        t, x = self.end, self.here[1]
+        self.schedule.change(t, x)
+        self.here, self.end = (t, x), self.schedule.next()
+        self.singular = self._singularities(t, x)
+        self.closest = np.fmin(self.closest, np.abs(self.singular))
+        if self.watcher is not None and self.inputs is not None:
+            self.inputs.forget()
+        self.solver = self._solver(t, x, self.usual or None)
+        return True
+
     def _solver(self, t: float, x: Array, step: float | None) -> Any:
         """Return a solver that starts at time ``t`` in the state ``x``, with a first step if given."""
-        problem, end = self.problem, self.problem.t_span[1]
+        problem, end = self.problem, self.end
         options: dict[str, Any] = {
             "rtol": max(problem.rtol, 0.0 if self.method in SUNDIALS else LEAST_RTOL),
             "atol": problem.atol,
@@ -327,9 +351,7 @@ class _Run:
             rows, columns = pattern.nonzero()
             options |= sundials.sparse_options(sundials.by_columns(rows, columns, n), n)
         kind = SUNDIALS[self.method]
-        return sundials.Solver(
-            kind, self._slope, (t, problem.t_span[1]), x, problem.dense_output, **options
-        )
+        return sundials.Solver(kind, self._slope, (t, self.end), x, problem.dense_output, **options)
 
     def _step(self, solver: Any) -> Stop | None:
         """Take one step; return why the run has to stop, if it has to."""
@@ -387,7 +409,7 @@ class _Run:
 
     def _bound(self, solver: Any, t: float) -> None:
         """Let no step of a solver go beyond ``t``, nor beyond the end."""
-        end = self.problem.t_span[1]
+        end = self.end
         solver.t_bound = end if solver.direction * (end - t) <= 4 * math.ulp(end) else t
         if self.method == "LSODA":
             solver._lsoda_solver._integrator.rwork[0] = solver.t_bound
@@ -436,8 +458,8 @@ class _Run:
 
     def _pass_over(self, passage: _Passage, t: float, x: Array, step: float) -> None:
         """Go on behind a change of piece, with a step (s) from there."""
-        problem, along = self.problem, self.solver.direction * passage.length
-        if self.solver.direction * (problem.t_span[1] - t - along) <= 0:
+        along = self.solver.direction * passage.length
+        if self.solver.direction * (self.end - t - along) <= 0:
             return
         before = self._slope(t, x)
         after = self._slope(t + along, x + along * before)
@@ -453,8 +475,11 @@ class _Run:
         ``edge``: how far that is from the begin of the step, or 0.
         """
         if self.watcher is None:
+            self.last = abs(solver.t - solver.t_old)
+            cut = self.schedule is not None and solver.t == self.end
+            self.usual = max(self.usual, self.last) if cut else self.last
             return
-        end = self.problem.t_span[1]
+        end = self.end
         at_bound = solver.t == solver.t_bound != end
         self.last = abs(solver.t - solver.t_old)
         self.usual = self.last if not at_bound else max(self.usual, self.last)
@@ -596,6 +621,7 @@ class _Run:
             rejected=self.rejected,
             solution=solution,
             notice=self._notice(),
+            held=None if self.schedule is None else self.schedule.held(),
         )
 
     def _notice(self) -> str:

@@ -44,7 +44,7 @@ from codegen.integrate import group
 from codegen.integrate.group import CONSTANTS, KICK, START, Variables, kicks, start
 from codegen.ir.names import identifier
 from codegen.ir.program import SINGULARITIES, Program
-from codegen.loops import lookout, runge_kutta
+from codegen.loops import lookout, runge_kutta, samples
 from codegen.loops.runge_kutta import NativeMethod
 from codegen.native import native
 from codegen.native.trajectory import Problem
@@ -88,14 +88,19 @@ def files(program: Program, layout: Layout) -> Mapping[str, str]:
     return filled
 
 
-def build(program: Program, layout: Layout) -> tuple[NativeMethod, group.Between]:
+def build(
+    program: Program, layout: Layout, sampled: bool = False
+) -> tuple[NativeMethod, group.Between]:
     """Compile the integrator of a system for this machine; `group.integrate` runs it.
 
     Raises `CompilerError` if that fails, and `InputError` as `files`.
     """
     filled, constants, watch = _filled(program, layout)
-    header, source = filled.values()
-    text = group.single_text(program, layout, NAME, header, source)
+    if sampled:
+        variables = _body(layout)
+        rows = ((kicks(program, variables), CONSTANTS), (start(program, variables), START))
+        group.check_sampled(NAME, layout, rows)
+    text = group.single_text(program, layout, NAME, filled, sampled)
     prefix = f"{identifier(layout.name)}_{NAME}"
     room = max(1, len(layout.results[SINGULARITIES]))
     of_rates = max(1, len(by_parameters(program, layout.sizes).values))
@@ -104,7 +109,10 @@ def build(program: Program, layout: Layout) -> tuple[NativeMethod, group.Between
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
     terms = _terms(len(layout.states))
-    made = NativeMethod(terms, group.unbound, begin, run, state, output, library, notice=_notice)
+    made = NativeMethod(
+        terms, group.unbound, begin, run, state, output, library, notice=_notice,
+        sampled=samples.functions(library, prefix, NAME) if sampled else None,
+    )  # fmt: skip
     return made, group.between(library, prefix)
 
 

@@ -36,6 +36,8 @@ from eom.tables import Table
 RATES, OUTPUTS, INVARIANTS, SINGULARITIES = "rates", "outputs", "invariants", "singularities"
 GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
 """Groups of results of a lowered system."""
+SAMPLES = "samples"
+"""One more where laws are sampled: what their inputs, and the states of the control, become."""
 
 
 class Name(NamedTuple):

@@ -3,7 +3,9 @@
  * vector for all. Its state i at grid[k] goes to
  * y[k * y_time + i * y_row + j], where it stopped to t_stop[j] and x_stop[i * stop_row + j], and why to
  * status[j] and which[j]. Grid points that it does not reach are left as they are. room: as many doubles
- * as grid points of n + 1. Once *halt is not 0 the job is left as it is, within a few steps. */
+ * as grid points of n + 1. Once *halt is not 0 the job is left as it is, within a few steps.
+ * Where laws are sampled: so many of them, with room for their values; input i that was held at grid[k] goes
+ * to held[(k * inputs + i) * count + j]. */
 typedef struct {
     double t, t_end, h_max, rtol, margin;
     const double *atol, *u, *grid, *x, *p;
@@ -13,4 +15,7 @@ typedef struct {
     size_t count, grid_count;
     long long max_steps;
     const volatile int *halt;
+    void *laws;
+    size_t law_count;
+    double *law_values, *held;
 } job_;

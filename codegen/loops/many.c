@@ -5,7 +5,7 @@
 @JOB@
 enum { BETWEEN_LOOKS = 100 }; /* steps between two looks at the flag */
 
-/* Integrate the trajectories of a job one after the other. */
+@MANY_FUNCTIONS@/* Integrate the trajectories of a job one after the other. */
 void @PREFIX@_many(const job_ *o) {
     for (size_t j = 0; j < o->count && *o->halt == 0; ++j) {
         @PREFIX@ s;
@@ -21,13 +21,13 @@ void @PREFIX@_many(const job_ *o) {
         for (int i = 0; i < @PARAMETERS@; ++i) p[i] = o->p[i * o->p_row + (ptrdiff_t)j * o->p_column];
         stored.t = o->room, stored.x = o->room + o->grid_count, stored.grid = o->grid;
         stored.capacity = stored.grid_count = o->grid_count;
-        int status = @PREFIX@_start(&s, p, o->u);
-        while (status == @UPPER@_PAUSED && *o->halt == 0) {
+@MANY_BEGIN@        int status = @MANY_START@;
+        while (@MANY_GOES_ON@ && *o->halt == 0) {
             const long long left = o->max_steps - s.steps - s.rejected;
             if (left <= 0) break;
-            status = @PREFIX@_run(&s, o->u, &stored, left < BETWEEN_LOOKS ? left : BETWEEN_LOOKS);
-        }
-        for (size_t k = 0; k < stored.count; ++k)
+            status = @MANY_RUN@, left < BETWEEN_LOOKS ? left : BETWEEN_LOOKS);
+@MANY_TAKE@        }
+@MANY_END@        for (size_t k = 0; k < stored.count; ++k)
             for (int i = 0; i < N; ++i)
                 o->y[(ptrdiff_t)k * o->y_time + i * o->y_row + (ptrdiff_t)j] = stored.x[k * N + (size_t)i];
         for (int i = 0; i < N; ++i) o->x_stop[i * o->stop_row + (ptrdiff_t)j] = s.x[i];

@@ -93,8 +93,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
             const double change = h * (@MEAN@@UPDATE@);
             x_new[i] = two_sum(s->x[i], change + s->x_low[i], &x_low[i]);
         }
-        @RATES_AT@(t_new, x_new, @RATES_WITH@k[@LAST@]@RATES_END@);
-@CUT@        double @ERROR_SUMS@;
+@END_RATES@@CUT@        double @ERROR_SUMS@;
         for (int i = 0; i < N; ++i) {
             const double scale = 1.0 / (s->atol[i] + s->rtol * fmax(fabs(s->x[i]), fabs(x_new[i])));
 @ERROR_TERMS@

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
 from codegen.ir.program import RATES, SINGULARITIES, Program
-from codegen.loops import crossings, jumps, lookout, projection
+from codegen.loops import crossings, jumps, lookout, projection, samples
 from codegen.loops.tableaux import Row, Tableau
 from codegen.native import native
-from codegen.native.trajectory import Array, Problem, Stepwise, Stop, Trajectory
+from codegen.native.trajectory import Array, Held, Problem, Stepwise, Stop, Trajectory
 from codegen.passes.pipeline import by_parameters
 from codegen.targets import c
 
@@ -35,22 +35,35 @@ CALL_SECONDS = 0.05
 FIRST_CAPACITY = 2_048
 
 
-def files(tableau: Tableau, program: Program, layout: Layout) -> Mapping[str, str]:
-    """Return header and source of the integrator by file name."""
+def files(
+    tableau: Tableau, program: Program, layout: Layout, sampled: bool = False
+) -> Mapping[str, str]:
+    """Return header and source of the integrator by file name.
+
+    ``sampled``: whether inputs change at its end, so that the rates there may be left out.
+    """
     values = _values(tableau, program, layout)
+    values |= _end_rates(tableau, values, sampled and not crossings.count_of(layout))
     return {
         f"{values['PREFIX']}.{kind}": fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")
     }
 
 
-def single_text(tableau: Tableau, program: Program, layout: Layout) -> str:
-    """Return functions and integrator as one text that compiles by itself."""
+def single_text(tableau: Tableau, program: Program, layout: Layout, sampled: bool = False) -> str:
+    """Return functions and integrator as one text that compiles by itself.
+
+    ``sampled``: with what stands round the loop where laws are sampled.
+    """
     name = identifier(layout.name)
-    header, source = files(tableau, program, layout).values()
-    rest = (header + source).replace(f'#include "{name}.h"\n', "")
-    return c.single_text(program, layout) + rest.replace(
-        f'#include "{name}_{tableau.name}.h"\n', ""
-    )
+    header, source = files(tableau, program, layout, sampled).values()
+    own = samples.declaration(tableau.name, layout) if sampled else ""
+    rest = (header + own + source).replace(f'#include "{name}.h"\n', "")
+    rest = rest.replace(f'#include "{name}_{tableau.name}.h"\n', "")
+    if sampled:
+        prefix = f"{name}_{tableau.name}"
+        rates = _rates(name, prefix, _watch(tableau, program, prefix))
+        rest += samples.text(tableau.name, layout, rates)
+    return c.single_text(program, layout) + rest
 
 
 SHARED = {"NUMBERS": "numbers.c", "START": "start.c", "EVENTS": "events.c", "STEPS": "steps.c",
@@ -129,6 +142,39 @@ def _values(tableau: Tableau, program: Program, layout: Layout) -> dict[str, str
         **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
         **crossings.of_values(program, layout, prefix),
         **watch.texts,
+    }
+
+
+_AT_CHANGE = """\
+        const int at_change = t_new == s->t_end; /* the rates there are those of other inputs */
+        for (int i = 0; at_change && i < N; ++i) k[{last}][i] = 0.0;
+        s->evaluations -= at_change;
+        if (!at_change) {rates}
+"""
+_DENSE_AT_CHANGE = """\
+        if (needs_dense || possible) {{
+            if (at_change) {rates}
+            s->evaluations += at_change;
+            prepare_dense(s, k, h, x_new, u);
+        }}
+"""
+
+
+def _end_rates(tableau: Tableau, values: Mapping[str, str], sampled: bool) -> dict[str, str]:
+    """Return how the rates at the end of a step are found.
+
+    Where inputs change there, it is for dense output alone; that needs a method whose estimate of the error
+    does not read them, and nothing that is watched.
+    """
+    last = tableau.main_stages
+    at, before, after = (values[k] for k in ("RATES_AT", "RATES_WITH", "RATES_END"))
+    rates = f"{at}(t_new, x_new, {before}k[{last}]{after});"
+    read = any(len(row) > last and row[last] for row in (tableau.error_high, tableau.error_low))
+    if not sampled or read or values["WIDTH"] != "N":
+        return {"END_RATES": f"        {rates}\n"}
+    return {
+        "END_RATES": _AT_CHANGE.format(last=last, rates=rates),
+        "DENSE_LATER": _DENSE_AT_CHANGE.format(rates=rates),
     }
 
 
@@ -269,13 +315,17 @@ class NativeMethod:
     """What a step may find, where there are events."""
     notice: Callable[[Any, Problem], str] = lambda state, problem: ""
     """The notice of a run, from the state of the integrator at its end."""
+    sampled: samples.Functions | None = None
+    """What stands round the loop, where it was built for laws that are sampled."""
     overflows: Callable[[Any], bool] = lambda state: False
     """Whether Taylor coefficients where it stopped are not finite, those of the first order apart."""
 
 
-def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
+def build(
+    tableau: Tableau, program: Program, layout: Layout, sampled: bool = False
+) -> NativeMethod:
     """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
-    text = single_text(tableau, program, layout)
+    text = single_text(tableau, program, layout, sampled)
     flags = native.flags_for(0, len(program.instructions))
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
@@ -287,8 +337,11 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
         prefix, n, max(1, singular), terms, constants, events, watch.fields, watch.width
     )
     start, run, library = loaded(text, flags, prefix, state)
-    notice = crossings.notice(program, layout)
-    return NativeMethod(terms, DenseSolution, start, run, state, output, library, room, notice)
+    return NativeMethod(
+        terms, DenseSolution, start, run, state, output, library, room,
+        crossings.notice(program, layout),
+        samples.functions(library, prefix, tableau.name) if sampled else None,
+    )  # fmt: skip
 
 
 def loaded(
@@ -312,11 +365,10 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     )
     s.h, s.h_max = problem.first_step or 0.0, problem.max_step
     s.x[:], s.atol[:] = problem.x0.tolist(), problem.atol.tolist()
-    p, u = _pointer(problem.parameters), _pointer(problem.inputs)
     store, clock = _Store(method, problem), _Clock()
     store.finder.attach(s, method.most_events)
-    status = clock.timed(method.start, ctypes.addressof(s), p, u)
-    output = ctypes.addressof(store.output)
+    loop = _loop(method, problem, s, store)
+    status = clock.timed(loop.start)
     look = problem.watch_every if problem.watch else problem.max_steps
     most = min(FIRST_CALL, STEPS_A_CALL)
     while status in {PAUSED, FULL}:
@@ -327,18 +379,43 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
         if not store.make_room():
             return store.trajectory(s, Stop("memory", s.t), problem, clock.seconds)
         attempts = min(most, left, look - s.steps - s.rejected)
-        status = clock.timed(method.run, ctypes.addressof(s), u, output, attempts)
+        status = clock.timed(loop.run, attempts)
         most = _next_call(most, clock.last)
         if status == COARSE and store.begins_again(s, problem):
-            status = clock.timed(method.start, ctypes.addressof(s), p, u)
+            status = clock.timed(loop.start)
         problem.report(s.t)
         if problem.watch and status == PAUSED and s.steps + s.rejected >= look:
             look += problem.watch_every
             if problem.watch(s.t, np.array(s.x[:]), s.h_old):
                 return store.trajectory(s, Stop("left", s.t), problem, clock.seconds)
+    store.held = loop.held()
     overflows = status in {NOT_FINITE, STEP_TOO_SMALL} and method.overflows(s)
     stop = Stop(_STOPS[status], s.t, s.which, overflows)
     return store.trajectory(s, stop, problem, clock.seconds)
+
+
+class _Plain:
+    """The loop of a method whose inputs are held all the way."""
+
+    def __init__(self, method: NativeMethod, problem: Problem, s: Any, store: _Store) -> None:
+        self.method, self.s, self.o = method, ctypes.addressof(s), ctypes.addressof(store.output)
+        self.p, self.u = _pointer(problem.parameters), _pointer(problem.inputs)
+
+    def start(self) -> int:
+        return int(self.method.start(self.s, self.p, self.u))
+
+    def run(self, attempts: int) -> int:
+        return int(self.method.run(self.s, self.u, self.o, attempts))
+
+    def held(self) -> None:
+        return None
+
+
+def _loop(method: NativeMethod, problem: Problem, s: Any, store: _Store) -> _Plain | samples.Driver:
+    if not problem.laws:
+        return _Plain(method, problem, s, store)
+    assert method.sampled is not None
+    return samples.Driver(method.sampled, problem, s, store.output)
 
 
 class _Clock:
@@ -392,6 +469,7 @@ class _Store:
         self.terms, self.solution, self.notice = method.terms, method.solution, method.notice
         self.grid = None if problem.dense_output else problem.t_eval
         self.dense_output = problem.dense_output
+        self.held: Held | None = None
         capacity = FIRST_CAPACITY if self.grid is None else max(1, len(self.grid))
         self.t, self.x = np.empty(capacity), np.empty((capacity, self.n))
         self.dense = np.empty((capacity if self.dense_output else 0, self.terms, self.n))
@@ -462,6 +540,7 @@ class _Store:
             solution=solution,
             seconds=seconds,
             found=self.finder.found() if problem.events else None,
+            held=self.held,
             notice="; ".join(filter(None, (self.notice(s, problem), _of_jumps(s, problem)))),
         )
 

@@ -27,7 +27,7 @@ from codegen.derivatives.taylor import Prepared, prepare
 from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
 from codegen.ir.program import RATES, SINGULARITIES, Program
-from codegen.loops import crossings, projection, runge_kutta, switches
+from codegen.loops import crossings, projection, runge_kutta, samples, switches
 from codegen.loops.jets import limited, series
 from codegen.loops.runge_kutta import NativeMethod
 from codegen.native.trajectory import Array, Stepwise
@@ -76,12 +76,17 @@ def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
     }
 
 
-def single_text(program: Program, layout: Layout, order: int) -> str:
-    """Return functions and integrator as one text that compiles by itself."""
+def single_text(program: Program, layout: Layout, order: int, sampled: bool = False) -> str:
+    """Return functions and integrator as one text that compiles by itself.
+
+    ``sampled``: with what stands round the loop where laws are sampled.
+    """
     name = identifier(layout.name)
     header, source = files(program, layout, order).values()
     rest = (header + source).replace(f'#include "{name}.h"\n', "")
-    return c.single_text(program, layout) + rest.replace(f'#include "{name}_taylor.h"\n', "")
+    rest = rest.replace(f'#include "{name}_taylor.h"\n', "")
+    around = samples.text("taylor", layout) if sampled else ""
+    return c.single_text(program, layout) + rest + around
 
 
 def _prepared(program: Program, layout: Layout) -> Prepared:
@@ -153,13 +158,13 @@ def _structures(
     return runge_kutta.structures(prefix, state)
 
 
-def build(program: Program, layout: Layout, order: int) -> NativeMethod:
+def build(program: Program, layout: Layout, order: int, sampled: bool = False) -> NativeMethod:
     """Compile the integrator of a system for this machine; `runge_kutta.integrate` runs it.
 
     Raises `CompilerError` if that fails, and `InputError` where a value has no Taylor series.
     """
     prepared = _prepared(program, layout)
-    text = single_text(program, layout, order)
+    text = single_text(program, layout, order, sampled)
     prefix = f"{identifier(layout.name)}_taylor"
     events = crossings.count_of(layout)
     _, of_series = series(prepared, f"{prefix}_series", order, events)
@@ -183,6 +188,7 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
     return NativeMethod(
         order, TaylorSolution, start, run, state, output, library, room,
         notice=crossings.notice(program, layout), overflows=_overflows,
+        sampled=samples.functions(library, prefix, "taylor") if sampled else None,
     )  # fmt: skip
 
 

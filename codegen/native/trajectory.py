@@ -9,7 +9,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,66 @@ class Found:
     direction: NDArray[np.int32]
 
 
+class Called(Protocol):
+    """A law in Python: what gives a function f(t, x) of time (s) and states (n,) for each run."""
+
+    def fresh(self) -> Callable[[float, Array], Array]:
+        """Return the function for one run, which gives a value for each input of the law."""
+        ...
+
+    def since(self, zero: tuple[float, ...]) -> Called:
+        """Return the same over a time that is zero at ``zero``, a sum."""
+        ...
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law that is evaluated with a ``period`` (s), the first time at the start of a run.
+
+    Its values take effect ``whole`` periods and ``rest`` (s) later. ``applied``: numbers of the inputs that
+    it sets, ``stepped``: of those that are its own states, which change at the sample itself. ``called``:
+    the law in Python; None where it is generated, the next rows of the group of samples.
+    """
+
+    period: float
+    whole: int
+    rest: float
+    applied: tuple[int, ...]
+    stepped: tuple[int, ...] = ()
+    called: Called | None = None
+
+    @classmethod
+    def of(cls, period: float, delay: float, applied: Sequence[int], **more: Any) -> Law:
+        """Return a law with a ``delay`` (s); one of whole periods but for rounding ends at samples."""
+        periods = delay / period
+        whole = round(periods)
+        if abs(periods - whole) > 4 * math.ulp(max(periods, 1.0)):
+            whole = math.floor(periods)
+            return cls(period, whole, delay - whole * period, tuple(applied), **more)
+        return cls(period, whole, 0.0, tuple(applied), **more)
+
+    def time(self, start: float, k: int) -> float:
+        """Return the time of sample ``k`` of a run since ``start``, rounded twice."""
+        return start + k * self.period
+
+    def effect(self, start: float, k: int) -> float:
+        """Return the time at which the values of sample ``k`` take effect."""
+        return self.time(start, k + self.whole) + self.rest
+
+
+@dataclass(frozen=True)
+class Held:
+    """What inputs were held at: ``u`` (K, m) from the times ``t`` (K,) on, the first of them the start."""
+
+    t: Array
+    u: Array
+
+    def at(self, times: Array) -> Array:
+        """Return the inputs (m, N) at times (N,), where they change those from there on."""
+        rows = np.searchsorted(self.t, times, side="right") - 1
+        return np.ascontiguousarray(self.u[np.maximum(rows, 0)].T)
+
+
 @dataclass(frozen=True)
 class Problem:
     """An initial value problem with everything checked.
@@ -75,6 +135,8 @@ class Problem:
     watch_every: int = 1
     events: tuple[Filter, ...] = ()
     """What is looked for at zeros of expressions: by number, as their loop has them."""
+    laws: tuple[Law, ...] = ()
+    """What sets inputs at samples; ``inputs`` are those before the first one."""
     start: float = 0.0
     """Time that stands as zero: all times are since then."""
 
@@ -136,6 +198,8 @@ class Trajectory:
     """Events, where a problem has some."""
     passed: bool = False
     """Whether a method went on where another was stuck and the rates may be singular."""
+    held: Held | None = None
+    """What inputs were held at, where laws are sampled."""
 
 
 class Stepwise(ABC):

@@ -363,7 +363,7 @@ def tree_operations(system: System) -> int:
     for definition in system.definitions:
         known[definition.symbol] = _operations(definition.expression, known)
     mass = () if system.mass_matrix is None else tuple(system.mass_matrix)
-    return sum(_operations(e, known) for e in (*system.rates, *mass))
+    return sum(_operations(e, known) for e in (*system.right_sides, *mass))
 
 
 def _operations(expression: Any, known: dict[Any, int]) -> int:

@@ -399,6 +399,10 @@ class Clock:
             t_span=span_since(problem.t_span, self.start),
             t_eval=None if problem.t_eval is None else problem.t_eval - self.start,
             parameters=self.relative.completed(problem.parameters, self.zero),
+            laws=tuple(
+                replace(law, called=law.called and law.called.since(self.zero))
+                for law in problem.laws
+            ),
             start=self.start,
         )
 

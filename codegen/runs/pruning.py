@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from codegen.compiling.compiled import TARGETS, Compiled
-from codegen.compiling.signals import Inputs
+from codegen.compiling.signals import Followed
 from codegen.frontend.attitude import moved
 from codegen.frontend.layout import names_of, to_array
 from codegen.ir.passes import Slot, dependence, prune, substitute
@@ -91,7 +91,7 @@ class Terms:
     problem: Problem
     trajectory: Trajectory
     values: Array
-    signals: Inputs | None
+    signals: Followed | None
 
     def scale(self, k: int) -> float:
         """Return that of one constant, by its number."""

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
-from codegen.compiling.signals import Inputs
+from codegen.compiling.signals import Followed, Inputs
 from codegen.integrate import choice
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
@@ -97,6 +97,8 @@ class Origin:
     signals: Inputs | None
     method: str
     methods: tuple[str, ...]
+    held: Followed | None = None
+    """The inputs along the run, where laws are sampled."""
 
     def again(self, problem: Problem, method: str) -> Trajectory:
         """Integrate a changed problem by a method."""
@@ -104,12 +106,13 @@ class Origin:
 
     def inputs(self, t: Array, y: Array) -> Array:
         """Return the inputs at times (K,) in states (n, K): (m,) if they are held, else (m, K)."""
-        return self.problem.inputs if self.signals is None else self.signals.along(t, y)
+        known = self.held or self.signals
+        return self.problem.inputs if known is None else known.along(t, y)
 
     @property
     def is_open(self) -> bool:
         """Whether the derivatives of the compiled rates by the states are all there are."""
-        return self.signals is None or not self.signals.of_state
+        return not self.problem.laws and (self.signals is None or not self.signals.of_state)
 
 
 @dataclass(frozen=True)
@@ -179,7 +182,7 @@ def _tried(origin: Origin, track: Track, candidate: Candidate, limit: float) -> 
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            run = _in_legs if candidate.legs else _at_once
+            run = _in_legs if candidate.legs and not problem.laws else _at_once
             return run(origin, problem, candidate, track.t)
     except TooLongError:
         return f"takes more than {limit:.2g} s"

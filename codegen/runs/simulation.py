@@ -16,31 +16,34 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen.compiling import events as looked_for
+from codegen.compiling import sampled
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event, Given, Occurrences
-from codegen.compiling.signals import Inputs, reads_state
+from codegen.compiling.sampled import Along, Sampled
+from codegen.compiling.signals import Followed, Inputs, reads_state
 from codegen.frontend.layout import completed, in_si, names_of, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
 from codegen.ir.program import INVARIANTS, OUTPUTS, SINGULARITIES, SameObject
 from codegen.loops.projection import chosen
-from codegen.native.trajectory import MAX_STEPS, Array, Problem, Trajectory
+from codegen.native.trajectory import MAX_STEPS, Array, Law, Problem, Trajectory
 from codegen.runs import arguments, pruning
 from codegen.runs.clock import Clock, Late, clock_of
 from codegen.runs.pruning import Drift, Terms, drift_of
 from codegen.runs.run_accuracy import Accuracy, Run, accuracy_of
 from codegen.runs.second_run import Origin
-from codegen.runs.turns import Sampled, counted
+from codegen.runs.turns import Sampled as AtSamples
+from codegen.runs.turns import counted
 from eom.errors import InputError, typed, unknown_name
 from eom.system import Singularity, System
 
 DEFAULT_MARGIN = 1e-6
 
 Values = Mapping[str, float | str] | Sequence[float] | Array | None
-InputValue = float | str | Callable[..., float]
-InputsGiven = Mapping[str, InputValue] | Callable[..., Any]
+InputValue = float | str | Callable[..., float] | Sampled
+InputsGiven = Mapping[str, InputValue] | Callable[..., Any] | Sampled
 
 
 @dataclass(frozen=True)
@@ -252,10 +255,18 @@ def simulate(
     (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
-    part = _part(compiled := _compiled(system), outputs, found, inputs)
-    x0, values, held, signals = _numbers(part, *_in_si(compiled, initial, parameters, inputs or {}))
+    compiled, given, functions = sampled.split(_compiled(system), inputs or {})
+    part = _part(compiled, outputs, found, given, bool(functions))
+    laws = sampled.laws_of(part.compiled, functions)
+    sampled.check_laws(laws, span)
+    numbers = _in_si(compiled, initial, parameters, given)
+    initial, given = sampled.start_values(part.compiled, numbers[0], numbers[2])
+    x0, values, held, signals = _numbers(
+        part, initial, numbers[1], _with_zeros(given, functions, laws, part)
+    )
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
-    point = sizes_of.Point(x0, values, held, since)
+    first = sampled.first_inputs(part.compiled, laws, (since + span[0], x0, values), held)
+    point = sizes_of.Point(x0, values, first, since)
     smallest, unknown = _smallest(part.compiled, atol, point, span, rtol, signals)
     problem = Problem(
         x0, span, values, held, rtol, smallest, arguments.positive(margin, "margin"),
@@ -263,7 +274,7 @@ def simulate(
         t_eval=None if t_eval is None else arguments.grid(t_eval, span),
         dense_output=dense_output, first_step=arguments.optional(first_step, "first_step"),
         max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
-        project=_projected(part.compiled, project, method), events=looked_for.filters(found),
+        project=_projected(part.compiled, project, method), events=looked_for.filters(found), laws=laws,
     )  # fmt: skip
     clock = clock_of(part.compiled, span, since, found)
     result = _with_notice(_run(part, problem, method, signals, found, clock), unknown)
@@ -309,17 +320,33 @@ def _projected(
     return maintained if can_project(method) else ()
 
 
+def _with_zeros(
+    given: Any, functions: Mapping[str, Sampled], laws: Sequence[Law], part: pruning.Part
+) -> Any:
+    """Return inputs by name with zero for what functions set at samples."""
+    if not functions:
+        return given
+    names = names_of(part.compiled.layout.inputs)
+    places = (k for law in laws if law.called for k in law.applied)
+    return {**{names[k]: 0.0 for k in places}, **given}
+
+
 def _part(
     compiled: Compiled,
     outputs: Sequence[str] | None,
     events: Sequence[Event],
-    inputs: InputsGiven | None,
+    inputs: Mapping[str, InputValue] | Callable[..., Any],
+    called: bool,
 ) -> pruning.Part:
     """Return what the outputs, and the expressions of events, need of a system.
 
-    That is all of it where a Python function reads states: nobody knows which.
+    That is all of it where a Python function reads states, ``called`` at samples or always: nobody knows
+    which; and where laws are sampled.
     """
-    functions = [inputs] if callable(inputs) else (inputs or {}).values()
+    if outputs is not None and (called or compiled.system.sampled):
+        pruning.part(compiled, outputs)  # the names are known
+        outputs = None
+    functions = [inputs] if callable(inputs) else inputs.values()
     if outputs is None or any(reads_state(f, "an input") for f in functions if callable(f)):
         return pruning.part(compiled, None)
     return pruning.part(compiled, [*outputs, *looked_for.states_of(compiled, events)])
@@ -389,6 +416,7 @@ def _result_of(task: Task, method: str, left_out: tuple[str, ...]) -> Result:
             task.signals,
             method,
             trajectory.methods or (method,),
+            None if trajectory.held is None else _inputs_along(task, trajectory),
         ),
     )
 
@@ -445,12 +473,14 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
 
 def _result(task: Task, trajectory: Trajectory) -> Result:
     compiled, problem, layout = task.compiled, task.problem, task.compiled.layout
-    values = {
-        g: _evaluate(compiled, problem, trajectory, g, task.signals) for g in (OUTPUTS, INVARIANTS)
+    inputs = _inputs_along(task, trajectory)
+    values = {g: _evaluate(compiled, problem, trajectory, g, inputs) for g in (OUTPUTS, INVARIANTS)}
+    named = {
+        **_held(task, trajectory),
+        **dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True)),
     }
-    named = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
-    outputs, winding = counted(Sampled(compiled, problem, trajectory, task.signals), named)
-    terms = Terms(compiled, problem, trajectory, values[INVARIANTS], task.signals)
+    outputs, winding = counted(AtSamples(compiled, problem, trajectory, inputs), named)
+    terms = Terms(compiled, problem, trajectory, values[INVARIANTS], inputs)
     rows = enumerate(zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True))
     drift = {n: drift_of(v, partial(terms.scale, k)) for k, (n, v) in rows}
     stop, blind = trajectory.stop, task.signals.notice if task.signals else ""
@@ -474,12 +504,27 @@ def _result(task: Task, trajectory: Trajectory) -> Result:
     )
 
 
+def _inputs_along(task: Task, trajectory: Trajectory) -> Followed | None:
+    """Return the inputs along a run, None where they were held all the way."""
+    if trajectory.held is None:
+        return task.signals
+    return Along(trajectory.held, task.problem.laws, task.signals)
+
+
+def _held(task: Task, trajectory: Trajectory) -> dict[str, Array]:
+    """Return the inputs that laws held, by name, at the stored points."""
+    if trajectory.held is None:
+        return {}
+    names, values = names_of(task.compiled.layout.inputs), trajectory.held.at(trajectory.t)
+    return {names[k]: values[k] for law in task.problem.laws for k in (*law.applied, *law.stepped)}
+
+
 def _evaluate(
     compiled: Compiled,
     problem: Problem,
     trajectory: Trajectory,
     group: str,
-    signals: Inputs | None,
+    signals: Followed | None,
 ) -> Array:
     """Evaluate a group of results at the stored points."""
     function = compiled.functions.get(group)

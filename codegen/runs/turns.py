@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
-from codegen.compiling.signals import Inputs
+from codegen.compiling.signals import Followed
 from codegen.frontend.layout import names_of
 from codegen.ir.program import OUTPUTS, RATES
 from codegen.native.trajectory import Array, Problem, Trajectory
@@ -49,7 +49,7 @@ class Sampled:
     compiled: Compiled
     problem: Problem
     trajectory: Trajectory
-    signals: Inputs | None
+    signals: Followed | None
 
     def evaluate(self, group: str, t: Array, y: Array) -> Array:
         """Return a group of results at times (K,) and states (n, K)."""

@@ -23,7 +23,7 @@ from eom.commands.shared import (
     scene_of,
 )
 from eom.errors import InputError
-from eom.scenes.catalogue import URDF
+from eom.scenes.catalogue import ROBOTS
 
 if TYPE_CHECKING:
     from codegen.measure.workprecision.measuring import Diagram, Plan
@@ -97,7 +97,7 @@ def _chosen(names: tuple[str, ...], everything: bool) -> list[Problem]:
 
     wanted = [*names, *(problems.names() if everything else [])]
     return [
-        problems.from_scene(scene_of(name)) if name.endswith(URDF) else problems.ready(name)
+        problems.from_scene(scene_of(name)) if name.endswith(ROBOTS) else problems.ready(name)
         for name in dict.fromkeys(wanted)
     ]
 

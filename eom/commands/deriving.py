@@ -69,11 +69,11 @@ def derive(
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
 
-    NAME is the name of a ready scene or derivation (see: eom list) or a file: .toml, .urdf.
+    NAME is the name of a ready scene or derivation (see: eom list) or a file: .toml, .urdf, .xml.
     """
     if _is_derivation(name):
         _refuse(name, "scenes", {"--explain": explain})
-        _refuse(name, "robots from .urdf files", read_as())
+        _refuse(name, "robots from .urdf and .xml files", read_as())
         _refuse(name, _TREES, {"--method": method, "--absolute": absolute})
         if lexicon and style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")

@@ -42,14 +42,14 @@ def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
         is_flag=True,
         expose_value=False,
         callback=_kept,
-        help="Of a .urdf file: mend what no body or tree is, and print what was done.",
+        help="Of a .urdf or .xml file: mend what no body or tree is, and print what was done.",
     )
     floating = click.option(
         "--floating",
         is_flag=True,
         expose_value=False,
         callback=_kept,
-        help="Of a .urdf file: free the root link of the ground.",
+        help="Of a .urdf or .xml file: free the root link of the ground.",
     )
     return lenient(floating(command))
 

@@ -13,7 +13,8 @@ from eom.multibody.closed import (
 )
 from eom.multibody.constrained.consistent import Assembly, assemble
 from eom.multibody.constrained.dependence import Examination, examine
-from eom.multibody.identify.regressor import BaseParameters, Regressor, base_parameters, regressor
+from eom.multibody.identify.base_parameters import BaseParameters, base_parameters
+from eom.multibody.identify.regressor import Regressor, regressor
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,

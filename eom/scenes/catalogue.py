@@ -10,8 +10,10 @@ from typing import Any
 
 from eom.errors import unknown_name
 
-TOML, URDF = ".toml", ".urdf"
+TOML, URDF, MJCF = ".toml", ".urdf", ".xml"
 """How names of scene files end."""
+ROBOTS = (URDF, MJCF)
+"""How names of files end that other programs of robots read."""
 
 TREE = "tree"
 """The ``model`` of scenes with many bodies, which `eom.multibody.files.scene.TreeScene` reads."""
@@ -29,7 +31,7 @@ def is_tree(data: Mapping[str, Any]) -> bool:
 
 def is_file(name: str) -> bool:
     """Separate files from names of scenes, problems and derivations."""
-    return name.endswith((TOML, URDF)) or "/" in name
+    return name.endswith((TOML, *ROBOTS)) or "/" in name
 
 
 def _folder() -> Path:

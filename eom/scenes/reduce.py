@@ -16,7 +16,7 @@ from eom.errors import unknown_name
 from eom.exact.algebra import operations
 from eom.mechanics.rigidbody import is_invariant
 from eom.proof import coupled
-from eom.quantities import Assumption, Definition, Quantity
+from eom.quantities import Assumption, Definition, Quantity, Sampling
 from eom.structure import kept, substituted
 from eom.system import System, as_expression
 
@@ -133,6 +133,9 @@ def substitute(system: System, values: Mapping[Expr, Expr]) -> System:
     def named(group: tuple[Definition, ...]) -> tuple[Definition, ...]:
         return tuple(replace(d, expression=over(d.expression)) for d in group)
 
+    def sampled(group: tuple[Sampling, ...]) -> tuple[Sampling, ...]:
+        return tuple(replace(s, laws=named(s.laws), states=named(s.states)) for s in group)
+
     def keep(group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
         return tuple(q for q in group if q.symbol not in values)
 
@@ -155,6 +158,7 @@ def substitute(system: System, values: Mapping[Expr, Expr]) -> System:
             for a in system.assumptions
         ),
         attitudes=substituted(system.attitudes, values),
+        sampled=sampled(system.sampled),
     )
 
 
@@ -234,10 +238,10 @@ def prune(
     """Keep the states, definitions, outputs, parameters and inputs that ``requested`` names need.
 
     A state is needed if a requested quantity or the rate of a needed state depends on it, as ``reached``
-    shows. Law: what is kept has the same values along every motion.
+    shows, also by way of a sampled law. Law: what is kept has the same values along every motion.
     """
     names = set(requested)
-    reach = reached(system)
+    reach = through_samples(system, reached(system))
     outputs = tuple(d for d in system.outputs if d.name in names)
     wanted = {q.symbol for q in system.states if q.name in names}
     wanted = wanted.union(*(reach(d.expression) for d in outputs))
@@ -249,6 +253,9 @@ def prune(
     rates = tuple(system.rates[k] for k in keep)
     matrix = _extract(system.mass_matrix, keep)
     needed = [*rates, *(matrix or ()), *(d.expression for d in (*outputs, *invariants))]
+    read = set().union(*(reach(e) for e in needed))
+    sampled = tuple(s for s in system.sampled if read & {*s.symbols})
+    needed += [e for s in sampled for d in s.rows for e in (d.symbol, d.expression)]
     definitions = _used_definitions(system, needed)
     needed += [*(d.expression for d in definitions), *(s.expression for s in singular)]
     used = _symbols(states).union(*(e.free_symbols for e in needed))
@@ -266,7 +273,25 @@ def prune(
         singularities=singular,
         maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
         attitudes=kept(system.attitudes, _symbols(states), known),
+        sampled=sampled,
     )
+
+
+def through_samples(system: System, reach: Reach) -> Reach:
+    """Return the reach that goes on from what is held between samples to all that its laws read."""
+    laws = [({*s.symbols}, set().union(*(reach(d.expression) for d in s.rows)))
+            for s in system.sampled]  # fmt: skip
+    if not laws:
+        return reach
+
+    def further(expression: Expr) -> set[Expr]:
+        found, waiting = reach(expression), list(laws)
+        while met := [law for law in waiting if law[0] & found]:
+            waiting = [law for law in waiting if not law[0] & found]
+            found = found.union(*(held | read for held, read in met))
+        return found
+
+    return further
 
 
 def _extract(matrix: Expr | None, keep: list[int]) -> Expr | None:
@@ -284,6 +309,7 @@ def find_invariants(system: System, candidates: Iterable[Definition]) -> System:
     """
     states = _symbols(system.states)
     known = states | _symbols(system.parameters) | _symbols(system.inputs) | {system.time}
+    known -= {symbol for s in system.sampled for symbol in s.symbols}
     found = tuple(
         c
         for c in candidates

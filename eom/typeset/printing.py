@@ -78,7 +78,8 @@ def _as_decimals(system: System) -> System:
 def _latex_names(system: System) -> Names:
     groups = (system.states, system.parameters, system.inputs)
     quantities = [q for group in groups for q in group]
-    quantities += [d.quantity for d in (*system.definitions, *system.outputs, *system.invariants)]
+    named = (*system.definitions, *system.multipliers, *system.outputs, *system.invariants)
+    quantities += [d.quantity for d in named]
     return {
         q.symbol: q.latex if _OWN_LATEX.fullmatch(q.latex) else symbol_latex(q.name)
         for q in quantities
@@ -134,17 +135,23 @@ def _equations(system: System, names: Names, primes: bool) -> tuple[str, list[Li
         return "Equations of motion", lines
     coupled, block = _coupled_block(system, system.mass_matrix)
     mass = Line(Words("mass matrix"), EQUALS, (Formula(block, names),))
+    lines += [
+        _line(Words(f"row of {d.name}"), d.expression, names, d.quantity.description)
+        for d in system.multipliers
+    ]
     heading = f"Equations of motion; mass matrix times the rates of {coupled} = right sides"
     return heading, [mass, *lines]
 
 
 def _coupled_block(system: System, matrix: Expr) -> tuple[str, Expr]:
-    """Return names and mass matrix of the states whose rows differ from those of the identity."""
-    n = len(system.states)
+    """Return names and mass matrix of what has rows that differ from those of the identity."""
+    n = matrix.rows
     keep = [
         k for k in range(n) if matrix[k, :] != sp.eye(n)[k, :] or matrix[:, k] != sp.eye(n)[:, k]
     ]
-    return ", ".join(system.states[k].name for k in keep), matrix.extract(keep, keep)
+    states = ", ".join(q.name for k, q in enumerate(system.states) if k in keep)
+    beside = "".join(f", and {d.name}" for d in system.multipliers)
+    return f"{states}{beside}", matrix.extract(keep, keep)
 
 
 def _rate(state: Quantity, names: Names, primes: bool) -> Box:

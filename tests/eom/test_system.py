@@ -118,3 +118,24 @@ def test_text_is_never_read_as_an_expression(text):
         System.from_rates("text", {x: text})
     with pytest.raises(InputError, match="not a number or a SymPy expression"):
         System.from_rates("text", {x: -x}, outputs={"y": text})
+
+
+def test_multipliers_stand_in_the_mass_matrix_and_in_outputs_alone():
+    x, v, force = sp.symbols("x v force", real=True)
+    given = {
+        "name": "held",
+        "states": [x, v],
+        "rates": [v, 1],
+        "mass_matrix": [[1, 0, 0], [0, 2, -1], [0, 1, 0]],
+        "multipliers": {force: 0},
+    }
+    held = System(**given, outputs={"push": 3 * force})
+    assert held.right_sides == (v, 1, 0)
+    with pytest.raises(InputError, match="mass matrix of the wrong shape"):
+        System(**given | {"mass_matrix": [[1, 0], [0, 2]]})
+    with pytest.raises(InputError, match="multipliers need a mass matrix"):
+        System(**given | {"mass_matrix": None})
+    with pytest.raises(InputError, match="symbol without a meaning"):
+        System(**given | {"rates": [v, force]})
+    with pytest.raises(InputError, match="repeated variable or definition name"):
+        System(**given | {"multipliers": {x: 0}})

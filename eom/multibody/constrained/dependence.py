@@ -30,6 +30,7 @@ from eom.multibody.algebra.spatial import ZERO, ZEROS
 from eom.multibody.algebra.values import is_number
 from eom.multibody.constrained.equations import Component, components
 from eom.multibody.constrained.relations import Arithmetic, scene
+from eom.multibody.model.constraints import Coupling
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Body, Joint, Tree
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
@@ -533,20 +534,36 @@ def dependents(
 ) -> tuple[int, ...]:
     """Return the numbers of the speeds that the others determine.
 
-    ``independent``: names of those that are to stay; by default what keeps the equations for the
-    others farthest from singular over the configurations tested. Raises `InputError` for unknown
-    names, a wrong number of them, and speeds that do not determine the others.
+    ``independent``: names of those that are to stay; by default the followers of couplings are determined,
+    and of the rest what keeps the equations for the others farthest from singular over the configurations
+    tested. Raises `InputError` for unknown names, a wrong number of them, and speeds that do not determine
+    the others.
     """
     speeds = [s for j in tree.ordered for s in j.speeds]
     free = found.samples[0].geometry.free
     if independent is not None:
         return _given(tree, found, independent, [speeds[k].name for k in free], free)
-    sets = {_pivoted(s, found.kept, [1.0] * len(free)) for s in found.samples}
-    for unit in ("m/s", "rad/s"):
-        liking = [1e3 if speeds[k].unit == unit else 1.0 for k in free]
-        sets.add(_pivoted(found.samples[0], found.kept, liking))
-    best = max(sorted(sets), key=lambda columns: _distance(found, columns))
+    led = _followers(tree, free)
+    best = _farthest(found, [speeds[k].unit for k in free], led)
+    if led and _distance(found, best) < RANK:
+        best = _farthest(found, [speeds[k].unit for k in free], frozenset())
     return tuple(sorted(free[n] for n in best))
+
+
+def _farthest(found: Examination, units: Sequence[str], led: frozenset[int]) -> tuple[int, ...]:
+    """Return the columns that keep the equations farthest from singular, those that are ``led`` first."""
+    sets = {_pivoted(s, found.kept, [1.0] * len(units), led) for s in found.samples}
+    for unit in ("m/s", "rad/s"):
+        liking = [1e3 if own == unit else 1.0 for own in units]
+        sets.add(_pivoted(found.samples[0], found.kept, liking, led))
+    return max(sorted(sets), key=lambda columns: _distance(found, columns))
+
+
+def _followers(tree: Tree, free: Sequence[int]) -> frozenset[int]:
+    """Return the columns of the speeds that couplings say follow."""
+    led = {c.follower for c in tree.constraints if isinstance(c, Coupling)}
+    owners = [j.name for j in tree.ordered for _ in j.speeds]
+    return frozenset(n for n, k in enumerate(free) if owners[k] in led)
 
 
 def _given(
@@ -574,8 +591,10 @@ def _given(
     return tuple(free[n] for n in columns)
 
 
-def _pivoted(sample: Sample, kept: Sequence[int], liking: Sequence[float]) -> tuple[int, ...]:
-    """Choose a column a row, by elimination with complete pivoting over scaled rows."""
+def _pivoted(
+    sample: Sample, kept: Sequence[int], liking: Sequence[float], led: frozenset[int]
+) -> tuple[int, ...]:
+    """Choose a column a row, by elimination with complete pivoting over scaled rows, ``led`` ones first."""
     rows = []
     for k in kept:
         row = sample.row(k)
@@ -586,7 +605,10 @@ def _pivoted(sample: Sample, kept: Sequence[int], liking: Sequence[float]) -> tu
     while left:
         i, j = max(
             ((i, j) for i in left for j in range(len(liking)) if j not in columns),
-            key=lambda place: abs(rows[place[0]][place[1]]) * liking[place[1]],
+            key=lambda place: (
+                place[1] in led and abs(rows[place[0]][place[1]]) > NOTHING,
+                abs(rows[place[0]][place[1]]) * liking[place[1]],
+            ),
         )
         columns.append(j)
         left.remove(i)

@@ -45,7 +45,7 @@ from eom.system import System
 
 @dataclass(frozen=True)
 class Repair:
-    """One thing that lenient reading did, in words.
+    """One thing of a file that was mended in reading it leniently, or left out, in words.
 
     ``reason``: a key of `REASONS`. ``part``: of the file. ``done``: to it, with the size of the change
     relative to what was given, where there is one.
@@ -64,14 +64,25 @@ REASONS: Mapping[str, str] = {
     "idle": "joints without mass",
     "inertia": "inertias that no body has (nearest: Frobenius norm of second moments)",
     "massless": "inertia without mass",
+    "contact": "contacts",
+    "limit": "limits",
+    "friction": "friction",
+    "tendon": "tendons",
+    "actuator": "actuators and muscles",
+    "equality": "equalities",
+    "spring": "springs that are not linear in one coordinate",
+    "armature": "armatures",
+    "surroundings": "forces of the surroundings",
+    "flex": "flexible bodies",
+    "plugin": "plugins",
 }
-"""Why something is repaired, in the words that are printed."""
+"""Why something is mended or left out, in the words that are printed."""
 SHOWN = 8
 """Repairs of one reason that are printed."""
 
 
 def repair_notes(repairs: Sequence[Repair]) -> tuple[str, ...]:
-    """Return what was repaired in words, a line a reason; of many the first, and how many more."""
+    """Return what was mended or left out in words, a line a reason; of many the first."""
     lines = []
     for reason, words in REASONS.items():
         own = [r for r in repairs if r.reason == reason]
@@ -86,10 +97,10 @@ class TreeScene(BaseScene, TreeDescription):
 
     Fields: see `eom.multibody.files.description.TreeDescription`; ``repeat`` writes out repeated parts
     first (`eom.multibody.files.scene`), and ``body`` is a tree of one (`of_one`). ``notes``: what a file
-    said that is not used, for `explain`; ``repairs``: what was mended in reading it leniently; ``spare``:
-    parameters that no formula need use; ``implied``: those whose units the scene does not state itself.
-    SI units, angles in radians; frames are those of the ground, the bodies and the joints (`Joint`).
-    Raises `InputError` for anything that is misspelt, missing or impossible.
+    said that is not used, for `explain`; ``repairs``: what was mended in reading it leniently, or left
+    out; ``spare``: parameters that no formula need use; ``implied``: those whose units the scene does not
+    state itself. SI units, angles in radians; frames are those of the ground, the bodies and the joints
+    (`Joint`). Raises `InputError` for anything that is misspelt, missing or impossible.
 
     >>> rod = {"mass": "m", "centre": (0, 0, "-l/2"), "moments": ("m*l**2/12", "m*l**2/12", 0)}
     >>> hinge = {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x"}

@@ -164,7 +164,7 @@ def _scene(
         "model": "tree",
         "gravity": [*gravity],
         "bodies": {links[link.name]: _body(link) for link in robot.links},
-        "joints": {_free_name("root", made): first, **made},
+        "joints": {free_name("root", made): first, **made},
         "constraints": coupled,
         "initial": {f"q_{joint}": offset for joint, offset in starts.items() if offset},
     }
@@ -172,7 +172,7 @@ def _scene(
 
 def _coupling(joint: Any, names: Mapping[str, str]) -> dict[str, Any]:
     ratios = {names[joint.name]: 1, names[joint.mimic.joint]: -float(joint.mimic.multiplier)}
-    return {"kind": "coupling", "ratios": ratios}
+    return {"kind": "coupling", "ratios": ratios, "follower": names[joint.name]}
 
 
 def _check_floating(robot: Any) -> None:
@@ -186,8 +186,9 @@ def _check_floating(robot: Any) -> None:
         )  # fmt: skip
 
 
-def _free_name(name: str, taken: Iterable[str]) -> str:
-    return name if name not in set(taken) else _free_name(f"{name}_0", taken)
+def free_name(name: str, taken: Iterable[str]) -> str:
+    """Return a name that is not taken: itself, or with as many ``_0`` behind it as that takes."""
+    return name if name not in set(taken) else free_name(f"{name}_0", taken)
 
 
 def names_of(kind: str, names: Sequence[str], strict: bool = True) -> dict[str, str]:
@@ -201,7 +202,7 @@ def names_of(kind: str, names: Sequence[str], strict: bool = True) -> dict[str, 
     for name, spelt in () if strict else tuple(found.items()):
         letters = spelt if re.match("[A-Za-z]", spelt) else f"{kind}_{spelt}"
         letters = f"{kind}_{spelt}" if letters in RESERVED else letters
-        found[name] = _free_name(letters, taken)
+        found[name] = free_name(letters, taken)
         taken.add(found[name])
     if len(set(found.values())) < len(names):
         raise InputError(

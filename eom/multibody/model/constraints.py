@@ -151,12 +151,14 @@ class Coupling(Constraint):
     """Gears: the sum of ratio times rate is zero over some joints of one speed each.
 
     ``ratios``: a number a joint, by its name. The sum of ratio times coordinate keeps its start value.
+    ``follower``: the joint whose speed is no state where speeds are eliminated; by default numbers decide.
     Multiplier: generalised force (N m or N) on a joint of ratio 1.
-    Raises `InputError` for fewer than two joints, and for a ratio of zero.
+    Raises `InputError` for fewer than two joints, a ratio of zero, and a follower that is none of them.
     """
 
     name: str
     ratios: Annotated[Any, Kind("ratios")]
+    follower: str = ""
 
     def complete(self) -> None:
         """Raise `InputError` for fewer than two joints, and for a ratio of zero."""
@@ -174,6 +176,10 @@ class Coupling(Constraint):
                 where=self.where,
                 got=", ".join(f"{j}: {x}" for j, x in rows),
             )
+        if self.follower and self.follower not in {j for j, _ in rows}:
+            names = ", ".join(j for j, _ in rows)
+            raise InputError("the follower is not coupled", where=self.where, got=self.follower,
+                             expected=names)  # fmt: skip
         self._keep("ratios", rows)
 
     def check(self, tree: Tree) -> None:

@@ -481,16 +481,7 @@ class Tree:
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in (
-            "bodies",
-            "joints",
-            "loads",
-            "parameters",
-            "constraints",
-            "rotors",
-            "springs",
-            "jets",
-        ):
+        for name in "bodies joints loads parameters constraints rotors springs jets".split():
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         place = f"tree {self.name!r}: gravity_gradient"

@@ -6,7 +6,7 @@ axes of the body, from its origin.
 
 Links of a URDF file have boxes, cylinders, spheres and mesh files beside the robot's (extra ``mesh``), to
 be seen, else to touch; a mesh that is not there, or in a format that is not read, is left out, and the
-link is drawn by its inertia.
+link is drawn by its inertia. Bodies of an MJCF file have its geoms.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eom.errors import InputError
 from eom.mass.meshes import read_mesh
+from eom.multibody.files.mjcf import geoms_of
 from eom.multibody.files.urdf import checked, names_of, parsed
 from eom.scenes import catalogue
 from eom.views.draw.meshes import Mesh, of_solid
@@ -212,24 +213,46 @@ _SCHEMES = ("package://", "file://")
 
 
 def shapes_of_file(name: str | Path) -> dict[str, tuple[Shape, ...]]:
-    """Return the shapes of the links of a URDF file by the names of their bodies; none for other scenes."""
-    left = MOST_TRIANGLES
-    if not catalogue.is_file(str(name)) or Path(name).suffix != catalogue.URDF:
-        return {}
+    """Return the shapes of the bodies of a robot's file by their names; none for other scenes."""
     file = Path(name)
+    read = _READERS.get(file.suffix) if catalogue.is_file(str(name)) else None
     try:
-        robot = parsed(checked(file, strict=False)[0])
+        every = {} if read is None else read(file)
     except InputError:
         return {}  # its motion is known, but not all of its shapes are
-    names = names_of("link", [link.name for link in robot.links], strict=False)
-    found = {}
-    for link in robot.links:
-        shapes = tuple(_shapes(link.visuals, file)) or tuple(_shapes(link.collisions, file))
+    left, found = MOST_TRIANGLES, {}
+    for body, shapes in every.items():
         size = sum(len(s.mesh.faces) for s in shapes)
         if size <= left:
-            found[names[link.name]] = shapes
+            found[body] = shapes
             left -= size
     return found
+
+
+def _of_urdf(file: Path) -> dict[str, tuple[Shape, ...]]:
+    robot = parsed(checked(file, strict=False)[0])
+    names = names_of("link", [link.name for link in robot.links], strict=False)
+    return {
+        names[link.name]: tuple(_shapes(link.visuals, file))
+        or tuple(_shapes(link.collisions, file))
+        for link in robot.links
+    }
+
+
+def _of_mjcf(file: Path) -> dict[str, tuple[Shape, ...]]:
+    found: dict[str, tuple[Shape, ...]] = {}
+    for geom in geoms_of(file):
+        if geom.solid:
+            mesh = replace(of_solid(geom.solid, geom.sizes), round=False)
+        else:
+            mesh = Mesh(np.array(geom.vertices), np.array(geom.faces, dtype=np.int64), flat=True)
+        shape = Shape(mesh.moved(geom.position, np.array(geom.rotation).T))
+        found[geom.body] = (*found.get(geom.body, ()), shape)
+    return found
+
+
+_READERS = {catalogue.URDF: _of_urdf, catalogue.MJCF: _of_mjcf}
+"""What reads the shapes of a file, by how its name ends."""
 
 
 def _shapes(elements: Sequence[Any], file: Path) -> Iterator[Shape]:

@@ -217,9 +217,12 @@ def test_one_wheel_at_constant_speed(found):
 
 @pytest.mark.slow
 def test_a_slip_in_a_line_on_one_wheel_is_repaired_for_one(found):
-    """Inertia with the wheel in it, and the wheel's speed relative to the body: nothing is counted twice."""
+    """Inertia with the wheel in it, and its speed relative to the body: nothing is counted twice."""
     own = "'\\mathbf h' = \"angular_momentum system C in B\"\n"
-    twice = r"\mathbf h = \mathbf J\boldsymbol\omega + j(\nu + \mathbf s^{\mathsf T}\boldsymbol\omega)\mathbf s"
+    twice = (
+        r"\mathbf h = \mathbf J\boldsymbol\omega"
+        r" + j(\nu + \mathbf s^{\mathsf T}\boldsymbol\omega)\mathbf s"
+    )
     ((line,), _) = found(f"$${twice}$$", ROTORS + own)
     assert line.verdict == "wrong"
     first = line.explanation.corrections[0]

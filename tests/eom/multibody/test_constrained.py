@@ -337,6 +337,20 @@ def test_gears_add_inertias_by_squares_of_ratios(way):
     assert "sum_mesh" in system.invariant_names
 
 
+@pytest.mark.parametrize("follower", ["a", "b"])
+def test_the_follower_of_gears_is_no_state_whatever_the_ratio(follower):
+    wheels = Tree(
+        "gears",
+        [Body(n, 1, (0, 0, 0), (2, 2, 2)) for n in ("one", "two")],
+        [Joint("a", "revolute", GROUND, "one"), Joint("b", "revolute", GROUND, "two")],
+        constraints=[Coupling("mesh", {"a": 100, "b": 1}, follower)],
+    )
+    assert f"u_{follower}" not in derive(wheels).state_names
+    assert f"u_{follower}" in derive(wheels, independent=[f"u_{follower}"]).state_names
+    with pytest.raises(InputError, match="the follower is not coupled"):
+        Coupling("mesh", {"a": 4, "b": 1}, "c")
+
+
 def test_a_crank_that_is_turned_by_an_equation():
     """No speed is left; the coordinates follow, and the force is what the motion takes."""
     t = sp.Symbol("t", real=True)

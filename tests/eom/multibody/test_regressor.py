@@ -16,18 +16,15 @@ from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Placement, Tree, base_parameters, regressor
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import IDENTITY, product, transposed
-from eom.multibody.identify.regressor import (
+from eom.multibody.identify.base_parameters import (
     PRIME,
     Residue,
-    bones_of,
-    entries,
     orthonormal,
-    parameters_of,
     residue,
     rotation,
     unit,
-    values_of,
 )
+from eom.multibody.identify.regressor import bones_of, entries, parameters_of, values_of
 from eom.multibody.model.joints import KINDS
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.recursions import inverse_dynamics
@@ -65,7 +62,7 @@ def test_the_compiled_regressor(seed):
         seed, 3, kinds=("revolute", "universal", "planar", "helical", "spherical"), loads=False
     )
     given = replace(given, joints=tuple(replace(j, damping=2) for j in given.joints))
-    found = regressor(given, armature=True, damping=True)
+    found = regressor(given, armature=True, damping=True, coulomb=True)
     q, u = ([float(x) for x in group] for group in state(given, seed))
     udot = [random.Random(seed + k).uniform(-2, 2) for k in range(len(u))]
     compiled = codegen.compile(found.system, "numpy")
@@ -78,11 +75,34 @@ def test_the_compiled_regressor(seed):
     expected = [
         t + 2 * v for t, v in zip(inverse_dynamics(lumped, q, u, udot, work), u, strict=True)
     ]
-    pi = [float(x) for x in values_of(given, found.columns)]
+    pi = np.array([float(x) for x in values_of(given, found.columns)])
     assert np.allclose(Y @ pi, expected, rtol=1e-11, atol=1e-9)
+    dry = np.array([c.letter == "coulomb" for c in found.columns])
+    assert np.array_equal(Y @ np.where(dry, 3.0, 0.0), 3 * np.sign(u))
     assert compiled.rhs(0.0, np.array([*q, *u]), np.zeros(0), np.array(udot))[
         -len(u) :
     ] == pytest.approx(udot)
+
+
+def test_dry_friction_is_a_column_of_signs():
+    """tau = J u' + m g l sin(q) + c sign(u), in symbols and in C."""
+    c, J, h = sp.symbols("c J h", positive=True)
+    pendulum = Tree(
+        "pendulum",
+        [Body("bob", 1)],
+        [Joint("pin", "revolute", "ground", "bob", axis="x")],
+        gravity=(0, 0, -g),
+    )
+    Y = regressor(pendulum, coulomb=True)
+    q, u, rate = sp.symbols("q_pin u_pin dot_u_pin", real=True)
+    pi = {"J_bob_11": J, "h_bob_3": -h, "coulomb_u_pin": c}
+    tau = Y.expressions * sp.Matrix([pi.get(x.name, 0) for x in Y.columns])
+    assert sp.expand(tau[0] - (J * rate + g * h * sp.sin(q) + c * sp.sign(u))) == 0
+    assert Y.parameters(pendulum)[-1] == 0
+    compiled = codegen.compile(Y.system)
+    for speed in (-2.0, 0.0, 0.5):
+        found = Y.array(compiled.outputs(0.0, [0.3, speed], [9.81], [1.0]))
+        assert found[0][-1] == np.sign(speed)
 
 
 def test_zeros_by_structure_are_no_outputs():
@@ -231,14 +251,14 @@ def test_a_prismatic_joint_shows_no_inertia_of_its_link():
 def test_armatures_join_moments_at_right_angles_and_dampings_stay():
     """As in Gautier and Khalil: those of the first two joints, at a right angle, not that of the third."""
     given = serial([IDENTITY, QUARTER, IDENTITY], [(0, 0, 0), (1, 0, 0), (2, 0, 0)])
-    found = base_parameters(given, armature=True, damping=True)
+    found = base_parameters(given, armature=True, damping=True, coulomb=True)
     for k in (1, 2):
         assert f"armature_u_j{k}" not in found.combinations
         joined = found.combinations[f"J_b{k}_33"]
         assert sp.Symbol(f"armature_u_j{k}", real=True) in joined.free_symbols
-    assert {"armature_u_j3", "damping_u_j1", "damping_u_j2", "damping_u_j3"} <= set(
-        found.combinations
-    )
+    own = {f"{letter}_u_j{k}" for letter in ("damping", "coulomb") for k in (1, 2, 3)}
+    assert {"armature_u_j3", *own} <= set(found.combinations)
+    assert all(found.combinations[n] == sp.Symbol(n, real=True) for n in own)
 
 
 def test_rounded_rotations_do_not_raise_the_rank():

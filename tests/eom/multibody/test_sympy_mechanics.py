@@ -1,5 +1,6 @@
 """Trees from and to SymPy's mechanics: its equations are ours, its frames turn the same way."""
 
+import numpy as np
 import pytest
 import sympy as sp
 from sympy.physics import mechanics as me
@@ -94,7 +95,7 @@ def test_more_coordinates_than_speeds_compile():
     assert found[0] == pytest.approx(found[1], rel=1e-12)
 
 
-def test_dependent_speeds_are_refused_by_the_compiler():
+def test_dependent_speeds_follow_by_their_accelerations():
     q, u = me.dynamicsymbols("q1:3"), me.dynamicsymbols("u1:3")
     N, P = me.ReferenceFrame("N"), me.Point("P")
     P.set_vel(N, u[0] * N.x + u[1] * N.y)
@@ -103,7 +104,17 @@ def test_dependent_speeds_are_refused_by_the_compiler():
         u_dependent=u[1:], velocity_constraints=[u[0] - 2 * u[1]],
     )  # fmt: skip
     kane.kanes_equations([me.Particle("p", P, m)], [(P, -m * g * N.y)])
-    refused(lambda: as_system(kane), "with constraints")
+    compiled = codegen.compile(kane, "numpy")
+    assert compiled.system.maintained == ("closure_rate_1",)
+    x = np.array([0.0, 0.0, 2.0, 1.0])
+    found = compiled.rhs(0.0, x, [3.0, 1.0])  # g, m
+    # along (2, 1): 5 u2' = -g, as m (4 + 1) u2' = -m g
+    assert found == pytest.approx([2.0, 1.0, -6 / 5, -3 / 5], rel=1e-15)
+    start = {"q1": 0, "q2": 0, "u1": 2, "u2": 0.9}
+    refused(
+        lambda: codegen.simulate(compiled, start, (0, 1), {"g": 3, "m": 1}),
+        "meet the constraints",
+    )
 
 
 @pytest.mark.parametrize("attitude", ["1-2-1"])

@@ -359,6 +359,7 @@ def test_a_mimicking_joint_is_coupled(tmp_path):
     assert reasons(scene) == [("mimic", "joint 'bend'")]
     (coupling,) = scene.tree.constraints
     assert dict(coupling.ratios) == {"bend": 1, "pin": 2}
+    assert coupling.follower == "bend"
     start = scene.initial_values()
     assert start["q_bend"] + 2 * start["q_pin"] == 0.5
     assert scene.derive().input_names == ("tau_pin",)
@@ -385,6 +386,15 @@ def test_mimics_of_what_does_not_move(tmp_path, mimic, done):
     assert ("q_bend" in scene.derive().state_names) == (done == "moves by itself")
     if "held at 1" in done or "0.25" in done:
         assert float(scene.joints["bend"].motion.position[0]) == float(done.split()[-1])
+
+
+@pytest.mark.parametrize("multiplier", ["1", "-1", "0.1", "50", "1000"])
+def test_the_speed_of_the_joint_that_mimics_is_no_state(tmp_path, multiplier):
+    """Whichever of the two would keep the equations farther from singular."""
+    joints = MIMIC.replace('multiplier="-2"', f'multiplier="{multiplier}"')
+    scene = mended(tmp_path, joints, more=LINK.format("tip", 1, 1, 1, 1))
+    speeds = [n for n in scene.derive().state_names if n.startswith("u_")]
+    assert speeds == ["u_pin"]
 
 
 def test_a_chain_of_mimics_ends_at_what_moves(tmp_path):

@@ -295,6 +295,36 @@ def test_shapes_of_a_robot_come_from_its_file(tmp_path):
     assert shapes_of_file("heavy-top") == {}
 
 
+MJCF = """<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+<body name="arm" pos="0 0 1"><joint name="pin" axis="0 1 0"/>
+<geom type="{}" size=".1 .2 .3" pos="0 0 .5" quat="1 0 1 0"/>
+<geom type="box" size="9 9 9" group="3"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "half"),
+    [
+        ("box", (0.3, 0.2, 0.1)),
+        ("ellipsoid", (0.3, 0.2, 0.1)),
+        ("sphere", (0.1, 0.1, 0.1)),
+        ("cylinder", (0.2, 0.1, 0.1)),
+        ("capsule", (0.3, 0.1, 0.1)),
+    ],
+)
+def test_geoms_of_a_model_of_mujoco_are_its_shapes(tmp_path, kind, half):
+    """A quarter turn about y takes the shape's axis z to the body's x; shapes to touch are not shown."""
+    pytest.importorskip("mujoco")
+    file = tmp_path / "m.xml"
+    file.write_text(MJCF.format(kind), encoding="utf-8")
+    (shapes,) = shapes_of_file(file).values()
+    every = np.concatenate([s.mesh.vertices for s in shapes])
+    centre = np.array([0, 0, 0.5])
+    assert every.max(axis=0) - centre == pytest.approx(half, rel=0.02)
+    assert centre - every.min(axis=0) == pytest.approx(half, rel=0.02)
+    figure = {f.name: f for f in bodies_of(load_scene(file)).figures(shapes_of_file(file)).bodies}
+    assert figure["arm"].words == "shapes of the file"
+
+
 # -- motions that are no scenes --------------------------------------------------------------------
 
 
