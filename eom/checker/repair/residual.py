@@ -184,7 +184,7 @@ def _products(atoms: list[_Atom], kind: Signature) -> Iterator[Node]:
                         yield _joined([n for n, _ in numbers], join([n for n, _ in rest]))
 
 
-_Exponents = tuple[int, int, int]
+_Exponents = tuple[int, ...]
 _Sized = tuple[Node, _Exponents | None]
 
 
@@ -197,19 +197,15 @@ def _exponents(dimension: Dimension | None) -> _Exponents | None:
     """Return a dimension in twelfths, which whole numbers hold; None where it is not known."""
     if dimension is None:
         return None
-    mass, length, time = (int(12 * e) for e in dimension)
-    return mass, length, time
+    return tuple(int(12 * e) for e in dimension)
 
 
 def _fitting(parts: Iterable[_Sized], wanted: _Exponents | None) -> bool:
     """Return whether a product may have a dimension: what has none that is known fits every one."""
-    mass = length = time = 0
-    for _, exponents in parts:
-        if exponents is None:
-            return True
-        m, k, t = exponents
-        mass, length, time = mass + m, length + k, time + t
-    return wanted is None or (mass, length, time) == wanted
+    known = [exponents for _, exponents in parts]
+    if wanted is None or None in known:
+        return True
+    return tuple(map(sum, zip(*(e for e in known if e), strict=True))) == wanted
 
 
 def _joined(numbers: list[Node], rest: Node | None) -> Node:
