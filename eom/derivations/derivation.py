@@ -131,9 +131,9 @@ class Derivation:
     ``name``, ``title``, ``group``: how it is called; ``assumed``: names of assumptions
     (`eom.worlds.worlds.ASSUMPTIONS`) to begin with. Quantities are in SI units. What stands so far:
     ``scalars``, what symbols stand for, as terms; ``steps``; ``own``, its frames, points and laws;
-    ``stated``, the labels of steps by what they state. A line that is false or undecided raises
-    `eom.derivations.verification.DerivationError` and is not kept; so do arguments of other types raise
-    `InputError`, and assumptions that are unknown or at odds.
+    ``stated``, the labels of steps by what they state; ``letters``, what other symbols are. A line that
+    is false or undecided raises `eom.derivations.verification.DerivationError` and is not kept; so do
+    arguments of other types raise `InputError`, and assumptions that are unknown or at odds.
     """
 
     name: str
@@ -144,6 +144,7 @@ class Derivation:
     steps: list[Step] = field(default_factory=list, init=False)
     own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
+    letters: dict[Any, str] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         self.only(*self.assumed)
@@ -254,6 +255,10 @@ class Derivation:
         self.scalars[symbol] = meaning
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
+    def letter(self, symbol: Any, words: str) -> None:
+        """Say what a symbol is that stands for no term: ``symbol``, a SymPy symbol, and ``words``."""
+        self.letters[symbol] = words
+
     def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
         """State a law; it, too, has to hold in the worlds.
 
@@ -362,5 +367,11 @@ class Derivation:
     def finish(self, **result: Any) -> Derived:
         """Return the derivation, finished; ``result``: what it gives by name, such as a system."""
         return Derived(
-            self.name, self.title, self.group, tuple(self.steps), dict(self.scalars), result
+            self.name,
+            self.title,
+            self.group,
+            tuple(self.steps),
+            dict(self.scalars),
+            result,
+            dict(self.letters),
         )

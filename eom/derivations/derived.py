@@ -96,8 +96,8 @@ class Derived:
     """A derivation with its verified steps and its result as SymPy objects by name.
 
     ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
-    mechanics. ``result``: expressions, matrices and systems by name, in SI units. In a notebook it shows
-    itself as a page.
+    mechanics. ``result``: expressions, matrices and systems by name, in SI units. ``letters``: what other
+    symbols are, in words. In a notebook it shows itself as a page.
     """
 
     name: str
@@ -106,6 +106,7 @@ class Derived:
     steps: tuple[Step, ...]
     scalars: Scalars
     result: Mapping[str, Any]
+    letters: Mapping[Any, str] = field(default_factory=dict)
 
     def __getitem__(self, label: str) -> Step:
         """Return the step with a ``label``. Raises `KeyError`."""
@@ -265,12 +266,24 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
     seen: set[tuple[str, str]] = set()
     items = [_quantity(n, notation) for n in found if n.head == "atom"]
     items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
+    items += [(symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found)]
     items += list(_operations(found, notation))
     for box, meaning in items:
         key = (render(box, "text"), meaning)
         if key not in seen:
             seen.add(key)
             yield box, meaning
+
+
+def _letters_of(derivation: Derived, found: Iterable[Term]) -> Iterator[tuple[Any, str]]:
+    """Yield the symbols that stand for no term, with what they are in words."""
+    systems = [r for r in derivation.result.values() if isinstance(r, System)]
+    told = {q.symbol: q.meaning for s in systems for q in (*s.parameters, *s.states, *s.inputs)}
+    told |= derivation.letters
+    used = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
+    for s in sorted(used - set(derivation.scalars), key=sp.default_sort_key):
+        if s in told:
+            yield s, told[s]
 
 
 def _quantity(term: Term, notation: Notation) -> tuple[Box, str]:

@@ -8,6 +8,7 @@ import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.rotation import name_spin
 from eom.kinematics.frames import Vector, first_derivative, time_derivative, vector
 from eom.mechanics import dissipation as model
 from eom.mechanics import steady
@@ -329,6 +330,7 @@ def _rate(h: Vector, moving: dict[Expr, Expr]) -> Vector:
 
 
 def _stability(d: Derivation, rates: list[Chain]) -> None:
+    name_spin(d)
     for axis in (1, 2, 3):
         across = [k for k in range(6) if k % 3 != axis - 1]
         spin = dict.fromkeys(STATES, sp.Integer(0)) | {STATES[axis - 1]: steady.SPIN_RATE}
@@ -385,6 +387,14 @@ def _routh_hurwitz(d: Derivation) -> None:
 def _energy_sink(d: Derivation) -> None:
     letters = {TRANSVERSE: sp.Symbol("I_t", positive=True), AXIAL: sp.Symbol("I_a", positive=True)}
     energy = model.energy_at_nutation().xreplace(letters)
+    for symbol, words in (
+        *zip(letters.values(), ("moment across the axis", "moment about the axis"), strict=True),
+        (model.NUTATION, "angle between h and the axis of symmetry"),
+        (model.POWER, "power that is lost"),
+        (H, "magnitude of the angular momentum"),
+        (T, "energy of rotation"),
+    ):
+        d.letter(symbol, words)
     d.name_scalar(
         NUTATION_RATE,
         expr(-model.POWER / sp.Derivative(energy, model.NUTATION)),

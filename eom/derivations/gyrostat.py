@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.rotation import name_spin
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import OMEGA
+from eom.mechanics.steady import ROOT, SPIN_RATE
 from eom.system import System
 from eom.terms.rules import (
     combine,
@@ -16,23 +20,27 @@ from eom.terms.rules import (
     differentiate_in,
     differentiate_under,
     distribute,
+    entrywise,
     inside,
     into_sums,
+    put_in,
     transport,
     triple_in_order,
     use,
     vanish,
 )
-from eom.terms.rules.inferences import equal, summed
+from eom.terms.rules.inferences import characteristic, equal, solved, summed
 from eom.terms.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
 from eom.terms.vocabulary import omega, quantity
 
 W = omega()
 J, H = quantity("inertia", "C"), quantity("angular_momentum", "body", "C")
 TORQUE = quantity("torque", "body", "C")
+Expr = Any
 AXIS, SPEED, INERTIA, MOMENTUM = (
     quantity(n, "k") for n in ("rotor_axis", "rotor_speed", "rotor_inertia", "rotor_momentum")
 )
+ALONG = sp.Symbol("h", real=True)
 ROTORS = total(mul(INERTIA, SPEED, AXIS), "k", "rotors")
 
 
@@ -43,6 +51,7 @@ def gyrostat_momentum() -> Derived:
     _rotor(d)
     system = gyrostat(2)
     _check_equations(d, system)
+    _dual_spin(d)
     return d.finish(equations=system)
 
 
@@ -182,4 +191,54 @@ def _with_motors(d: Derivation) -> None:
         summed(number(1), number(-1), applied=(distribute, combine)),
         motors,
         label="equation-motors",
+    )
+
+
+def _by_powers(e: Expr) -> Expr:
+    """Write a polynomial in lambda by its powers, with factored coefficients."""
+    polynomial = sp.Poly(sp.expand(e), ROOT)
+    return sp.Add(*(sp.factor(c) * ROOT**n for (n,), c in polynomial.terms()))
+
+
+def _dual_spin(d: Derivation) -> None:
+    """One rotor about b1: when a spin about its axis is stable, whatever the moments."""
+    d.only()
+    system = gyrostat(1)
+    for q in (*system.parameters, *system.states):
+        d.letter(q.symbol, q.meaning)
+    name_spin(d)
+    quiet = {q.symbol: sp.Integer(0) for q in system.inputs}
+    states = [q.symbol for q in system.states]
+    rates = [system.expand(r).xreplace(quiet) for r in system.rates]
+    named = [
+        d.name_scalar(
+            sp.Symbol(f"{w}_dot", real=True),
+            expr(rate),
+            f"rate of {w}, with a rotor about b1 whose motor gives no torque, in principal axes",
+            label=f"{w}-rate",
+        )
+        for w, rate in zip(states[:3], rates, strict=False)
+    ]
+    I1, Js = (q.symbol for q in system.parameters if str(q.symbol) in {"I1", "Js_1"})
+    spin = {states[0]: SPIN_RATE, states[1]: sp.Integer(0), states[2]: sp.Integer(0)}
+    across = named[1].infer(
+        "linearised at a spin nu of the body about the rotor's axis: characteristic polynomial",
+        characteristic(states[1:3], spin, ROOT),
+        named[2],
+        label="dual-spin",
+    )
+    h = d.name_scalar(
+        ALONG,
+        expr((I1 - Js) * SPIN_RATE + states[3]),
+        "angular momentum of body and rotor along the axis",
+        label="axial",
+    )
+    momentum = h.infer("solved for the rotor's part", solved(expr(states[3])), label="rotor-part")
+    across.then(
+        "by the momentum along the axis: stable where it exceeds both I2 nu and I3 nu, or is less "
+        "than both. A rotor that is fast enough steadies a spin about any principal axis, even the "
+        "intermediate one",
+        put_in(momentum.equation),
+        entrywise(_by_powers),
+        label="dual-spin-stability",
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
@@ -289,38 +291,46 @@ def _from_centre(d: Derivation, shifted: Chain) -> None:
 
 def _principal(d: Derivation) -> None:
     d.only("principal_axes", "A_fixed_in_body")
-    I_C = quantity("inertia", "C")
-    symbols = sp.symbols("lambda_1:4", positive=True)
-    principal = principal_matrix(d, I_C, symbols, label="principal")
-    for k in (1, 2, 3):
-        d.in_components(
-            d.recall(f"principal-axis-{k}"),
-            "A",
-            "in components along any axes: a principal axis is an eigenvector, the moment its "
-            "eigenvalue",
-            distribute,
-            label=f"eigenvector-{k}",
-        )
     d.law(
         Equation(C_BA, make("rows", [column(unit("B", k), "A") for k in (1, 2, 3)])),
         "unit eigenvectors in right-handed order are the rows of the rotation matrix",
         label="rows",
         states=["000:E17", "002:C2"],
     )
+    _principal_about(d, "C", sp.symbols("lambda_1:4", positive=True), ("000:E17", "000:E18"))
+    d.only("principal_at_O", "principal_axes", "A_fixed_in_body")
+    _principal_about(d, "O", sp.symbols("mu_1:4", positive=True), ())
+
+
+def _principal_about(
+    d: Derivation, point: str, moments: tuple[Any, ...], states: tuple[str, ...]
+) -> None:
+    """Derive the diagonal form about a point along whose principal axes b1, b2, b3 are."""
+    I_P, end = quantity("inertia", point), "" if point == "C" else f"-{point}"
+    principal = principal_matrix(d, I_P, moments, end=end, label=f"principal{end}")
+    for k in (1, 2, 3):
+        d.in_components(
+            d.recall(f"principal-axis-{k}{end}"),
+            "A",
+            "in components along any axes: a principal axis is an eigenvector, the moment its "
+            "eigenvalue",
+            distribute,
+            label=f"eigenvector-{k}{end}",
+        )
     turned = d.recall("dyadic-rotated").infer(
-        "for the inertia", instance({quantity("dyadic", "D"): I_C}), label="I-rotated"
+        f"for the inertia about {point}", instance({quantity("dyadic", "D"): I_P})
     )
-    diagonal = turned.turned("turned round", label="I-turned").then(
+    diagonal = turned.turned("turned round").then(
         "which takes the matrix to its diagonal form",
         use(principal.equation),
-        label="diagonal",
-        states=["000:E17", "000:E18"],
+        label=f"diagonal{end}",
+        states=states,
     )
     d.show(
-        Equation(matmul(matmul(inverse(C_AB), column(I_C, "A")), C_AB), diagonal.equation.right),
+        Equation(matmul(matmul(inverse(C_AB), column(I_P, "A")), C_AB), diagonal.equation.right),
         "with the eigenvectors as columns of E = C_AP, whose inverse is the reverse rotation",
         reversed_rotation,
         use(diagonal.equation),
-        label="diagonalised",
+        label=f"diagonalised{end}",
         states=["002:E36", "002:C2"],
     )

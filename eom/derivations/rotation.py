@@ -13,6 +13,7 @@ import sympy as sp
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.mechanics.rigidbody import principal_inertia
+from eom.mechanics.steady import ROOT, SPIN_RATE
 from eom.terms.rules import (
     associate,
     at,
@@ -326,16 +327,19 @@ PRINCIPAL = tuple(q.symbol for q in principal_inertia()[1])
 
 
 def principal_matrix(
-    d: Derivation, inertia: Term, symbols: Sequence[Any] = PRINCIPAL, **options: Any
+    d: Derivation, inertia: Term, symbols: Sequence[Any] = PRINCIPAL, end: str = "", **options: Any
 ) -> Chain:
-    """Name the principal moments of ``inertia`` along b1, b2, b3, and derive its matrix in B."""
+    """Name the principal moments of ``inertia`` along b1, b2, b3, and derive its matrix in B.
+
+    ``end``: of the labels of the lines that say so.
+    """
     eigen = []
     for k, symbol in enumerate(symbols, 1):
         b = unit("B", k)
         d.name_scalar(symbol, dot(b, dot(inertia, b)), f"principal moment of inertia about b{k}")
         meaning = Equation(dot(inertia, b), mul(expr(symbol), b))
         words = f"b{k} is a principal axis"
-        eigen.append(d.given(meaning, words, label=f"principal-axis-{k}").equation)
+        eigen.append(d.given(meaning, words, label=f"principal-axis-{k}{end}").equation)
     return d.start(column(inertia, "B")).then(
         "in principal axes J is diagonal",
         by_axes("B"),
@@ -345,6 +349,12 @@ def principal_matrix(
         compute(),
         **options,
     )
+
+
+def name_spin(d: Derivation) -> None:
+    """Say what the symbols of a steady spin and of deviations from it are."""
+    d.letter(SPIN_RATE, "rate of the steady spin")
+    d.letter(ROOT, "exponent of a deviation, which goes as exp(lambda t)")
 
 
 def explicit(d: Derivation, vector: Term, letter: str, frame: str, meaning: str) -> Equation:

@@ -33,9 +33,23 @@ def solid_inertia(solid: str) -> Derived:
     name = PREFIX + solid.replace(" ", "-")
     d = Derivation(name, f"Inertia of the {solid}", "Inertia of solids")
     region = SOLIDS[solid].region
+    _letters(d, region)
     _element(d, region)
     whole = _moments(d, region)
     return d.finish(**_about_points(d, solid, whole))
+
+
+def _letters(d: Derivation, region: Region) -> None:
+    """Say what the symbols are: sizes by their names, coordinates, parameters."""
+    for k, x in enumerate(X, 1):
+        d.letter(x, f"coordinate along axis {k}")
+    for parameter in region.parameters:
+        d.letter(parameter, "parameter of the points of the solid")
+    ends = {s for bound in region.bounds for e in bound[1:] for s in sp.sympify(e).free_symbols}
+    inside = {s for e in region.position for s in sp.sympify(e).free_symbols}
+    for size in (ends | inside) - set(region.parameters):
+        d.letter(size, str(size).replace("_", " "))
+    d.letter(MASS, "mass")
 
 
 def _moments(d: Derivation, region: Region) -> MassProperties:

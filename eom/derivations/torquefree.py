@@ -8,7 +8,7 @@ import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.rotation import explicit, principal_matrix
+from eom.derivations.rotation import explicit, name_spin, principal_matrix
 from eom.exact.algebra import gather
 from eom.mechanics import freebody, steady
 from eom.mechanics.freebody import MOMENTS, herpolhode_rate
@@ -334,6 +334,7 @@ def _constant_rates(d: Derivation) -> None:
 
 
 def _stability(d: Derivation, rates: list[Chain]) -> None:
+    name_spin(d)
     for k in (1, 2, 3):
         still = dict.fromkeys(OMEGA.components, sp.Integer(0))
         steady_motion = still | {OMEGA.components[k - 1]: steady.SPIN_RATE}

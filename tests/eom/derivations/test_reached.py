@@ -18,7 +18,7 @@ from eom.derivations.verification import DerivationError, verify
 from eom.errors import InputError
 from eom.terms import rules
 from eom.terms.rules.inferences import solved
-from eom.terms.terms import Equation, add, cross, der, dot, expr, mul, number, zero
+from eom.terms.terms import Equation, add, cross, der, dot, expr, mul, nodes, number, zero
 from eom.terms.vocabulary import mass, omega, position, quantity, velocity
 from eom.worlds.worlds import closure
 from tests.eom.rows import derivations
@@ -207,3 +207,13 @@ def test_a_line_that_is_solved_keeps_what_it_came_from(maker):
     assert step.statement == Equation(cross(w, v), add(der(v), -der(v, "B")))
     with pytest.raises(InputError, match="solving does not apply"):
         first.infer("not in it", solved(expr(number(3).data[0])))
+
+
+@pytest.mark.parametrize("name", derivations())
+def test_every_symbol_is_in_the_list(name):
+    d = derive(name)
+    parts = [n for s in d.steps for t in (s.statement.left, s.statement.right) for n in nodes(t)]
+    used = {s.name for n in parts if n.head == "expr" for s in n.data[0].free_symbols}
+    told = {s.name for s in d.scalars} | {s.name for s in d.letters}
+    told |= {q.symbol.name for q in (*d.system.parameters, *d.system.states)} if d.system else set()
+    assert used <= told
