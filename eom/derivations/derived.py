@@ -266,7 +266,9 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
     seen: set[tuple[str, str]] = set()
     items = [_quantity(n, notation) for n in found if n.head == "atom"]
     items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
-    items += [(symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found)]
+    shown = {render(box, "text") for box, _ in items}
+    letters = ((symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found))
+    items += [(box, meaning) for box, meaning in letters if render(box, "text") not in shown]
     items += list(_operations(found, notation))
     for box, meaning in items:
         key = (render(box, "text"), meaning)

@@ -472,7 +472,7 @@ _ENTITY = re.compile(r"&(?!(?:lt|gt|amp|quot);)(\w+);")
 
 
 def _mathml_formula(box: Formula, _: Render) -> str:
-    words = str(_MathML().doprint(box.value))
+    words = str(_MathML().doprint(box.value)).replace("<mo>-</mo>", "<mo>\u2212</mo>")
     return f"<mrow>{_ENTITY.sub(lambda m: html.unescape(m[0]), words)}</mrow>"
 
 
