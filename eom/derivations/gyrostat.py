@@ -207,19 +207,8 @@ def _dual_spin(d: Derivation) -> None:
     for q in (*system.parameters, *system.states):
         d.letter(q.symbol, q.meaning)
     name_spin(d)
-    quiet = {q.symbol: sp.Integer(0) for q in system.inputs}
     states = [q.symbol for q in system.states]
-    rates = [system.expand(r).xreplace(quiet) for r in system.rates]
-    named = [
-        d.name_scalar(
-            sp.Symbol(f"{w}_dot", real=True),
-            expr(rate),
-            f"rate of {w}, with a rotor about b1 whose motor gives no torque, in principal axes",
-            label=f"{w}-rate",
-        )
-        for w, rate in zip(states[:3], rates, strict=False)
-    ]
-    I1, Js = (q.symbol for q in system.parameters if str(q.symbol) in {"I1", "Js_1"})
+    named = _rates_with_rotor(d, system)
     spin = {states[0]: SPIN_RATE, states[1]: sp.Integer(0), states[2]: sp.Integer(0)}
     across = named[1].infer(
         "linearised at a spin nu of the body about the rotor's axis: characteristic polynomial",
@@ -227,13 +216,34 @@ def _dual_spin(d: Derivation) -> None:
         named[2],
         label="dual-spin",
     )
+    _by_axial_momentum(d, system, across)
+
+
+def _rates_with_rotor(d: Derivation, system: System) -> list[Chain]:
+    quiet = {q.symbol: sp.Integer(0) for q in system.inputs}
+    rates = [system.expand(r).xreplace(quiet) for r in system.rates]
+    return [
+        d.name_scalar(
+            sp.Symbol(f"{w}_dot", real=True),
+            expr(rate),
+            f"rate of {w}, with a rotor about b1 whose motor gives no torque, in principal axes",
+            label=f"{w}-rate",
+        )
+        for w, rate in zip(OMEGA.components, rates, strict=False)
+    ]
+
+
+def _by_axial_momentum(d: Derivation, system: System, across: Chain) -> None:
+    """Write the polynomial by the momentum along the axis, which decides about stability."""
+    rotor = system.states[3].symbol
+    I1, Js = (q.symbol for q in system.parameters if str(q.symbol) in {"I1", "Js_1"})
     h = d.name_scalar(
         ALONG,
-        expr((I1 - Js) * SPIN_RATE + states[3]),
+        expr((I1 - Js) * SPIN_RATE + rotor),
         "angular momentum of body and rotor along the axis",
         label="axial",
     )
-    momentum = h.infer("solved for the rotor's part", solved(expr(states[3])), label="rotor-part")
+    momentum = h.infer("solved for the rotor's part", solved(expr(rotor)), label="rotor-part")
     across.then(
         "by the momentum along the axis: stable where it exceeds both I2 nu and I3 nu, or is less "
         "than both. A rotor that is fast enough steadies a spin about any principal axis, even the "
