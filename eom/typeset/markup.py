@@ -463,6 +463,12 @@ _ASCII: dict[type, Callable[[Any, Render], str]] = {
 class _MathML(_PositiveFirst, MathMLPresentationPrinter):  # type: ignore[misc]
     """SymPy expressions with the names of `symbol`."""
 
+    def _print_Determinant(self, expr: Expr) -> Any:
+        kept, self._settings["mat_delim"] = self._settings["mat_delim"], ""
+        found = super()._print_Determinant(expr)
+        self._settings["mat_delim"] = kept
+        return found
+
     def _print_Symbol(self, sym: Expr, style: str = "plain") -> Any:  # noqa: ARG002 - SymPy's own
         node = parseString(_write(_MATHML, symbol(sym.name))).documentElement  # noqa: S318 - our own text
         return self.dom.importNode(node, True)
