@@ -26,6 +26,7 @@ _MAKERS = {
         "Particles",
         "Dynamics of a system of point masses",
     ),
+    "variable-mass": ("variablemass", "variable_mass", "Particles", "A body whose mass changes"),
     "transport-theorem": (
         "rotation",
         "transport_theorem",
