@@ -396,6 +396,9 @@ def _text_fraction(box: Fraction, inner: Render) -> str:
 class _Text(_PositiveFirst, StrPrinter):  # type: ignore[misc]
     """SymPy expressions with Greek letters, dots, raised powers and no asterisks."""
 
+    def _print_Pi(self, expr: Expr) -> str:  # noqa: ARG002 - SymPy's own
+        return "\u03c0"
+
     def _print_Determinant(self, expr: Expr) -> str:
         return f"|{self._print(expr.arg.tolist())}|"
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from eom.checker.mean.solid_models import SPELLINGS
 from eom.derivations import derive, names
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived, Step
@@ -14,7 +15,14 @@ from eom.derivations.reached import (
     same,
     smallest,
 )
-from eom.derivations.verification import DerivationError, verify
+from eom.derivations.solids import LETTERS
+from eom.derivations.verification import (
+    IDENTITY,
+    DerivationError,
+    decide,
+    has_meaning,
+    verify,
+)
 from eom.errors import InputError
 from eom.terms import rules
 from eom.terms.rules.inferences import solved
@@ -76,7 +84,8 @@ def surplus(name):
         for spared in step.assumptions:
             rest = closure(step.assumptions) - {spared}
             try:
-                verify(line, rest, d.scalars)
+                if verify(line, rest, d.scalars) == IDENTITY and has_meaning(line, d.scalars):
+                    decide(line, rest, d.scalars, count=1)  # its symbols, too, have to exist
             except InputError:
                 continue
             yield step.label, spared
@@ -217,3 +226,9 @@ def test_every_symbol_is_in_the_list(name):
     told = {s.name for s in d.scalars} | {s.name for s in d.letters}
     told |= {q.symbol.name for q in (*d.system.parameters, *d.system.states)} if d.system else set()
     assert used <= told
+
+
+def test_letters_of_sizes_are_those_of_the_notes():
+    assert {n: SPELLINGS[n][0] for n in LETTERS if n in SPELLINGS} == {
+        n: letter for n, letter in LETTERS.items() if n in SPELLINGS
+    }
