@@ -1,4 +1,4 @@
-r"""``python -m benchmarks.checking FOLDER [--lexica FOLDER | --bare]``: the checker against judged notes.
+r"""``python -m benchmarks.checking FOLDER [--lexica FOLDER | --bare | --formulas]``: judged notes.
 
 ``FOLDER`` holds notes and ``truth.json``, a list of entries, one for each formula: ``id`` (``file:E1``,
 ``file:i1``: the n-th display or inline formula of the note ``file``, without its suffix) or ``note`` and
@@ -20,6 +20,9 @@ all worlds: their members, up to one number for all.
 
 With ``--bare`` a note is judged with nothing but itself, without the lexicon in its head: meanings are
 found from its words, letters and types. Lines that are unsure count as not decided, and as not found.
+With ``--wordless`` the words of a note are taken out as well, symbols and formulas stay.
+With ``--formulas`` every line of the truth is judged by itself, without a note; ``--strict`` counts what is
+unsure as wrong.
 """
 
 from __future__ import annotations
@@ -39,6 +42,7 @@ from typing import Any
 import click
 
 from benchmarks.table import time_text
+from eom.checker.infer.draft import propose
 from eom.checker.judge.coordinates import on_solutions
 from eom.checker.judge.judge import models_of
 from eom.checker.judge.notes import Understood, reread, understand
@@ -48,9 +52,9 @@ from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_for, parse_lexicon
 from eom.checker.mean.values import mixed
-from eom.checker.note.checking import check_note
+from eom.checker.note.checking import check_document, check_note
 from eom.checker.read.damage import apply
-from eom.checker.read.documents import KINDS, Piece, load
+from eom.checker.read.documents import KINDS, Document, Piece, Text, load
 from eom.checker.read.grammar import read_formula
 from eom.checker.report.findings import (
     GIVEN,
@@ -204,18 +208,26 @@ def results(folder: Path, lexica: Path | None = None) -> Iterator[Result]:
 
 
 def of_note(
-    folder: Path, name: str, lexica: Path | None = None, *, corrections: bool = False
+    folder: Path,
+    name: str,
+    lexica: Path | None = None,
+    *,
+    corrections: bool = False,
+    wordless: bool = False,
 ) -> Iterator[Result]:
     """Yield the results of one note of a folder, as `results` does. Raises `InputError`.
 
-    ``corrections``: whether those of wrong lines are compared with those of the truth.
+    ``corrections``: whether those of wrong lines are compared with those of the truth; ``wordless``:
+    whether the words of the note are taken out.
     """
     truth = read_truth(folder / "truth.json")
     accepted = {v for e in truth.values() for v in e.accept}
     inline = any(":i" in e for e in truth)
     path = note(folder, name)
     file = _lexicon_file(path, lexica)
-    found = check_note(path, Settings(lexicon=str(file) if file else "")).findings
+    document = without_words(load(path)) if wordless else load(path)
+    settings = Settings(lexicon=str(file) if file else "")
+    found = check_document(document, settings, path).findings
     by_name = {f"{name}:{LETTERS[f.kind]}{f.number}": f for f in found if f.kind in LETTERS}
     pieces = list(_named(name, load(path).pieces))
     lines = (
@@ -235,14 +247,35 @@ def of_note(
     yield from (_of_claim(entry, words, accepted) for entry in said)
 
 
-def without_lexicon(folder: Path, name: str) -> Iterator[Result]:
+def without_words(document: Document) -> Document:
+    """Return a document of which only formulas are left."""
+    blank = (p if p.is_formula else replace(p, body=" ") for p in document.pieces)
+    return replace(document, pieces=tuple(blank))
+
+
+def without_lexicon(folder: Path, name: str, *, wordless: bool = False) -> Iterator[Result]:
     """Yield the results of one note with nothing but itself. Raises `InputError`."""
     with tempfile.TemporaryDirectory() as place:
         path = note(folder, name)
         text = path.read_text(encoding="utf-8")
         (Path(place) / path.name).write_text(_HEAD.sub("", text), encoding="utf-8")
         shutil.copy(folder / "truth.json", place)
-        yield from of_note(Path(place), name)
+        yield from of_note(Path(place), name, wordless=wordless)
+
+
+def _inferred(path: Path) -> float:
+    """Return the processor time in which the meanings of a note are found."""
+    begun = process_time()
+    propose(load(path))
+    return process_time() - begun
+
+
+def alone(folder: Path, *, strict: bool) -> Iterator[Result]:
+    """Yield the results of all lines of the truth, each as a formula without a note."""
+    for entry in read_truth(folder / "truth.json").values():
+        (found,) = check_note(Text(entry.latex), Settings(kind="formula", strict=strict)).findings
+        word = counted(found.verdict, entry.accept)
+        yield Result(entry, "display", found.verdict, word, found.reason)
 
 
 _HEAD = re.compile(r"\A\+\+\+\n.*?^\+\+\+\n", re.DOTALL | re.MULTILINE)
@@ -461,15 +494,35 @@ def _missed(r: Result) -> list[str]:
 @click.option("--lexica", type=click.Path(path_type=Path, exists=True), help="Folder of lexica.")
 @click.option("--only", default="", help="One note of the folder.")
 @click.option("--bare", is_flag=True, help="Judge notes with nothing but themselves.")
-def main(folder: Path, lexica: Path | None, only: str, bare: bool) -> None:
+@click.option("--wordless", is_flag=True, help="With --bare: with the words of notes taken out.")
+@click.option("--formulas", is_flag=True, help="Judge every line by itself, without a note.")
+@click.option("--strict", is_flag=True, help="Count lines that are unsure as wrong.")
+def main(
+    folder: Path,
+    lexica: Path | None,
+    only: str,
+    bare: bool,
+    wordless: bool,
+    formulas: bool,
+    strict: bool,
+) -> None:
     """Judge all notes of a folder; exit with 1 where a true equation is called wrong."""
     truth = read_truth(folder / "truth.json")
+    if formulas:
+        begun = process_time()
+        rows = list(alone(folder, strict=strict))
+        click.echo("\n".join([*report(rows), *summary(rows, repairs=False)]))
+        click.echo(f"processor time of a line: {time_text((process_time() - begun) / len(rows))}")
+        sys.exit(any(r.false_alarm for r in rows))
     names = [only] if only else sorted({e.split(":")[0] for e in truth})
     start = process_time()
     if bare:
-        rows = [r for name in names for r in without_lexicon(folder, name)]
+        rows = [r for name in names for r in without_lexicon(folder, name, wordless=wordless)]
         click.echo("\n".join([*report(rows), *summary(rows, repairs=False)]))
         click.echo(f"processor time of {len(names)} notes: {time_text(process_time() - start)}")
+        spent = sorted(_inferred(note(folder, name)) for name in names)
+        middle, worst = time_text(spent[len(spent) // 2]), time_text(spent[-1])
+        click.echo(f"of which meanings of a note: {middle} in the median, {worst} at most")
         sys.exit(any(r.false_alarm for r in rows))
     rows = [r for name in names for r in of_note(folder, name, lexica, corrections=True)]
     spent = process_time() - start

@@ -1,19 +1,19 @@
-"""``python -m benchmarks.robots [FOLDER|MODULE ...]``: robots of packages, read strictly and leniently.
+"""``python -m benchmarks.robots [FOLDER|PACKAGE ...]``: robots of packages, read strictly and leniently.
 
 Counts by reason what is refused and what can be derived, and compares accelerations at random states with
-Pinocchio, where it is installed. Without arguments the packages of `PACKAGES` that can be imported are
+Pinocchio, where it is installed. Without arguments the packages of `PACKAGES` that are installed are
 looked through. The thousand shapes of `LEFT_OUT` are single bodies made by chance, and count with ``--all``
 alone.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -31,7 +31,7 @@ from codegen.ir.interpret import Point, interpret
 from eom.errors import InputError
 from eom.multibody.files.urdf import SINGLE, checked, moving_part, names_of, parsed
 
-PACKAGES = ("pybullet_data", "example_robot_data", "rtbdata")
+PACKAGES = ("pybullet", "example-robot-data", "rtb-data")
 LEFT_OUT = "random_urdfs"
 LARGEST = 1e-12
 """Of a difference of accelerations, over the largest of them."""
@@ -59,15 +59,18 @@ class Found:
 
 
 def files_in(places: Iterable[str], everything: bool) -> list[Path]:
-    """Return the URDF files of folders, and of modules that can be imported."""
-    folders = [Path(p) if Path(p).is_dir() else _folder_of(p) for p in places]
-    found = sorted({f for folder in folders if folder for f in folder.rglob("*.urdf")})
-    return [f for f in found if everything or LEFT_OUT not in f.parts]
+    """Return the URDF files of folders, and of packages that are installed, by the names of the index."""
+    found = {f for p in places for f in (Path(p).rglob("*") if Path(p).is_dir() else _files_of(p))}
+    robots = sorted(f for f in found if f.suffix == ".urdf")
+    return [f for f in robots if everything or LEFT_OUT not in f.parts]
 
 
-def _folder_of(module: str) -> Path | None:
-    spec = importlib.util.find_spec(module)
-    return Path(spec.origin).parent if spec and spec.origin else None
+def _files_of(package: str) -> list[Path]:
+    try:
+        listed = metadata.files(package) or []
+    except metadata.PackageNotFoundError:
+        return []
+    return [Path(str(f.locate())).resolve() for f in listed]
 
 
 def read(file: Path, derive: bool = True) -> Found:
@@ -279,7 +282,7 @@ def compared(found: Sequence[Found], most: int) -> Iterator[tuple[str, str, str]
 
 
 @click.command()
-@click.argument("places", nargs=-1, metavar="[FOLDER|MODULE]...")
+@click.argument("places", nargs=-1, metavar="[FOLDER|PACKAGE]...")
 @click.option("--all", "everything", is_flag=True, help=f"Count {LEFT_OUT}, too.")
 @click.option("--most", default=30, show_default=True, help="Robots compared with Pinocchio.")
 @click.option("--derive/--no-derive", default=True, help="Count what can be derived, too.")

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from eom.commands.analysing import analyse
 from eom.commands.animating import animate, live
 from eom.commands.benching import bench
 from eom.commands.checking import check
@@ -66,7 +67,7 @@ def main() -> None:
 
 
 COMMANDS = (
-    list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
+    list_names, derive, generate, accuracy, simulate, run, ensemble, linearise, analyse,
     check, convert, bench, stress, animate, live, plot, exercise, completion,
 )  # fmt: skip
 for command in COMMANDS:

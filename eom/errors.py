@@ -135,7 +135,7 @@ def typed(function: Callable[P, R]) -> Callable[P, R]:
     the function.
     """
     signature = inspect.signature(function)
-    hints = functools.cache(lambda: _hints(function))
+    hints = functools.cache(lambda: _of_arguments(function, signature))
 
     @functools.wraps(function)
     def checked(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -156,6 +156,17 @@ def typed(function: Callable[P, R]) -> Callable[P, R]:
         return function(*given.args, **given.kwargs) if changed else function(*args, **kwargs)
 
     return checked
+
+
+def _of_arguments(function: Callable[..., Any], signature: inspect.Signature) -> dict[str, Any]:
+    """Return annotations by argument; one of any number is a tuple or a mapping of what is annotated."""
+    found = _hints(function)
+    for name, parameter in signature.parameters.items():
+        if parameter.kind is parameter.VAR_POSITIONAL:
+            found[name] = tuple[found.get(name, Any), ...]  # type: ignore[misc]
+        elif parameter.kind is parameter.VAR_KEYWORD:
+            found[name] = Mapping[str, found.get(name, Any)]  # type: ignore[misc]
+    return found
 
 
 MOST_ENTRIES = 10**6

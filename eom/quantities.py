@@ -62,6 +62,8 @@ class Quantity:
     def dimension(self) -> Dimension | None:
         """The dimension of its unit; None where that is not stated.
 
+        No `InputError` is raised any more.
+
         >>> Quantity(sp.Symbol("M"), "N m").dimension.words
         'kg m^2/s^2'
         """

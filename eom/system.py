@@ -473,7 +473,7 @@ NUMBERS: Mapping[str, str] = {
 
 
 def _numbers(value: Any, where: str) -> str:
-    if value not in NUMBERS:
+    if not is_text(value) or value not in NUMBERS:
         raise unknown_name("kind of numbers", value, NUMBERS, where)
     return str(value)
 

@@ -41,11 +41,11 @@ class Dimension(NamedTuple):
     intensity: Fraction = Fraction(0)
 
     def times(self, other: Dimension) -> Dimension:
-        """Return the dimension of a product."""
+        """Return the dimension of a product with that of ``other``."""
         return Dimension(*(a + b if a and b else a or b for a, b in zip(self, other, strict=True)))
 
     def power(self, exponent: Fraction | int) -> Dimension:
-        """Return the dimension of a power."""
+        """Return the dimension of a power with this ``exponent``."""
         return Dimension(*(a * exponent if a else a for a in self))
 
     @property
@@ -227,7 +227,7 @@ def _table() -> dict[str, Unit]:
     """Return all units without prefixes by name."""
     one, found = Fraction(1), {}
     for name, base in _BASE.items():
-        si = () if name == "1" else ((name, one),)
+        si: tuple[tuple[str, Fraction], ...] = () if name == "1" else ((name, one),)
         found[name] = Unit(one, 0, _dimension_of(base), si)
     for name, (ratio, turns, text) in _OTHERS.items():
         si, made = _of_base(text), Unit()
@@ -492,6 +492,11 @@ def measure(text: str, where: str = "") -> Measure | None:
     unit = read((found["unit"] or found["below"]).rstrip(), where)
     number = Fraction(found["number"])
     return Measure(sp.Rational(number.numerator, number.denominator) * unit.factor, unit)
+
+
+def has_unit(given: Any) -> bool:
+    """Return whether a value is a text that is a number with a unit."""
+    return is_text(given) and measure(given) is not None
 
 
 def in_unit(text: str, unit: str, where: str = "") -> Expr | None:

@@ -39,6 +39,8 @@ INNER = frozenset(
         "codegen.ensembles.statistics.Moments",
         "eom.exercises.slips.Around",
         "eom.typeset.letters.Notation",
+        "eom.multibody.closed.bonds.Bonds",
+        "eom.multibody.closed.mechanism.Mechanism",
         "eom.multibody.closed.readable.Writer",
         "eom.multibody.constrained.dependence.Sample",
         "eom.multibody.model.joints.Kind",
@@ -50,7 +52,11 @@ INNER = frozenset(
 """Classes that users come to and need not know: how results are computed, written or verified."""
 
 OWN = "the quantities that it makes are its own, with names and units that fit"
+LABELS = "the quantity that it names has these labels"
 NEVER = {
+    **{
+        f"eom.terms.vocabulary.{name}": LABELS for name in ("omega", "position", "unit", "velocity")
+    },
     "eom.Scene.attitudes": "the name of the attitude was checked when the scene was made",
     "eom.full_inertia": OWN,
     "eom.principal_inertia": OWN,
@@ -270,6 +276,57 @@ FACTS = {
         "Signs and axes of speeds are those of `Joint`",
         "Rigid Body Dynamics Algorithms (2008)",
     ),
+    "eom.multibody.analysis_page": (
+        NONE,
+        "Units and signs are those of the source",
+        "as are frames",
+        "as of `closed_form`",
+    ),
+    "eom.multibody.conserved_quantities": (
+        NONE,
+        "Units are those that follow from the source",
+        NONE,
+        "Whittaker, Analytical Dynamics (1937)",
+    ),
+    "eom.multibody.cyclic_coordinates": (
+        NONE,
+        "Units and",
+        "signs are those of the Lagrangian",
+        "Goldstein, Classical Mechanics (2002)",
+    ),
+    "eom.multibody.equations_of": (NONE, "Units and signs", "signs are those of the source", NONE),
+    "eom.multibody.lagrangian": (
+        NONE,
+        "Units, frames and signs",
+        "signs are those of `closed_form`",
+        "are those of `closed_form`",
+    ),
+    "eom.multibody.linearised": (
+        NONE,
+        "SI units, or those of the source",
+        "signs are",
+        "Greenwood, Advanced Dynamics (2003)",
+    ),
+    "eom.multibody.routh": (
+        NONE,
+        "Units and signs",
+        "signs are those of the",
+        "Goldstein, Classical Mechanics (2002)",
+    ),
+    "eom.multibody.small_motion": (NONE, "Units and signs", "signs are those of the source", NONE),
+    "eom.multibody.stability": (
+        NONE,
+        "Units follow from the coefficients",
+        NONE,
+        "Theory of Matrices, vol. II (1959)",
+    ),
+    "eom.multibody.steady_motion": (
+        NONE,
+        "Units and signs",
+        "signs are those of the source",
+        "Greenwood, Advanced Dynamics (2003)",
+    ),
+    "eom.multibody.Lagrangian": (NONE, "(J)", NONE, "Goldstein, Classical Mechanics (2002)"),
     "eom.multibody.closed_form": (
         NONE,
         "SI units",
@@ -711,6 +768,18 @@ FACTS = {
         "Gravity acts along -a3",
         "lecture 002 eq. 3.20",
     ),
+    "eom.checker.note.kept.from_note": (NONE, NONE, NONE, NONE),
+    "eom.checker.note.kept.to_note": (NONE, NONE, NONE, NONE),
+    "eom.terms.terms.cross": (NONE, NONE, "right-handed", NONE),
+    "eom.terms.terms.der": (NONE, "in SI units", "``frame``", NONE),
+    "eom.terms.terms.dot": (NONE, NONE, NONE, NONE),
+    "eom.terms.terms.partial": (NONE, "in SI units", NONE, NONE),
+    "eom.terms.terms.total": (NONE, NONE, NONE, NONE),
+    "eom.terms.vocabulary.omega": (NONE, NONE, "with respect to ``base``, right-handed", NONE),
+    "eom.terms.vocabulary.position": (NONE, NONE, "the inertial one by default", NONE),
+    "eom.terms.vocabulary.quantity": (NONE, NONE, "in which frames", NONE),
+    "eom.terms.vocabulary.unit": (NONE, NONE, "along the axis number", NONE),
+    "eom.terms.vocabulary.velocity": (NONE, NONE, "inertial derivative", NONE),
     "eom.derivations.verification.DerivationError": (NONE, NONE, NONE, NONE),
     "codegen.CompilerError": (NONE, NONE, NONE, NONE),
 }

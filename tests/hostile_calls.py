@@ -96,8 +96,8 @@ MADE = {
 
 
 METHODS = (
-    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "Table.__call__",
-    "Compiled.rates",
+    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "System.closed_loop",
+    "Table.__call__", "Compiled.rates",
     "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
     "FreeMotion.__call__", "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix",
     "SparseJacobian.__call__", "SparseJacobian.dense",
@@ -212,7 +212,7 @@ def _eom(folder):
         "saturate": (eom.saturate, {"value": y, "low": -1, "high": 1}),
         "SpinningSymmetricBody": (eom.SpinningSymmetricBody, {
             "torque": (0, 0, 0), "parameters": (), "inputs": (), "potential": 0,
-            "reference_point": "centre of mass",
+            "reference_point": "centre of mass", "numbers": "counts",
         }),
         "Assumption": (eom.Assumption, {
             "name": "a", "meaning": "", "vanish": (), "nonnegative": (), "tolerance": 1e-9,
@@ -228,7 +228,7 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "multipliers": (), "title": "",
+            "attitudes": (), "angles": (), "multipliers": (), "title": "", "numbers": "counts",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",
@@ -245,6 +245,10 @@ def _multibody():
     )
     tree = m.Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -9.81))
     ends = {"first": "ground", "second": "bob"}
+    wishes = {"coordinates": None, "names": None, "independent": ()}
+    energies = m.Lagrangian("o", {y: v}, v**2 / 2, y**2 / 2)
+    left = m.Lagrangian("k", {y: v, k: M}, v**2 / 2 + y**2 * M**2 / 2)
+    steady = m.steady_motion(energies, {"y": 0})
     return {
         **{f: (getattr(m, f), {"tree": tree}) for f in (
             "mass_matrix", "inverse_dynamics", "forward_dynamics", "centre_of_mass", "energies",
@@ -267,8 +271,8 @@ def _multibody():
         }),
         "Tree": (m.Tree, {
             "name": "p", "bodies": (bob,), "joints": (hinge,), "gravity": (0, 0, 0), "loads": (),
-            "inputs": (), "parameters": (), "constraints": (), "rotors": (), "springs": (),
-            "gravity_gradient": (0, 0, 0),
+            "inputs": (), "parameters": (), "constraints": (), "rotors": (), "springs": (), "jets": (),
+            "gravity_gradient": (0, 0, 0), "numbers": "",
         }),
         "Rotor": (m.Rotor, {
             "name": "r", "body": "bob", "axis": (0, 0, 1), "inertia": 1, "damping": 0, "torque": 0,
@@ -314,8 +318,27 @@ def _multibody():
         "base_parameters": (m.base_parameters, {
             "tree": tree, "armature": False, "damping": False, "coulomb": False, "seed": 0,
         }),
-        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", "coordinates": None}),
-        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), "coordinates": None}),
+        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", **wishes}),
+        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), **wishes}),
+        "Lagrangian": (m.Lagrangian, {
+            "name": "o", "rates": {y: v}, "kinetic": v**2 / 2, "potential": y**2 / 2, "dissipation": 0,
+            "forces": {},
+        }),
+        "analysis_page": (m.analysis_page, {
+            "source": tree, "style": "text", "names": None, "values": None, "solve": (), "order": 3,
+            "rates": 2, "harmonics": 2, "positive": (),
+        }),
+        "conserved_quantities": (m.conserved_quantities, {
+            "source": energies, "rates": 2, "harmonics": 2, "powers": 2,
+        }),
+        "cyclic_coordinates": (m.cyclic_coordinates, {"of": energies}),
+        "equations_of": (m.equations_of, {"source": energies}),
+        "lagrangian": (m.lagrangian, {"tree": tree, "names": None}),
+        "linearised": (m.linearised, {"about": steady}),
+        "routh": (m.routh, {"of": left, "coordinates": None}),
+        "small_motion": (m.small_motion, {"source": energies, "order": 1, "about": None}),
+        "stability": (m.stability, {"of": m.linearised(steady)}),
+        "steady_motion": (m.steady_motion, {"source": energies, "values": None}),
         "derive": (m.derive, {
             "tree": tree, "outputs": (), "invariants": False, "start": None, "independent": None,
             "multipliers": None,
@@ -323,7 +346,7 @@ def _multibody():
         "examine": (m.examine, {"tree": tree, "start": None}),
         "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
-            "tree": tree, "method": "lagrange", "style": "text", "coordinates": None,
+            "tree": tree, "method": "lagrange", "style": "text", **wishes,
         }),
     }  # fmt: skip
 
@@ -347,6 +370,9 @@ def _methods():
         "System.expand": (OSCILLATOR.expand, {"expression": y}),
         "System.rate_of": (OSCILLATOR.rate_of, {"expression": y}),
         "System.with_control": (OSCILLATOR.with_control, {
+            "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+        }),
+        "System.closed_loop": (OSCILLATOR.closed_loop, {
             "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
         }),
         "Table.__call__": (eom.Table("a", (0, 1), (0, 1)), {"argument": y}),

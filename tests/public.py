@@ -20,6 +20,7 @@ from dataclasses import dataclass, is_dataclass
 
 PACKAGES = ("eom", "eom.exercises", "eom.multibody", "codegen")
 MODULES = {
+    "eom.checker.note.kept": "from_note to_note",
     "eom.derivations.lectures": "equation_map",
     "eom.derivations.verification": "DerivationError",
     "eom.kinematics.coordinates": "attitude elementary",
@@ -37,6 +38,8 @@ MODULES = {
         "Convention Stated attitude_of_angles attitude_of_matrix attitude_of_quaternion book "
         "changed of_scene state"
     ),
+    "eom.terms.terms": "cross der dot partial total",
+    "eom.terms.vocabulary": "omega position quantity unit velocity",
     "eom.typeset.printing": "show",
     "eom.views.animation.animation": "animation_of animation_of_motion",
     "eom.views.animation.animation_page": "page",

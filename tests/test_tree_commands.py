@@ -196,7 +196,13 @@ MISTAKES = {
         ["derive", "double-pendulum", "--method", "kane", "--explain"],
         "--explain is for equations without --method",
     ),
-    "bound": (["derive", "four-bar-linkage", "--method", "all"], "cannot take constraints"),
+    "bound": (["derive", "rolling-disc", "--method", "all"], "--attitude"),
+    "name": (["derive", "double-pendulum", "--method", "kane", "--name", "q"], "OLD=NEW"),
+    "name without": (["derive", "double-pendulum", "--name", "a=b"], "by --method"),
+    "attitude": (
+        ["derive", "double-pendulum", "--method", "kane", "--attitude", "3-1-2"],
+        "no joint has",
+    ),
 }
 
 
@@ -233,6 +239,19 @@ def test_angles_against_the_ground(run):
     tree = TreeScene.ready("double-pendulum").tree
     assert done.output == tree_page(tree, "lagrange", coordinates=absolute_angles(tree)) + "\n"
     assert "theta_elbow" in done.output
+
+
+def test_constrained_scenes_have_closed_forms(run):
+    """The disc by angles; the crank under another name, its piston kept."""
+    words = ["derive", "rolling-disc", "--method", "all", "--attitude", "3-1-2"]
+    done = run(*words)
+    assert done.exit_code == 0
+    assert "v_(disc,1) = q̇_(disc,3) r cos(q_(disc,3))" in done.output
+    words = ["derive", "slider-crank", "--method", "kane", "--absolute"]
+    done = run(*words, "--independent", "u_piston", "--name", "u_piston=v")
+    assert done.exit_code == 0
+    assert "cos(θ_crank)/" in done.output
+    assert "v̇" in done.output
 
 
 @pytest.mark.sparse(only=("pendulum-on-cart-kane",))

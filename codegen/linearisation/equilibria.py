@@ -31,6 +31,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -268,12 +269,12 @@ class _Search:
     def __init__(
         self,
         compiled: Compiled,
-        guess: Mapping[str, float | str] | None,
+        guess: Any,
         parameters: Mapping[str, float | str] | Sequence[float] | None,
-        inputs: Mapping[str, float | str] | None,
+        inputs: Any,
         free: Iterable[str],
         cyclic: Iterable[str],
-        hold: Mapping[str, float | str] | None,
+        hold: Any,
     ) -> None:
         self.asked = (compiled, guess, parameters, inputs, free, cyclic, hold)
         layout = compiled.layout

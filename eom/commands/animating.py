@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -46,6 +46,12 @@ FILMS = (".gif", ".png", ".apng", ".webp")
     default=None,
     help="Seconds of the motion in a second of the animation.  [default: 1, or as fits]",
 )
+@click.option(
+    "--follow",
+    metavar="BODY",
+    default=None,
+    help="Body that the camera goes with, or none.  [default: one, if the motion goes far]",
+)
 @click.option("--fps", type=int, default=None, help="Pictures a second, for slides.  [default: 15]")
 @click.option(
     "--length", type=SECONDS, default=None, help="Longest film, for slides, in s.  [default: 8]"
@@ -58,6 +64,7 @@ def animate(
     file: Path,
     seconds: float | None,
     speed: float | None,
+    follow: str | None,
     fps: int | None,
     length: float | None,
     size: str | None,
@@ -74,7 +81,7 @@ def animate(
 
     film = _film(file, fps, length, size, dark)
     chosen = scene_of(scene)
-    found = _animation(chosen, scene, seconds, speed, target)
+    found = _animation(chosen, scene, target, seconds=seconds, speed=speed, follow=follow)
     data = _filmed(found, file.suffix, film) if film else _page(found)
     whole(file, lambda part: part.write_bytes(data))
     report_files([file])
@@ -111,9 +118,7 @@ def _size(text: str) -> tuple[int, int]:
     return int(wide), int(high)
 
 
-def _animation(
-    scene: AnyScene, name: str, seconds: float | None, speed: float | None, target: str
-) -> Animation:
+def _animation(scene: AnyScene, name: str, target: str, **told: Any) -> Animation:
     from eom.views.animation.animation import animation_of
     from eom.views.animation.figures import shapes_of_file
 
@@ -122,9 +127,7 @@ def _animation(
         def integrate(prepared: AnyScene) -> Result:
             return job_of(prepared, target, ()).integrate(progress)
 
-        return animation_of(
-            scene, integrate, seconds=seconds, speed=speed, robot=shapes_of_file(name)
-        )
+        return animation_of(scene, integrate, robot=shapes_of_file(name), **told)
 
 
 def _page(animation: Animation) -> bytes:

@@ -62,6 +62,11 @@ def _assumptions() -> Rows:
     "--propose", is_flag=True, help="Print a draft of the note's lexicon as TOML; judge nothing."
 )
 @click.option(
+    "--ask",
+    is_flag=True,
+    help="Ask what symbols mean that open lines hang on, write NOTE.lexicon.toml, and check with it.",
+)
+@click.option(
     "--given",
     multiple=True,
     metavar="ASSUMPTION",
@@ -112,7 +117,7 @@ def _assumptions() -> Rows:
     show_default=True,
     help="Of processor time, for a note.",
 )
-def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> None:
+def check(notes: tuple[str, ...], code: str, propose: bool, ask: bool, **options: Any) -> None:
     r"""Check hand derivations: which line is wrong, which holds, and under which assumptions.
 
     NOTE is a file (Markdown, LaTeX, notebook), a folder with such files, - for standard input, or a
@@ -128,6 +133,10 @@ def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> N
     void f(double t, const double *y, const double *p, double *dy) in C; what is wrong is named by its
     terms.
 
+    With --ask the symbols that most open lines hang on are asked for, one after the other: a number
+    chooses one of the meanings shown, other words are a meaning of a lexicon, Enter leaves it open, q ends.
+    What was said, with the rest of the draft, becomes NOTE.lexicon.toml.
+
     A line is unsure, and not wrong, that is wrong by a meaning of the draft which
     neither words nor another line make sure; --strict counts it as wrong.
 
@@ -141,6 +150,10 @@ def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> N
         _propose(notes, options["kind"])
         return
     settings = _settings(**options)
+    if ask:
+        from eom.commands.asking import lexicon_asked
+
+        settings = lexicon_asked([_note(word) for word in notes], settings)
     only = _verdicts(options["only"])
     sources, graded = _checked(notes, settings, options["jobs"])
     if options["html"] is not None:

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.keeping import PROGRAM, is_kept, kept
 from eom.commands.shared import print_equations, read_as, reading_options, scene_of, waiting_for
 from eom.errors import InputError, unknown_name
 from eom.scenes import catalogue
+
+if TYPE_CHECKING:
+    from eom.derivations.derived import Derived
+    from eom.multibody import Tree
 
 
 @click.command()
@@ -56,6 +63,33 @@ from eom.scenes import catalogue
     default=None,
     help="With --method: angles about parallel axes are measured against the ground.",
 )
+@click.option(
+    "--name",
+    "named",
+    multiple=True,
+    metavar="OLD=NEW",
+    help="With --method: another name of a coordinate or speed, e.g. q_crank=phi.  [may be repeated]",
+)
+@click.option(
+    "--attitude",
+    default=None,
+    metavar="SEQUENCE",
+    help="With --method: angles in place of quaternions, e.g. 3-1-2.",
+)
+@click.option(
+    "--independent",
+    multiple=True,
+    metavar="SPEED",
+    help="With --method, under constraints: a speed that keeps its equation.  [may be repeated; default: "
+    "those that leave the simplest equations]",
+)
+@click.option(
+    "--run",
+    "running",
+    is_flag=True,
+    default=None,
+    help="A program in Python: run it, as python FILE.py does, and print its derivations.",
+)
 @reading_options
 def derive(
     name: str,
@@ -66,57 +100,104 @@ def derive(
     lexicon: bool | None,
     method: str | None,
     absolute: bool | None,
+    named: tuple[str, ...],
+    attitude: str | None,
+    independent: tuple[str, ...],
+    running: bool | None,
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
 
-    NAME is the name of a ready scene or derivation (see: eom list) or a file: .toml, .urdf, .xml.
+    NAME is the name of a ready scene or derivation (see: eom list) or a file: .toml, .urdf, .xml; a note
+    (.md, .tex, .ipynb) whose every line eom check judges true, as a derivation; a program with derivations
+    of your own (.py), by --run alone.
     """
-    if _is_derivation(name):
+    wishes = {"--name": named or None, "--attitude": attitude, "--independent": independent or None}
+    own = is_kept(name)
+    if not name.lower().endswith(PROGRAM):
+        _refuse(name, "programs in Python", {"--run": running})
+    if own or _is_derivation(name):
+        _refuse(name, _TREES, {**wishes, "--method": method, "--absolute": absolute})
         _refuse(name, "scenes", {"--explain": explain})
         _refuse(name, "robots from .urdf and .xml files", read_as())
-        _refuse(name, _TREES, {"--method": method, "--absolute": absolute})
         if lexicon and style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
-        _print_derivation(name, style, notation or "arrow", steps is not False, bool(lexicon))
+        made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
+        _print_derivation(made, style, notation or "arrow", steps is not False, bool(lexicon))
     else:
         _refuse(
             name, "derivations", {"--notation": notation, "--steps": steps, "--lexicon": lexicon}
         )
         if method is None:
-            _refuse(name, "closed forms, by --method", {"--absolute": absolute})
+            _refuse(name, "closed forms, by --method", {"--absolute": absolute, **wishes})
             print_equations(scene_of(name), style, explain is not False)
         else:
             _refuse(name, "equations without --method", {"--explain": explain})
             with waiting_for("deriving"):
-                shown = _closed_form(name, method, style, bool(absolute))
+                tree = tree_of(name, attitude, "--method")
+                angles = _angles(name, tree) if absolute else {}
+                shown = _closed_form(name, tree, method, style, angles, named, independent)
             click.echo(shown)
 
 
 _TREES = "scenes of many bodies"
 
 
-def _closed_form(name: str, method: str, style: str, absolute: bool) -> str:
-    """Return the page of a tree's closed form. Raises `InputError` for other scenes."""
-    from eom.multibody import absolute_angles, tree_page
+def tree_of(name: str, attitude: str | None, what: str) -> Tree:
+    """Return the tree of a scene; ``what`` needs one. Raises `InputError` for other scenes."""
+    from eom.multibody.closed import with_attitude
 
     scene = scene_of(name)
     tree = scene.tree
     if tree is None:
-        raise InputError(f"--method is for {_TREES}", where=name, hint="leave out --method")
+        hint = f"leave out {what}" if what.startswith("--") else 'model = "tree" makes one'
+        raise InputError(f"{what} is for {_TREES}", where=name, hint=hint)
     if scene.control.laws:
         raise InputError(
             "the closed form is that of the open loop: laws of control are no part of it",
-            where=f"{name}: --method",
-            hint="leave out --method, or [control]",
+            where=f"{name}: {what}",
+            hint=f"leave out {what}, or [control]",
         )
-    angles = absolute_angles(tree) if absolute else {}
-    if absolute and not angles:
+    return with_attitude(tree, attitude) if attitude else tree
+
+
+def _angles(name: str, tree: Tree) -> dict[Any, Any]:
+    from eom.multibody import absolute_angles
+
+    angles = absolute_angles(tree)
+    if not angles:
         raise InputError(
             "no angles that hang on others about parallel axes",
             where=f"{name}: --absolute",
             hint="leave out --absolute",
         )
-    return tree_page(tree, method, style, coordinates=angles or None)
+    return angles
+
+
+def _closed_form(
+    name: str,
+    tree: Tree,
+    method: str,
+    style: str,
+    angles: dict[Any, Any],
+    named: tuple[str, ...],
+    independent: tuple[str, ...],
+) -> str:
+    """Return the page of a tree's closed form."""
+    from eom.multibody import tree_page
+
+    names = named_pairs(name, named)
+    chosen = angles or None
+    return tree_page(tree, method, style, coordinates=chosen, names=names, independent=independent)
+
+
+def named_pairs(name: str, named: Sequence[str]) -> dict[str, str]:
+    """Return names in place of others. Raises `InputError` for what is no pair."""
+    for pair in named:
+        if pair.count("=") != 1:
+            raise InputError(
+                "not a new name", where=f"{name}: --name", got=pair, expected="OLD=NEW"
+            )
+    return {old.strip(): new.strip() for old, new in (pair.split("=") for pair in named)}
 
 
 def _is_derivation(name: str) -> bool:
@@ -136,14 +217,22 @@ def _refuse(name: str, kind: str, options: Mapping[str, object]) -> None:
             raise InputError(f"{option} is for {kind}", where=name, hint=f"leave out {option}")
 
 
-def _print_derivation(name: str, style: str, notation: str, steps: bool, lexicon: bool) -> None:
-    from eom.checker.note.derived import front_matter
+def _shipped(name: str) -> list[Derived]:
     from eom.derivations import derive
+
+    return [derive(name)]
+
+
+def _print_derivation(
+    made: Callable[[], list[Derived]], style: str, notation: str, steps: bool, lexicon: bool
+) -> None:
+    from eom.checker.note.derived import front_matter
     from eom.derivations.derived import check_choices, show_derivation
 
     check_choices(style, notation)
     with waiting_for("deriving"):
-        derivation = derive(name)
-        before = front_matter(derivation, notation) if lexicon else ""
-        shown = before + show_derivation(derivation, style, notation, steps)
-    click.echo(shown)
+        pages = []
+        for derivation in made():
+            before = front_matter(derivation, notation) if lexicon else ""
+            pages.append(before + show_derivation(derivation, style, notation, steps))
+    click.echo("\n".join(pages))

@@ -306,8 +306,8 @@ def _samples(scene: AnyScene, plan: _Plan) -> tuple[Samples, dict[str, float]]:
     values = dict(varied.values)
     start, angles = _start_of(scene, varied.names)
     values |= {n: v for n, v in start.items() if n not in varied.names}
-    known = scene.parameter_values().items()
-    parameters = {n: v for n, v in known if n not in varied.names}
+    held = scene.parameter_values().items()
+    parameters = {n: v for n, v in held if n not in varied.names}
     sampler: Samples = Sampler(values, varied.count, varied.seed)
     for shown in angles:
         sampler = FromAngles(sampler, shown)

@@ -65,17 +65,17 @@ def scene_argument(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.argument("scene", metavar="SCENE")(reading_options(command))
 
 
-class _Seconds(click.ParamType):
+class _Seconds(click.types.FloatParamType):
     """A number of seconds, or a time in another unit, as "2 min"."""
 
     name = "float"
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> float:
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """Return it in seconds. Raises `InputError` for what is no time."""
         from eom.units import in_unit, nearest
 
         found = in_unit(value, "s", param.opts[0]) if isinstance(value, str) else None
-        return click.FLOAT.convert(value, param, ctx) if found is None else nearest(found)
+        return super().convert(value, param, ctx) if found is None else nearest(found)
 
 
 SECONDS = _Seconds()

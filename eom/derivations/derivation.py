@@ -8,32 +8,48 @@ nothing can decide, raises `DerivationError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Sequence, Sized
+from dataclasses import dataclass, field, replace
 from typing import Any
+
+import sympy as sp
 
 from eom.derivations.derived import Derived, Step
 from eom.derivations.reached import KINDS, RESULT, Path, is_tautology, meets, smallest
-from eom.derivations.verification import IDENTITY, DerivationError, decide, has_meaning, verify
-from eom.errors import InputError, typed_fields
-from eom.fields import Singular
+from eom.derivations.refuted import disagreement
+from eom.derivations.verification import (
+    FALSE,
+    IDENTITY,
+    DerivationError,
+    decide,
+    has_meaning,
+    verify,
+)
+from eom.errors import InputError, typed, typed_fields
+from eom.expressions import as_expression
 from eom.terms import rules
-from eom.terms.own import Law, Own, OwnFrame
+from eom.terms.own import Law, Own, OwnBody, OwnFrame
 from eom.terms.rules import Rule, Trace
 from eom.terms.rules.inferences import Inference
 from eom.terms.terms import (
     INDICES,
+    VECTOR,
     Equation,
     Term,
+    add,
+    as_term,
     column,
+    cross,
+    der,
     expr,
     nodes,
+    zero,
 )
-from eom.terms.vocabulary import definition
+from eom.terms.vocabulary import definition, omega, position, quantity, velocity
+from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import worlds
-from eom.worlds.own import furnished
-from eom.worlds.worlds import World, closure
+from eom.worlds.own import Furnished
+from eom.worlds.worlds import closure
 
 
 @dataclass(frozen=True)
@@ -67,6 +83,16 @@ class Chain:
 
     def _path(self, trace: Trace, *others: Chain) -> Path:
         return Path((self.step.label, *(o.step.label for o in others)), trace)
+
+    def equals(
+        self, right: Any, reason: str, *, label: str = "", states: Iterable[str] = ()
+    ) -> Chain:
+        """State ``left = right``, the next member of the chain.
+
+        ``right``: a term or SymPy expression; ``reason``: why, in words; ``label``, ``states``: see `then`.
+        Raises `InputError` for what is neither, `DerivationError` as `then` does.
+        """
+        return self.then(reason, lambda _: as_term(right), label=label, states=states)
 
     def both(
         self,
@@ -145,61 +171,186 @@ class Derivation:
     own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
     letters: dict[Any, str] = field(default_factory=dict, init=False)
+    _drawn: tuple[tuple[int, ...], Furnished] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         self.only(*self.assumed)
 
+    @typed
+    def constants(self, **meanings: str) -> list[Any]:
+        """Return new symbols for numbers that do not change, by their names, with what they are in words.
+
+        ``meanings``: words by name. Raises `InputError` for a name that has another meaning.
+        """
+        return [self._named(n, quantity("scalar", n), words) for n, words in meanings.items()]
+
+    @typed
+    def coordinate(self, name: str, words: str, rates: int = 2) -> tuple[Any, ...]:
+        """Return a new symbol for what changes with time, and those of its first ``rates`` rates.
+
+        ``name``: of the symbol; rates are called name_dot, name_ddot; ``words``: what it is. Raises
+        `InputError` for a name that has another meaning.
+        """
+        found = [self._named(name, quantity("coordinate", name), words)]
+        for k in range(1, rates + 1):
+            rate = f"{name}_{'d' * k}ot" if k > 1 else f"{name}_dot"
+            words = f"{('rate', 'second rate')[k - 1] if k < 3 else f'rate number {k}'} of {name}"
+            found.append(self._named(rate, der(expr(found[-1])), words))
+        return tuple(found)
+
+    def _named(self, name: str, meaning: Term, words: str) -> Any:
+        symbol = sp.Symbol(name, real=True)
+        self.name_scalar(symbol, meaning, words)
+        return symbol
+
+    @typed
+    def let(self, name: str, value: Any, words: str) -> Any:
+        """Return a new symbol that stands for a scalar made of what is known.
+
+        ``name``: of the symbol; ``value``: a term or SymPy expression, such as a partial derivative;
+        ``words``: what it is. Raises `InputError` for a name that has another meaning.
+        """
+        return self._named(name, as_term(value), words)
+
+    @typed
     def frame(self, name: str, angle: Any, axis: int = 3, base: str = "I") -> None:
-        """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad)."""
-        self._new(name, self.own.frames)
-        self.own.frames[name] = OwnFrame(base, axis, angle)
+        """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad).
 
+        Raises `InputError`, a `DerivationError`, for a name that is taken or an axis other than 1, 2, 3.
+        """
+        self._new(name, {*self.own.frames, *"IABCS"})
+        if axis not in {1, 2, 3}:
+            raise DerivationError("a frame turns about an axis 1, 2 or 3", where=name, got=axis)
+        row = self.own.frames[name] = OwnFrame(base, int(axis), as_expression(angle))
+        words = f"frame {name} is turned from {base} about axis {axis} through {row.angle}"
+        self._defined(quantity("angular_velocity", name, base), words)
+
+    @typed
     def point(self, name: str, place: Term) -> None:
-        """Let a new point have the position ``place`` from the inertial origin."""
-        self._new(name, self.own.points)
-        self.own.points[name] = place
+        """Let a new point have the position ``place`` from the inertial origin.
 
-    def _new(self, name: str, known: Mapping[str, Any]) -> None:
-        if (
-            name in {*known, *"IABCOPS", "OI", "OA", "OB", "open", *INDICES}
-            or not name.isidentifier()
-        ):
+        Raises `InputError`, a `DerivationError`, for a name that is taken or a place that is no vector.
+        """
+        self._new(name, {*self.own.points, *"OCP", "OI", "OA", "OB", "open", "body", "system"})
+        if place.kind != VECTOR:
+            raise DerivationError("the place of a point is a vector", where=name, got=place.kind)
+        self.own.points[name] = place
+        self._defined(position(name), f"where {name} is")
+
+    def _defined(self, named: Term, words: str) -> None:
+        """State what a new quantity is; nothing of it is kept where it has no value."""
+        try:
+            for world in self._worlds()(self.assumed, 1):
+                Evaluator(world, self.scalars).value(named)
+            self.define(named, words)
+        except InputError:
+            for known in (self.own.frames, self.own.points):
+                known.pop(named.data[1], None)
+            raise
+
+    @typed
+    def body(
+        self, name: str, mass: Any, place: Term, frame: str = "", moments: Sequence[Any] = ()
+    ) -> None:
+        """Let a new body have its centre of mass at ``place``: a point by the same name.
+
+        ``mass``: a number or SymPy expression; ``frame``: fixed in the body with its axes along the
+        principal ones, ``moments``: those of inertia about them through the centre of mass, three; both
+        are left out for a point mass. Its ``mass``, ``linear_momentum``, ``angular_momentum``,
+        ``kinetic_energy`` and what `eom.terms.own.OF_BODIES` lists besides are quantities from here on.
+        Raises `InputError`, a `DerivationError`, for a name that is taken, and where frame and moments do
+        not fit.
+        """
+        if len(moments) != 3 * bool(frame):
+            expected = "three moments of inertia with a frame, none without"
+            raise DerivationError("these moments do not fit", where=name, expected=expected)
+        self.point(name, place)
+        row = OwnBody(name, as_term(mass), frame, tuple(map(as_term, moments)))
+        self.own.bodies[name] = row
+        self.define(quantity("mass", name), f"mass of {name}")
+
+    def _new(self, name: str, taken: Collection[str]) -> None:
+        if name in taken or name in INDICES or not name.isidentifier():
             raise DerivationError("this name is taken, or is none", where=self.name, got=name)
 
-    def determine(self, equation: Equation, *unknowns: Any) -> Chain:
-        """State a law that motions keep from here on.
+    @typed
+    def determine(
+        self, equation: Equation, *unknowns: Any, reason: str = "law of the motion"
+    ) -> Chain:
+        """State a law or a constraint that motions keep from here on.
 
         ``equation``: the law; ``unknowns``: the coordinates (symbols) that obey it, whose highest rates
-        stand linearly in it. Raises `DerivationError` or another `InputError` where these rates cannot
-        be had from it, or where it is at odds with a law before; nothing is kept then.
+        stand linearly in it; ``reason``: in words. Raises `DerivationError` or another `InputError` where
+        these rates cannot be had from it, or where it is at odds with a law before; nothing is kept then.
         """
-        carry = rules.slopes(self.scalars, self.own)
-        kept = Equation(carry(equation.left), carry(equation.right))
-        self.own.laws.append(Law(kept, unknowns))
+        for symbol in unknowns:
+            meaning = self.scalars.get(symbol)
+            if meaning is None or meaning.data[:1] != ("coordinate",):
+                expected = "a coordinate"
+                raise DerivationError(
+                    "a law determines coordinates", where=self.name, got=symbol, expected=expected
+                )
+        self.own.laws.append(Law(self._carried(equation), unknowns))
         try:
-            return self.law(equation, "law of the motion")
+            return self.law(equation, reason)
         except InputError:
             self.own.laws.pop()
             raise
 
-    def _verified(
-        self, equation: Equation, reason: str, assumed: Iterable[str] | None = None
-    ) -> str:
-        carry = rules.slopes(self.scalars, self.own)
-        scalars = {s: carry(t) for s, t in self.scalars.items()}
-        plainly = Equation(carry(equation.left), carry(equation.right), equation.relation)
-        shown = equation if equation.relation == ":=" else plainly
+    @typed
+    def rolls(self, body: str, contact: Term, *unknowns: Any, reason: str = "") -> Chain:
+        """Let a body roll on what is at rest: where it touches, it does not move.
 
-        def drawn(*args: Any, **options: Any) -> Iterator[World]:
-            for world in worlds(*args, **options):
-                with suppress(Singular):
-                    yield furnished(world, self.own, scalars)
+        ``body``: its name; ``contact``: the vector from its centre of mass to where it touches;
+        ``unknowns``: see `determine`; ``reason``: in words. Raises `InputError` as that does, and for
+        what is no body that turns.
+        """
+        row = self.own.bodies.get(body)
+        if row is None or not row.frame:
+            raise DerivationError("no body of this name turns", where=self.name, got=body)
+        speed = add(velocity(body), cross(omega(row.frame), contact))
+        words = reason or "it rolls: where it touches, it does not move"
+        return self.determine(Equation(speed, zero(VECTOR)), *unknowns, reason=words)
 
-        with_own = drawn if self.own.frames or self.own.points or self.own.laws else worlds
+    def _carry(self, term: Term) -> Term:
+        """Return a term with bodies of its own spelt out and partial derivatives carried out."""
+        return rules.slopes(self.scalars, self.own)(rules.spelt_out(self.own)(term))
+
+    def _carried(self, equation: Equation) -> Equation:
+        return replace(equation, left=self._carry(equation.left), right=self._carry(equation.right))
+
+    def _worlds(self) -> Furnished:
+        """Return worlds with what stands so far: the same as long as nothing new is said."""
+        own = self.own
+        parts: list[Sized] = [self.scalars, own.frames, own.points, own.bodies, own.laws]
+        key = tuple(map(len, parts))
+        if self._drawn is None or self._drawn[0] != key:
+            scalars = {s: self._carry(t) for s, t in self.scalars.items()}
+            self._drawn = key, Furnished(own, scalars)
+        return self._drawn[1]
+
+    def _verified(self, equation: Equation, reason: str) -> str:
         where = f"{self.name}: {reason}"
-        known = self.scalars if equation.relation == ":=" else scalars
-        names = self.assumed if assumed is None else assumed
-        return verify(shown, names, known, where=where, drawn=with_own)
+        try:
+            return self._decided(equation, self.assumed, where)
+        except DerivationError as error:
+            if error.what != FALSE:
+                raise
+            why = disagreement(self._carried(equation), self._worlds(), self.assumed)
+            raise DerivationError(
+                FALSE, where=where, got=error.got, expected=error.expected, hint=why
+            ) from None
+
+    def _decided(self, equation: Equation, assumed: Iterable[str], where: str) -> str:
+        """Return how a line holds under assumptions. Raises `InputError` where it does not."""
+        if equation.relation == ":=" and self.own.meaning(equation.left) == equation.right:
+            return "definition"
+        defines = equation.relation == ":="
+        shown = equation if defines else self._carried(equation)
+        drawn = self._worlds()
+        known = self.scalars if defines else drawn.scalars
+        with_own = drawn if self.own else worlds
+        return verify(shown, assumed, known, where=where, drawn=with_own)
 
     def _needed(self, equation: Equation, reason: str) -> tuple[str, ...]:
         """Return a smallest set of the assumptions made so far under which a line holds."""
@@ -207,38 +358,42 @@ class Derivation:
         line = Equation(equation.left, equation.right, relation)
 
         def holds(names: Iterable[str]) -> None:
-            evidence = self._verified(line, reason, names)
+            evidence = self._decided(line, names, f"{self.name}: {reason}")
             if evidence == IDENTITY and has_meaning(line, self.scalars):
                 decide(line, names, self.scalars, count=1)
 
         return smallest(self.assumed, holds)
 
+    @typed
     def assume(self, *names: str) -> None:
         """From here on, take ``names`` for granted. Raises `InputError` for conflicts."""
         closure((*self.assumed, *names))
         self.assumed = tuple(dict.fromkeys((*self.assumed, *names)))
 
+    @typed
     def only(self, *names: str) -> None:
         """From here on, take ``names`` for granted and nothing else."""
         self.assumed = ()
         self.assume(*names)
 
+    @typed
     def define(
-        self, quantity: Term, reason: str, *, label: str = "", states: Iterable[str] = ()
+        self, named: Term, reason: str, *, label: str = "", states: Iterable[str] = ()
     ) -> Chain:
         """State what defines a quantity of the vocabulary.
 
-        ``quantity``: such as ``quantity("angular_momentum", "body", "O")``; ``reason``: in words;
+        ``named``: such as ``quantity("angular_momentum", "body", "O")``; ``reason``: in words;
         ``label``, ``states``: see `Chain.then`. Raises `InputError`, and `DerivationError` for a
         quantity without a definition.
         """
-        meaning = definition(quantity)
+        meaning = self.own.meaning(named) or definition(named)
         if meaning is None:
-            raise DerivationError("quantity without a definition", got=quantity.data)
+            raise DerivationError("quantity without a definition", got=named.data)
         return self.state(
-            Equation(quantity, meaning, ":="), reason, "definition", label=label, states=states
+            Equation(named, meaning, ":="), reason, "definition", label=label, states=states
         )
 
+    @typed
     def name_scalar(self, symbol: Any, meaning: Term, reason: str, **options: Any) -> Chain:
         """Let a SymPy symbol stand for a scalar.
 
@@ -259,6 +414,7 @@ class Derivation:
         """Say what a symbol is that stands for no term: ``symbol``, a SymPy symbol, and ``words``."""
         self.letters[symbol] = words
 
+    @typed
     def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
         """State a law; it, too, has to hold in the worlds.
 
@@ -287,6 +443,7 @@ class Derivation:
             trace.words["algebra"] = None
         return self.state(equation, reason, path=Path((), trace), **options)
 
+    @typed
     def state(
         self,
         equation: Equation,
@@ -336,10 +493,12 @@ class Derivation:
             known = self.stated[equation]
             raise DerivationError("a step changes nothing", where=self.name, got=f"as {known}")
 
+    @typed
     def start(self, term: Term) -> Chain:
         """Return a chain that transforms ``term``; it states nothing yet."""
         return Chain(self, Step("", Equation(term, term), ""))
 
+    @typed
     def recall(self, label: str) -> Chain:
         """Return the chain of a step before by its ``label``. Raises `DerivationError` for unknown ones."""
         for step in self.steps:
@@ -357,6 +516,7 @@ class Derivation:
         inwards = rules.components(frame)
         return chain.both(reason, lambda t: inwards(column(t, frame)), inwards, *applied, **options)
 
+    @typed
     def check(self, equation: Equation, reason: str) -> None:
         """Verify a statement without adding it: that a result is what the steps lead to.
 
@@ -373,5 +533,6 @@ class Derivation:
             tuple(self.steps),
             dict(self.scalars),
             result,
+            self.own.copy(),
             dict(self.letters),
         )

@@ -23,6 +23,7 @@ from eom.derivations.corrections import NOTES
 from eom.derivations.verification import Scalars
 from eom.errors import unknown_name
 from eom.system import System
+from eom.terms.own import Own
 from eom.terms.terms import (
     DYADIC,
     SCALAR,
@@ -96,8 +97,9 @@ class Derived:
     """A derivation with its verified steps and its result as SymPy objects by name.
 
     ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
-    mechanics. ``result``: expressions, matrices and systems by name, in SI units. ``letters``: what other
-    symbols are, in words. In a notebook it shows itself as a page.
+    mechanics. ``result``: expressions, matrices and systems by name, in SI units. ``own``: frames, points,
+    bodies and laws that it defines. ``letters``: what other symbols are, in words. In a notebook it shows
+    itself as a page.
     """
 
     name: str
@@ -106,6 +108,7 @@ class Derived:
     steps: tuple[Step, ...]
     scalars: Scalars
     result: Mapping[str, Any]
+    own: Own = field(default_factory=Own, repr=False)
     letters: Mapping[Any, str] = field(default_factory=dict)
 
     def __getitem__(self, label: str) -> Step:
@@ -132,6 +135,16 @@ class Derived:
         `eom.typeset.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
         """
         return Excerpt(self, chosen(self, labels), notation)
+
+    def page(self, style: str = "text", notation: str = "arrow", steps: bool = True) -> str:
+        """Return the derivation as one document.
+
+        ``style``: "text", "latex", "markdown" or "html"; ``notation``: one of
+        `eom.typeset.notation.NOTATIONS` or its aliases, by which frames and vectors are written; ``steps``:
+        whether every step is shown, or the last statement of each chain alone. Raises `InputError` for
+        other styles and notations.
+        """
+        return show_derivation(self, style, notation, steps)
 
     def _repr_markdown_(self) -> str:
 
@@ -264,7 +277,8 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
     sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
     found = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
     seen: set[tuple[str, str]] = set()
-    items = [_quantity(n, notation) for n in found if n.head == "atom"]
+    own = {t for t in derivation.scalars.values() if t.data and t.data[0] in _ANY}
+    items = [_quantity(n, notation) for n in found if n.head == "atom" and n not in own]
     items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
     shown = {render(box, "text") for box, _ in items}
     letters = ((symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found))
@@ -275,6 +289,10 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
         if key not in seen:
             seen.add(key)
             yield box, meaning
+
+
+_ANY = frozenset({"scalar", "coordinate"})
+"""Quantities that are any: of those with a symbol it is said what this is."""
 
 
 def _letters_of(derivation: Derived, found: Iterable[Term]) -> Iterator[tuple[Any, str]]:

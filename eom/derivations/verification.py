@@ -30,6 +30,9 @@ SIGN_WORLDS = 30
 IDENTITY = "exact identity"
 """The evidence of what holds whatever the symbols stand for."""
 
+FALSE = "the step is false"
+"""What the error says of a statement that a world refutes."""
+
 Scalars = Mapping[Any, Term]
 Names = tuple[str, ...]
 Drawn = Callable[..., Iterator[World]]
@@ -72,7 +75,7 @@ def verify(
         holds = decide(equation, assumptions, scalars, count, drawn)
     if not holds:
         raise DerivationError(
-            "the step is false",
+            FALSE,
             where=where,
             got=f"{plain(equation.left)} = {plain(equation.right)}",
             expected=f"to hold under {', '.join(assumptions) or 'no assumption'}",
@@ -181,9 +184,7 @@ def _verify_sign(
         for world in drawn(assumptions, SIGN_WORLDS, field=RATIONALS):
             value = Evaluator(world, scalars).lowest(equation.left)
             if value < 0:
-                raise DerivationError(
-                    "the step is false", where=where, got=f"{plain(equation.left)} = {value}"
-                )
+                raise DerivationError(FALSE, where=where, got=f"{plain(equation.left)} = {value}")
         if decide(Equation(equation.left, equation.right), assumptions, scalars, drawn=drawn):
             return f"zero in {WORLDS} random worlds"
     raise DerivationError("the sign cannot be decided", where=where, got=plain(equation.left))

@@ -235,6 +235,7 @@ def lagrange_system(m: Mechanism) -> System:
         inputs=tuple(Quantity(acceleration(q), _per(u, 2), "given") for q, u in m.given.items()),
         mass_matrix=whole,
         outputs=tuple(_outputs(m, found)),
+        numbers="values",
     )
 
 

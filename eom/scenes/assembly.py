@@ -125,7 +125,7 @@ def _torques(scene: Description, general_torque: bool) -> tuple[dict[str, torque
     general = ("tau_1", "tau_2", "tau_3")
     given = components(scene, names, general, general_torque and not found, units)
     found["components"] = torques.applied(_over_states(given[0], angles), *given[1:])
-    found["components"] = replace(found["components"], numbers="values")
+    found["components"] = replace(found["components"], numbers=_numbers(scene))
     return found, given[0]
 
 
@@ -141,7 +141,7 @@ def _of_spinner(
     names = _names((*_SPINNER_STATES, I1, I2, *(q.symbol for q in known)))
     units = {**_SPINNER_UNITS, **{q.name: q.unit for q in known}}
     given = components(scene, names, ("M1", "M2", "M3"), general_torque and not found, units)
-    whole = replace(torques.applied(*given), numbers="values")
+    whole = replace(torques.applied(*given), numbers=_numbers(scene))
     return {**found, "components": whole}, given[0]
 
 
@@ -226,14 +226,21 @@ def components(
     return (a, b, c), groups[0], inputs
 
 
+def _numbers(scene: Description) -> str:
+    """Return what numbers in the equations are: a row of `eom.system.NUMBERS`."""
+    return "decimals" if parse.has_decimals(scene.torque.components) else "values"
+
+
 def _parsed(scene: Description, names: dict[str, Expr], stated: Stated) -> list[Expr]:
     """Return the torque components as expressions. Raises `InputError` for other dimensions."""
     found = []
     for k, c in enumerate(scene.torque.components or (0, 0, 0), 1):
         where = f"[torque] components, number {k}"
         stated.check(c, where, "N m")
-        is_text = isinstance(c, str)
-        found.append(parse.parse(c, names, where, unit="N m") if is_text else sp.Rational(str(c)))
+        if isinstance(c, str):
+            found.append(parse.parse(c, names, where, unit="N m"))
+        else:
+            found.append(sp.Rational(str(c)))
     return found
 
 

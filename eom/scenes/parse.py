@@ -8,7 +8,7 @@ place with a caret.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from operator import add, mul, sub, truediv
@@ -110,9 +110,13 @@ def dimensional(text: str) -> Expr:
     return sp.Float(text) if has_decimals(text) else _exact(text)
 
 
-def has_decimals(text: str) -> bool:
-    """Return whether a formula has a decimal number, or is a value with a unit."""
-    return "." in text or measure(text) is not None
+def has_decimals(given: Any) -> bool:
+    """Return whether formulas, in lists or parts of scenes, have decimals, or are values with units."""
+    if isinstance(given, str):
+        return "." in given or measure(given) is not None
+    if isinstance(given, Iterable):  # a part of a scene yields names with values
+        return any(map(has_decimals, given.values() if isinstance(given, Mapping) else given))
+    return isinstance(given, float) and not given.is_integer()
 
 
 def words(text: str) -> set[str]:

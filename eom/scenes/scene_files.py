@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self, get_args
@@ -153,6 +154,8 @@ class BaseScene(Request):
             return system
         self._check_control(system)
         read = self._control_over(names)
+        if system.numbers == "values" and parse.has_decimals(self.control.formulas):
+            system = replace(system, numbers="decimals")
         own = {
             n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
             for n, s in self.control.states.items()
@@ -200,7 +203,7 @@ class BaseScene(Request):
         }
         units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
         units |= {n: s.unit for n, s in self.control.states.items()}
-        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items() if v.unit}
+        own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items()}
         stated = Stated(units, own)
         for section in ("definitions", "laws", "states"):
             for name, formula in self.control.formulas[section].items():
@@ -325,8 +328,8 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
     findings = error.errors(include_url=False)
     ours = [(f, f["ctx"]["error"]) for f in findings if "error" in f.get("ctx", {})]
     if ours and isinstance(ours[0][1], InputError):
-        found, own = ours[0]
-        return own if own.where else own.at(".".join(map(str, found["loc"])))
+        own: InputError = ours[0][1]
+        return own if own.where else own.at(".".join(map(str, ours[0][0]["loc"])))
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"])
     more = f" (and {len(others)} more)" if others else ""

@@ -39,7 +39,9 @@ class Stated:
         names = words(formula)
         if self.own.isdisjoint(names):
             return
-        symbols = {self.symbols[n] for n in names if n in self.symbols}
+        for name in names - {*self.symbols}:  # of unknown units
+            self.symbols[name] = sp.Symbol(name, real=True)
+        symbols = {self.symbols[n] for n in names}
         if read is None or "." in formula or symbols != read.free_symbols:
             read = parse(formula, self.symbols, where, unit=unit, number=dimensional)
         self.known.check(read, where, unit)

@@ -14,7 +14,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError
+from eom.errors import InputError, shown
+from eom.expressions import as_expression
 
 Expr = Any
 
@@ -66,20 +67,39 @@ class Term:
             return not self.data[0].free_symbols
         return all(a.is_plain for a in self.args)
 
-    def __add__(self, other: Term) -> Term:
-        return add(self, other)
+    def __add__(self, other: Term | Expr) -> Term:
+        return add(self, as_term(other))
 
-    def __sub__(self, other: Term) -> Term:
-        return add(self, -other)
+    def __radd__(self, other: Expr) -> Term:
+        return add(as_term(other), self)
+
+    def __sub__(self, other: Term | Expr) -> Term:
+        return add(self, -as_term(other))
+
+    def __rsub__(self, other: Expr) -> Term:
+        return add(as_term(other), -self)
 
     def __neg__(self) -> Term:
         return mul(number(-1), self)
 
-    def __mul__(self, other: Term) -> Term:
-        return mul(self, other)
+    def __mul__(self, other: Term | Expr) -> Term:
+        return mul(self, as_term(other))
+
+    def __rmul__(self, other: Expr) -> Term:
+        return mul(as_term(other), self)
+
+    def __truediv__(self, other: Expr) -> Term:
+        return mul(expr(1 / as_term(other).expression), self)
 
     def __matmul__(self, other: Term) -> Term:
         return matmul(self, other)
+
+    @property
+    def expression(self) -> Expr:
+        """The SymPy expression that this is. Raises `InputError` for all else."""
+        if self.head != "expr":
+            raise InputError("this is no SymPy expression", got=self.head)
+        return self.data[0]
 
     @property
     def is_zero(self) -> bool:
@@ -89,11 +109,19 @@ class Term:
 
 @dataclass(frozen=True)
 class Equation:
-    """A statement: ``left relation right``; ``:=`` defines, ``>=`` says not negative."""
+    """A statement: ``left relation right``; ``:=`` defines, ``>=`` says not negative.
+
+    Either side may be given as a number or a SymPy expression.
+    """
 
     left: Term
     right: Term
     relation: str = "="
+
+    def __post_init__(self) -> None:
+        for side in ("left", "right"):
+            if not isinstance(getattr(self, side), Term):
+                object.__setattr__(self, side, as_term(getattr(self, side)))
 
 
 def _product_kind(a: str, b: str) -> str | None:
@@ -207,14 +235,24 @@ def expr(value: Expr) -> Term:
     return Term("expr", (), (value,))
 
 
+def as_term(value: Term | Expr) -> Term:
+    """Return a term as it is, a number or SymPy expression as a scalar. Raises `InputError` for others."""
+    if isinstance(value, Term):
+        return value
+    found = as_expression(value)
+    if not isinstance(found, sp.Expr):
+        raise InputError("neither a term nor an expression", got=shown(value))
+    return expr(found)
+
+
 def atom(name: str, *labels: str, kind: str) -> Term:
     """Return a quantity; `eom.terms.vocabulary` knows the names and their kinds."""
     return Term("atom", (), (name, *labels), kind)
 
 
-def add(*terms: Term) -> Term:
+def add(*terms: Term | Expr) -> Term:
     """Return a sum: flat, without zeros, SymPy parts gathered in one."""
-    flat = [u for t in terms for u in (t.args if t.head == "add" else (t,))]
+    flat = [u for t in map(as_term, terms) for u in (t.args if t.head == "add" else (t,))]
     made = make("add", flat)
     kept = [t for t in flat if not t.is_zero and t.head != "expr"]
     plain = [t.data[0] for t in flat if t.head == "expr"]
@@ -232,9 +270,9 @@ def _place_in_product(factor: Term) -> int:
     return int(factor.head in {"dot", "inner"})
 
 
-def mul(*factors: Term) -> Term:
+def mul(*factors: Term | Expr) -> Term:
     """Return a product: flat, SymPy factors gathered in front."""
-    flat = [u for f in factors for u in (f.args if f.head == "mul" else (f,))]
+    flat = [u for f in map(as_term, factors) for u in (f.args if f.head == "mul" else (f,))]
     made = make("mul", flat)
     coefficient = sp.Mul(*(f.data[0] for f in flat if f.head == "expr"))
     rest = [f for f in flat if f.head != "expr"]
@@ -256,8 +294,28 @@ def _strict(head: str) -> Callable[[Term, Term], Term]:
     return build
 
 
-dot = _strict("dot")
-cross = _strict("cross")
+def dot(a: Term, b: Term) -> Term:
+    """Return the product of vectors and dyadics ``a`` and ``b`` that is written with a point.
+
+    Of two vectors a scalar. Raises `InputError` for terms of other kinds.
+
+    >>> dot(atom("unit", "I", "1", kind=VECTOR), zero(VECTOR)).is_zero
+    True
+    """
+    return _dot(a, b)
+
+
+def cross(a: Term, b: Term) -> Term:
+    """Return the right-handed vector product of ``a`` and ``b``. Raises `InputError` for other kinds.
+
+    >>> cross(atom("unit", "I", "1", kind=VECTOR), zero(VECTOR)).is_zero
+    True
+    """
+    return _cross(a, b)
+
+
+_dot = _strict("dot")
+_cross = _strict("cross")
 outer = _strict("outer")
 matmul = _strict("matmul")
 inner = _strict("inner")
@@ -269,8 +327,16 @@ def _linear(head: str, term: Term, data: tuple[Any, ...] = ()) -> Term:
     return zero(made.kind) if term.is_zero else made
 
 
-def der(term: Term, frame: str = INERTIAL, times: int = 1) -> Term:
-    """Return the time derivative as seen from ``frame``; of scalars, columns, matrices: the plain one."""
+def der(term: Term | Expr, frame: str = INERTIAL, times: int = 1) -> Term:
+    """Return the time derivative of ``term``, a term or SymPy expression, ``times`` over (in SI units).
+
+    ``frame``: from which it is seen, the inertial one unless another is given; of scalars, columns and
+    matrices it is the plain one. Raises `InputError` for what is no term.
+
+    >>> der(sp.Symbol("q")).head
+    'der'
+    """
+    term = as_term(term)
     for _ in range(times):
         term = _linear("der", term, (frame if term.kind in {VECTOR, DYADIC} else "",))
     return term
@@ -291,13 +357,23 @@ def since(term: Term) -> Term:
     return _linear("since", term)
 
 
-def partial(term: Term, variable: Term) -> Term:
-    """Return the partial derivative of ``term``, a function of coordinates and rates, by one of them."""
-    return make("partial", (term, variable))
+def partial(term: Term | Expr, variable: Term | Expr) -> Term:
+    """Return the partial derivative of ``term``, a function of coordinates and rates, by one of them.
+
+    ``variable``: a symbol; in SI units. Raises `InputError` for what is no scalar.
+
+    >>> partial(sp.Symbol("L"), sp.Symbol("q")).head
+    'partial'
+    """
+    return make("partial", (as_term(term), as_term(variable)))
 
 
 def total(term: Term, index: str = "i", over: str = "particles") -> Term:
-    """Return the sum over all particles (or rotors) of a term with the label ``index``."""
+    """Return the sum over all particles (or rotors, ``over``) of a ``term`` with the label ``index``.
+
+    >>> total(atom("mass", "i", kind=SCALAR)).head
+    'sum'
+    """
     return _linear("sum", term, (index, over))
 
 

@@ -44,7 +44,14 @@ class Quantity:
 
 
 def quantity(name: str, *labels: str) -> Term:
-    """Return a quantity of the table as a term. Raises `InputError` for other names."""
+    """Return a quantity by its ``name`` in `QUANTITIES` as a term.
+
+    ``labels``: whose it is, and about which point or in which frames, in the order of its words. Raises
+    `InputError` for other names, and for a wrong number of labels.
+
+    >>> words(quantity("angular_momentum", "body", "C"))
+    'angular momentum of the body about the centre of mass'
+    """
     if name not in QUANTITIES:
         raise unknown_name("quantity", name, QUANTITIES)
     wanted = QUANTITIES[name].words.count("{")
@@ -103,12 +110,20 @@ _LABEL_WORDS = {
 
 
 def position(of: str, origin: str = ORIGIN) -> Term:
-    """Return the position vector of ``of`` relative to ``origin``."""
+    """Return the position vector of the point ``of`` from ``origin``, the inertial one by default.
+
+    >>> words(position("C"))
+    'position of the centre of mass from the inertial origin'
+    """
     return quantity("position", of, origin)
 
 
 def velocity(of: str) -> Term:
-    """Return the absolute velocity: the inertial derivative of the position from the origin."""
+    """Return the absolute velocity of a point ``of``: the inertial derivative of its position.
+
+    >>> velocity("C").args[0] == position("C")
+    True
+    """
     return der(position(of))
 
 
@@ -118,12 +133,20 @@ def mass(of: str) -> Term:
 
 
 def omega(frame: str = "B", base: str = "I") -> Term:
-    """Return the angular velocity of ``frame`` with respect to ``base``."""
+    """Return the angular velocity of ``frame`` with respect to ``base``, right-handed.
+
+    >>> words(omega())
+    'angular velocity of frame B with respect to I'
+    """
     return quantity("angular_velocity", frame, base)
 
 
 def unit(frame: str, axis: int) -> Term:
-    """Return the unit vector along ``axis`` of ``frame``."""
+    """Return the unit vector along the axis number ``axis`` (1, 2, 3) of ``frame``.
+
+    >>> words(unit("I", 3))
+    'unit vector along axis 3 of frame I'
+    """
     return quantity("unit", frame, str(axis))
 
 

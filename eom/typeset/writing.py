@@ -110,6 +110,17 @@ def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tup
     return _opened(value, names or {}) or parts
 
 
+class Names(dict[Any, Any]):
+    """How symbols are shown, by others; ``decimals``: whether fractions are shown as decimal numbers."""
+
+    decimals = False
+
+    def of(self, value: Any) -> Any:
+        """Return an expression, or a matrix, as it is shown."""
+        found = value.xreplace(self)
+        return in_decimals(found) if self.decimals else found
+
+
 def in_decimals(value: Any) -> Any:
     """Return an expression, or a matrix, whose fractions are written as decimal numbers, but for exponents.
 
@@ -203,6 +214,8 @@ def _plain(value: Any, names: Mapping[Any, str] | None = None) -> Box:
         return symbol(value.name)
     if value.is_Rational and not value.is_Integer:
         return Fraction(Symbol(str(value.p)), Symbol(str(value.q)))
+    if value.is_Float and "e" not in str(value):
+        return Symbol(str(value).rstrip("0").rstrip("."))
     return Symbol(str(value)) if value.is_Integer else Formula(value, names or {})
 
 

@@ -7,18 +7,20 @@ which enters the law linearly once those before it are known. Nothing else of th
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
 
 from eom.errors import InputError
 from eom.exact import series
+from eom.exact.numbers import TINY
 from eom.exact.series import LENGTH, Matrix, Series
-from eom.fields import Echelon, Field, Singular, solve
-from eom.terms.own import Own, OwnFrame
+from eom.fields import RESIDUES, Echelon, Field, Singular, solve
+from eom.terms.own import Law, Own, OwnFrame
 from eom.terms.terms import Term
 from eom.worlds.evaluate import Evaluator, flat
+from eom.worlds.generators import worlds
 from eom.worlds.turning import elementary
 from eom.worlds.worlds import World
 
@@ -37,6 +39,37 @@ def furnished(world: World, own: Own, scalars: Scalars) -> World:
     if own.laws:
         motions = _lawful(world, own, scalars)
     return _with(world, own, scalars, motions)
+
+
+@dataclasses.dataclass
+class Furnished:
+    """Worlds under assumptions, furnished, each of them made once: what `eom.worlds.generators.worlds` is.
+
+    Those in which a law determines nothing are left out. ``own`` and ``scalars`` are not to change.
+    """
+
+    own: Own
+    scalars: Scalars
+    known: dict[tuple[Any, ...], World | None] = dataclasses.field(default_factory=dict)
+
+    def __call__(
+        self, assumptions: Iterable[str], count: int, field: Field = RESIDUES
+    ) -> Iterator[World]:
+        """Yield at most ``count`` worlds."""
+        assumed = tuple(assumptions)
+        for seed, plain in enumerate(worlds(assumed, count, field)):
+            key = (assumed, seed, field)
+            if key not in self.known:
+                self.known[key] = self._furnished(plain)
+            world = self.known[key]
+            if world is not None:
+                yield world
+
+    def _furnished(self, plain: World) -> World | None:
+        try:
+            return furnished(plain, self.own, self.scalars)
+        except Singular:
+            return None
 
 
 def _with(world: World, own: Own, scalars: Scalars, motions: Motions) -> World:
@@ -60,6 +93,10 @@ def _turned(evaluator: Evaluator, frame: OwnFrame) -> Matrix:
 # -- laws --------------------------------------------------------------------------------------------
 
 
+Rest = list[list[tuple[Any, ...]]]
+"""Of each law, left less right by components: the coefficients."""
+
+
 @dataclasses.dataclass
 class _Laws:
     """Laws in a world, as functions of the motions of what they determine."""
@@ -69,24 +106,21 @@ class _Laws:
     scalars: Scalars
     motions: Motions
 
-    def rest(self) -> list[tuple[Any, ...]]:
-        """Return left less right of every law, component by component: the coefficients."""
+    def rest(self) -> Rest:
+        """Return left less right of every law."""
         world = _with(self.world, self.own, self.scalars, self.motions)
         evaluator = Evaluator(world, self.scalars)
-        sides = (
-            zip(
-                flat(evaluator.value(law.equation.left)),
-                flat(evaluator.value(law.equation.right)),
-                strict=True,
-            )
-            for law in self.own.laws
-        )
-        return [(a - b).coefficients for pairs in sides for a, b in pairs]
+        return [_differences(evaluator, law) for law in self.own.laws]
 
     def changed(self, name: str, place: int, by: Any) -> _Laws:
         """Return the laws where one coefficient of a motion is another."""
         motions = {**self.motions, name: _changed(self.motions[name], place, by)}
         return dataclasses.replace(self, motions=motions)
+
+
+def _differences(evaluator: Evaluator, law: Law) -> list[tuple[Any, ...]]:
+    sides = (flat(evaluator.value(t)) for t in (law.equation.left, law.equation.right))
+    return [(a - b).coefficients for a, b in zip(*sides, strict=True)]
 
 
 def _changed(motion: Series, place: int, by: Any) -> Series:
@@ -95,46 +129,95 @@ def _changed(motion: Series, place: int, by: Any) -> Series:
 
 
 def _lawful(world: World, own: Own, scalars: Scalars) -> Motions:
-    names = [scalars[s].data[1] for law in own.laws for s in law.unknowns]
-    start = {name: world.primitive("coordinate", (name,)) for name in names}
+    """Return motions that keep all laws, stage by stage; where no law speaks they are as drawn."""
+    names = [[str(scalars[s].data[1]) for s in law.unknowns] for law in own.laws]
+    start = {n: world.primitive("coordinate", (n,)) for some in names for n in some}
     laws = _Laws(world, own, scalars, start)
-    orders = {name: _order(laws, name) for name in names}
-    for n in range(LENGTH):
-        places = [(name, n + k) for name, k in orders.items() if n + k < LENGTH]
-        rows = _linear(laws, n, places)
-        if rows is None:
-            break
-        for (name, place), value in zip(places, _solution(rows, world.field), strict=True):
-            laws = laws.changed(name, place, value)
-        if any(c[n] for c in laws.rest() if n < len(c)):
-            raise InputError(
-                "no motion keeps this law",
-                got=", ".join(names),
-                expected="laws that are linear in the highest rates of what they determine",
-                hint="differentiate a constraint on places, or give one coordinate by the others",
-            )
-    return laws.motions
+    orders = _orders(laws, list(start))
+    first = _offsets(names, orders)
+    lengths = [max(map(len, law)) for law in laws.rest()]
+    for stage in range(-max(first), LENGTH):
+        active = [i for i, c in enumerate(first) if 0 <= stage + c < lengths[i]]
+        places = [(n, stage + first[i] + orders[i][n]) for i in active for n in names[i]]
+        places = [(n, place) for n, place in places if place < LENGTH]
+        for _ in active:  # what one law determines may enter those behind it in any way
+            rows = _linear(laws, {i: stage + first[i] for i in active}, places)
+            if not any(_is_left(row[-1]) for row in rows):
+                break
+            for (n, place), value in zip(places, _solution(rows, world.field), strict=True):
+                laws = laws.changed(n, place, value)
+    if any(map(_is_left, (x for law in laws.rest() for c in law for x in c))):
+        raise _unkept(list(start))
+    known = {n: lengths[i] + orders[i][n] for i, own in enumerate(names) for n in own}
+    return {n: Series(world.field, m.coefficients[: known[n]]) for n, m in laws.motions.items()}
 
 
-def _order(laws: _Laws, name: str) -> int:
-    """Return the highest rate of a coordinate in the laws."""
-    before = [c[0] for c in laws.rest()]
-    for k in range(HIGHEST, -1, -1):
-        if [c[0] for c in laws.changed(name, k, 1).rest()] != before:
-            return k
-    raise InputError("a law has to contain what it determines", got=name)
+def _is_left(x: Any) -> bool:
+    """Return whether a coefficient is not zero; real numbers to many digits are rounded."""
+    return bool(abs(x) > TINY if isinstance(x, type(TINY)) else x)
 
 
-def _linear(laws: _Laws, n: int, places: Sequence[tuple[str, int]]) -> list[list[Any]] | None:
-    """Return coefficients of what is looked for, and the right sides, where the laws reach so far."""
+def _unkept(names: Sequence[str]) -> InputError:
+    return InputError(
+        "no motion keeps this law",
+        got=", ".join(names),
+        expected="laws that are linear in the highest rates of what they determine",
+        hint="differentiate a constraint on places, or give one coordinate by the others",
+    )
+
+
+def _orders(laws: _Laws, names: Sequence[str]) -> list[dict[str, int]]:
+    """Return of each law the highest rate of every coordinate in it, -1 where it does not stand."""
+    before = [[c[0] for c in law] for law in laws.rest()]
+    found = [dict.fromkeys(names, -1) for _ in before]
+    for name in names:
+        for k in range(HIGHEST + 1):
+            after = laws.changed(name, k, 1).rest()
+            for i, law in enumerate(after):
+                if [c[0] for c in law] != before[i]:
+                    found[i][name] = k
+    return found
+
+
+def _offsets(names: Sequence[Sequence[str]], orders: Sequence[Mapping[str, int]]) -> list[int]:
+    """Return how often each law is to be differentiated, so that it and the others fit together.
+
+    A law that determines x by its first rate, beside one with the second, has to be differentiated once.
+    Source: J. D. Pryce, A simple structural analysis method for DAEs, BIT 41 (2001), 364-394.
+    """
+    for own, order in zip(names, orders, strict=True):
+        for name in own:
+            if order[name] < 0:
+                raise InputError("a law has to contain what it determines", got=name)
+    found = [0] * len(names)
+    for _ in range(len(names) * (HIGHEST + 1) + 1):
+        rows = list(zip(found, orders, strict=True))
+        wanted = [
+            max(c + order[n] - orders[i][n] for n in own for c, order in rows if order[n] >= 0)
+            for i, own in enumerate(names)
+        ]
+        if wanted == found:
+            return found
+        found = wanted
+    raise _unkept([n for own in names for n in own])
+
+
+def _linear(
+    laws: _Laws, rows: Mapping[int, int], places: Sequence[tuple[str, int]]
+) -> list[list[Any]]:
+    """Return coefficients of what is looked for, and the right sides; ``rows``: place by law."""
     before = laws.rest()
-    reached = [k for k, c in enumerate(before) if n < len(c)]
+    reached = [(i, k) for i, n in rows.items() for k, c in enumerate(before[i]) if n < len(c)]
     if not reached or not places:
-        return None
+        return []
     reduce: Callable[[Any], Any] = laws.world.field.reduce
     moved = [laws.changed(name, place, 1).rest() for name, place in places]
     return [
-        [*(reduce(m[k][n] - before[k][n]) for m in moved), reduce(-before[k][n])] for k in reached
+        [
+            *(reduce(m[i][k][rows[i]] - before[i][k][rows[i]]) for m in moved),
+            reduce(-before[i][k][rows[i]]),
+        ]
+        for i, k in reached
     ]
 
 

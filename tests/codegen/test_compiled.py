@@ -670,7 +670,7 @@ def test_values_by_name_may_leave_out_what_has_a_default(target):
             ["unknown parameters 'r', 's'; missing parameters: p, q"],
         ),
         ((0.0, [1.0, 2.0], [1.0, 2.0], {"u": 1}), ["missing input: v"]),
-        ((0.0, {"x": 1, "y": "a"}, [1.0, 2.0], [1.0, 2.0]), ["state y is not an array of real"]),
+        ((0.0, {"x": 1, "y": "a"}, [1.0, 2.0], [1.0, 2.0]), ["not a number", "value of y"]),
         ((0.0, {"x": 1, "y": [[1]]}, [1.0, 2.0], [1.0, 2.0]), ["state y has the wrong shape"]),
         (
             (0.0, {"x": [1, 2], "y": [1, 2, 3]}, [1.0, 2.0], [1.0, 2.0]),

@@ -41,7 +41,7 @@ def test_a_linear_loop_with_an_integrator_is_the_matrix_exponential(target):
 
 def test_a_loop_starts_where_a_quantity_says_or_the_user():
     z = eom.Quantity(sp.Symbol("z", real=True), "m s", default=0.7)
-    loop = CART.with_control({U: -K * X - D * V + KI * z.symbol}, {z: -z.symbol})
+    loop = CART.with_control({U: -K * X - D * V + KI * z.symbol}, {z: -1.0 * z.symbol})
     assert loop.states[-1].unit == "m s"
     compiled = codegen.compile(loop, "numpy")
     for given, first in (({}, 0.7), ({"z": 0.2}, 0.2)):

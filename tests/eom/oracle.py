@@ -439,6 +439,7 @@ def _points(rnd, scene, assumed):
     scene.points = {name: p + shift for name, p in scene.points.items()}
     scene.points |= {"C": centre + shift, "OI": shift * 0}
     scene.points["O"] = reference if tied is None else tied + shift
+    scene.points["A"] = Random(scene.seed, "A").path()
 
 
 def _forces(rnd, scene, assumed):

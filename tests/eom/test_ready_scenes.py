@@ -300,11 +300,14 @@ def test_reaction_wheels_turn_the_hub_as_a_gyrostat():
     """Hughes, Spacecraft Attitude Dynamics (1986), section 6.2: motors on wheels, opposite on the hub."""
     scene = eom.load_scene("reaction-wheels")
     x, k = anywhere(scene, 8), scene.numbers
-    J = k["J"]
-    axes = _pyramid(k["beta"])
+    J, axes = k["J"], _pyramid(k["beta"])
     spins = np.array([x[f"Omega_wheel{i}"] for i in (1, 2, 3, 4)])
     torques = np.array([x[f"tau_wheel{i}"] for i in (1, 2, 3, 4)])
-    omega, hub = three(x, "w_hub"), np.diag([4.0, 5.0, 3.5]) - J * axes.T @ axes
+    omega, hub = three(x, "w_hub"), np.diag([3.5, 4.5, 3.2]).astype(float)
+    across, aside = 0.55 * J, k["m"] * k["r"] ** 2  # the wheels, less what spins about their axles
+    hub = hub + 4 * (across + aside) * np.eye(3) - (across + aside) * axes.T @ axes
+    below = 4 * k["m"] * k["r"] * np.sin(k["beta"]) / k["M"]
+    hub = hub + k["M"] * below**2 * np.diag([1, 1, 0])
     h = hub @ omega + J * spins @ axes
     expected = np.linalg.solve(hub, -np.cross(omega, h) - torques @ axes)
     rate = rates(scene, x)
@@ -313,14 +316,20 @@ def test_reaction_wheels_turn_the_hub_as_a_gyrostat():
     assert axes.T @ axes == pytest.approx(4 / 3 * np.eye(3), rel=1e-12, abs=1e-12)
 
 
+def cylinder(m, r, l):
+    """Return the principal moments of a solid cylinder, its axis last."""
+    return m * (3 * r**2 + l**2) / 12, m * (3 * r**2 + l**2) / 12, m * r**2 / 2
+
+
 def test_the_dual_spin_satellite_obeys_newton_and_euler():
     """Force and moment on all, the damper along its guide, the rotor on its axle; platform's axes."""
     scene = eom.load_scene("dual-spin-satellite")
     x, k = anywhere(scene, 9), scene.numbers
     w, e, z, m = three(x, "w_platform"), np.array([0, 0, 1.0]), x["q_damper"], k["m"]
-    bodies = [(60, [-m * k["b"] / 60, 0, 0.3], (k["I_t"], k["I_t"], k["I_a"]), 0, 0),
-              (40, [0, 0, -0.3 * (60 + m) / 40], (k["J_t"], k["J_t"], k["J_a"]), x["u_axle"], 0),
-              (m, [k["b"], 0, 0.3 + z], (0, 0, 0), 0, x["u_damper"])]  # fmt: skip
+    M, N, b, h = k["M"], k["N"], k["b"], k["h"]
+    bodies = [(M, [-m * b / M, 0, h], cylinder(M, k["R"], k["L"]), 0, 0),
+              (N, [0, 0, -h * (M + m) / N], cylinder(N, k["r"], k["l"]), x["u_axle"], 0),
+              (m, [b, 0, h + z], (0, 0, 0), 0, x["u_damper"])]  # fmt: skip
 
     def needed(unknown):
         """Return force and moment, force on the bob along its guide, torque on the rotor on its axle."""
@@ -390,13 +399,17 @@ def test_the_quadrotor_obeys_newton_and_euler():
     torque = [k["d"] * (thrust[1] - thrust[3]), k["d"] * (thrust[2] - thrust[0]),
               -drag[0] + drag[1] - drag[2] + drag[3]]  # fmt: skip
     omega, v = three(x, "w_frame"), three(x, "v_frame")
-    J = np.array([k["I1"], k["I2"], k["I3"]])
+    box, arms = (
+        k["M"] / 12 * np.array([k["a"] ** 2 + k["c"] ** 2] * 2 + [2 * k["a"] ** 2]),
+        k["m"] * k["d"] ** 2,
+    )
+    J, m = box + arms * np.array([2, 2, 4]), k["M"] + 4 * k["m"]
     e0, e1, e2, e3 = (x[f"e_frame_{i}"] for i in range(4))
     up = np.array([2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), 1 - 2 * (e1**2 + e2**2)])
     rate = rates(scene, x)
     expected = (torque - np.cross(omega, J * omega)) / J
     assert three(rate, "w_frame") == pytest.approx(expected, rel=1e-12)
-    pushed = np.array([0, 0, sum(thrust) / k["m"]]) - k["g"] * up - np.cross(omega, v)
+    pushed = np.array([0, 0, sum(thrust) / m]) - k["g"] * up - np.cross(omega, v)
     assert three(rate, "v_frame") == pytest.approx(pushed, rel=1e-12)
 
 
@@ -413,9 +426,11 @@ def test_the_rocket_is_that_of_meshchersky_and_thomson():
     squares = 2 * k["a"] ** 2 - grain / (
         sp.pi * k["rho"] * k["l"]
     )  # of the radii of the hollow cylinder
-    centre = M / 2 / (M + grain)
-    C = sp.Float(0.15) + grain * squares / 2
-    A = 8 + grain * (3 * squares + k["l"] ** 2) / 12 + M * (0.5 - centre) ** 2 + grain * centre**2
+    centre = M * k["h"] / (M + grain)
+    casing = M * (k["a"] ** 2 + k["b"] ** 2) / 2
+    C = casing + grain * squares / 2
+    A = casing / 2 + M * k["L"] ** 2 / 12 + grain * (3 * squares + k["l"] ** 2) / 12
+    A = A + M * (k["h"] - centre) ** 2 + grain * centre**2
     A, C, dA, dC, m, e, c = (
         float(f.subs(t, x["t"]))
         for f in (A, C, A.diff(t), C.diff(t), M + grain, centre + d, centre)

@@ -364,6 +364,17 @@ def test_decimals_are_exact_inside():
     assert "3602879701896397" not in show(system) + show(system, "latex")
 
 
+def test_decimals_of_torques_and_laws_stay():
+    damped = one(torque={"components": ("-0.05*omega_1", 0, 0)}, parameters={}, outputs=("omega_1",),
+                 initial={"omega_1": 1, "omega_2": 0, "omega_3": 0})  # fmt: skip
+    assert "0.05 ω₁" in show(damped.derive()) or "0.05*omega_1" in show(damped.derive())
+    assert damped.derive().rates[0].atoms(sp.Rational) or damped.derive().definitions
+    law = {"laws": {"u": "-0.125*omega_3"}}
+    held = one(control=law, torque={"components": (0, 0, "u")}, parameters={})
+    assert "0.125*omega_3" in show(held.derive())
+    assert not any(d.expression.has(sp.Float) for d in held.derive().definitions)
+
+
 def test_fractions_of_symbols_stay_fractions():
     assert "1/3" in tree_page(many().tree, "lagrange", "text") or "/3" in tree_page(
         many().tree, "lagrange", "text"

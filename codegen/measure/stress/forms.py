@@ -114,7 +114,8 @@ def perturbed(chosen: Known, draw: random.Random) -> tuple[System, str]:
     if not chosen.differs(changed(sp.Integer(1))):
         changed, where = _added(system, draw)
     rates = changed(term)
-    return replace(system, rates=rates, attitudes=()), f"{term} {where}"[:200]
+    moved = replace(system, rates=rates, attitudes=(), numbers="values")
+    return moved, f"{term} {where}"[:200]
 
 
 Change = tuple[Callable[[Expr], tuple[Expr, ...]], str]

@@ -7,7 +7,7 @@ was not before: of several the one that leaves least, in the order of custom.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.resources import files
@@ -95,6 +95,7 @@ class _Search:
     tables: Tables
     body: str
     own: Mapping[Look, tuple[str, str]]
+    added: Callable[[Lexicon], Lexicon]
     chosen: dict[Look, tuple[str, str]] = field(default_factory=dict)
 
     @property
@@ -104,7 +105,8 @@ class _Search:
 
     def lexicon(self, more: Mapping[str, str]) -> Lexicon:
         """Return the lexicon of preset, words and more entries."""
-        return drafted(self.preset, {**self.tables, "symbols": {**self.given, **more}})
+        tables = {**self.tables, "symbols": {**self.given, **more}}
+        return self.added(drafted(self.preset, tables))
 
     def decide(self, look: Look) -> None:
         """Choose the meaning of a symbol that leaves least with those that the others have."""
@@ -142,13 +144,15 @@ def taken(
     unknown: Iterable[Look],
     body: str,
     own: Mapping[Look, tuple[str, str]],
+    added: Callable[[Lexicon], Lexicon],
 ) -> Mapping[str, tuple[str, Look]]:
     """Return meanings by their patterns, each with the symbol that it was taken for.
 
-    ``unknown``: symbols, those first that stand in most places; ``own``: what formulas of the text say.
+    ``unknown``: symbols, those first that stand in most places; ``own``: what formulas of the text say;
+    ``added``: puts the note's system into a lexicon.
     In a second sweep each is decided again, with all others known.
     """
-    search = _Search(formulas, preset, tables, body, own)
+    search = _Search(formulas, preset, tables, body, own, added)
     unknown = tuple(unknown)
     for _ in range(SWEEPS):
         for look in unknown:

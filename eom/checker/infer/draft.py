@@ -21,13 +21,16 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from eom.checker.infer.attitude import angles, components
 from eom.checker.infer.books import taken
-from eom.checker.infer.house import house
+from eom.checker.infer.house import drafted, house
 from eom.checker.infer.phrases import Phrases, slotted, spelt
 from eom.checker.infer.places import as_label, marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
+from eom.checker.infer.systems import USUAL, Guess, with_systems
+from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import FUNCTIONS
@@ -91,7 +94,8 @@ class Proposal:
     """A preset, drafts of entries, symbols that the note defines, and those without a place.
 
     ``others``: other meanings that words of the note give the same symbols elsewhere; ``body``: whose
-    mechanics it is about; ``confirmed``: patterns of the preset of which words say the same.
+    mechanics it is about; ``confirmed``: patterns of the preset of which words say the same; ``systems``:
+    what lines of scalars are about.
     """
 
     preset: str
@@ -101,15 +105,17 @@ class Proposal:
     others: tuple[Draft, ...] = ()
     body: str = "body"
     confirmed: frozenset[str] = frozenset()
+    systems: tuple[Guess, ...] = ()
 
     @property
     def toml(self) -> str:
         """The draft as a lexicon, with its sources as comments."""
-        lines = [f'preset = "{self.preset}"']
+        lines = [f'preset = "{self.preset}"'] if self.preset else []
         for table in ("frames", "points", "marks", "symbols"):
             rows = [d for d in self.drafts if d.table == table]
             lines += ["", f"[{table}]"] if rows else []
             lines += [_row(d) for d in rows]
+        lines += [line for one in self.systems for line in _described(one)]
         if self.defined:
             lines += ["", "# defined by the note itself:"]
             lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.defined]
@@ -119,12 +125,40 @@ class Proposal:
         return "\n".join(lines) + "\n"
 
 
+def _described(one: Guess) -> Iterator[str]:
+    """Yield the lines of the table of a system, at the top or of the part that is about it."""
+    for heading in one.headings or ("",):
+        scope = "scope." if heading else ""
+        if heading:
+            yield from ("", "[[scope]]", f"heading = {json.dumps(heading)}")
+        why = f"the note says: {printable(one.words)}" if one.words else USUAL
+        yield from ("", f"[{scope}system]  # {one.name}; {why}")
+        yield from (f"{k} = {_inline(v)}" for k, v in one.table.items())
+        yield from ("usual = false", "first = true", f"[{scope}system.symbols]")
+        yield from (_row(Draft("symbols", t.latex, t.means, t.words, t.line)) for t in one.ties)
+
+
+def _inline(value: Any) -> str:
+    """Return a value of a description as TOML in one line."""
+    if isinstance(value, Mapping):
+        rows = ", ".join(f"{_key(k)} = {_inline(v)}" for k, v in value.items())
+        return f"{{ {rows} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_inline, value))}]"
+    return json.dumps(value)
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name)
+
+
 def _row(draft: Draft) -> str:
     """Return an entry as a line of TOML; patterns stand in simple quotes where they can."""
     words, meaning = printable(draft.words), json.dumps(draft.meaning)
     plain = draft.latex.isprintable() and "'" not in draft.latex
     pattern = f"'{draft.latex}'" if plain else json.dumps(draft.latex)
-    return f"{pattern} = {meaning}  # line {draft.line}: {words}"
+    where = f"line {draft.line}: " if draft.line else ""
+    return f"{pattern} = {meaning}  # {where}{words}"
 
 
 def propose(document: Document) -> Proposal:
@@ -136,6 +170,7 @@ def propose(document: Document) -> Proposal:
     formulas, text = read(document), prose(document)
     note = _Drafted(formulas, text, tuple(_symbols(formulas)))
     note.by_words()
+    note.by_systems(document)
     for draft in derived(note.lexicon, (n for n, _ in note.symbols), text):
         note.add(draft)
     note.settle()
@@ -153,6 +188,7 @@ def propose(document: Document) -> Proposal:
         tuple(note.others),
         _body(text),
         frozenset(note.confirmed),
+        note.systems,
     )
 
 
@@ -168,6 +204,7 @@ class _Drafted:
     confirmed: set[str] = field(default_factory=set)
     preset: str = ""
     lexicon: Lexicon = field(default_factory=Lexicon)
+    systems: tuple[Guess, ...] = ()
 
     @cached_property
     def looks(self) -> Mapping[Look, int]:
@@ -197,7 +234,20 @@ class _Drafted:
     def settle(self) -> None:
         """Choose the preset that goes with the entries."""
         every = dict.fromkeys((*self.looks, *(m.look for m in self.text.mentions)))
-        self.preset, self.lexicon = house(self.formulas, _tables(self.drafts.values()), every)
+        tables = _tables(self.drafts.values())
+        self.preset, self.lexicon = house(
+            self.formulas, tables, every, self._added, none=bool(self.systems)
+        )
+
+    def _added(self, lexicon: Lexicon) -> Lexicon:
+        """Return a lexicon about the note's systems."""
+        return with_systems(lexicon, self.systems)
+
+    def by_systems(self, document: Document) -> None:
+        """Take the systems that the note is about; other meanings of their letters hold elsewhere."""
+        self.systems = systems(document, self.lexicon)
+        if self.systems:
+            self.settle()
 
     def by_words(self) -> None:
         """Take what words say, but for what the preset says as well, or more closely."""
@@ -223,7 +273,8 @@ class _Drafted:
         order = [*(k for k in self.looks if k in own), *left[:MAX_UNKNOWN]]
         order = [k for k in order if self.lexicon.notation.plain(k) not in defined]
         tables = _tables(self.drafts.values())
-        books = taken(self.formulas, self.preset, tables, order, _body(self.text), own)
+        body = _body(self.text)
+        books = taken(self.formulas, self.preset, tables, order, body, own, self._added)
         for pattern, (means, look) in books.items():
             words = FORMULA if own.get(look) == (pattern, means) else BOOKS
             line = self.looks.get(look, 0)
@@ -629,8 +680,10 @@ def _drafted(document: Document) -> Meanings:
     data: dict[str, dict[str, str]] = {}
     for draft in proposal.drafts:
         data.setdefault(draft.table, {})[draft.latex] = draft.meaning
-    lexicon, _ = lexicon_of({"preset": proposal.preset, **data}, DRAFT)
-    return Meanings(lexicon, f"{DRAFT} on preset {proposal.preset}", proposal)
+    names = [f"preset {proposal.preset}"] if proposal.preset else []
+    names += dict.fromkeys(one.name for one in proposal.systems)
+    lexicon = with_systems(drafted(proposal.preset, data), proposal.systems)
+    return Meanings(lexicon, f"{DRAFT} on {', '.join(names)}", proposal)
 
 
 def proposed(document: Document) -> Proposal:

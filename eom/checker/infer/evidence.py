@@ -7,17 +7,22 @@ lines of a note are right, and a meaning that is not meant makes them fail.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from eom.checker.infer.books import candidates
 from eom.checker.infer.draft import BOOKS, GUESSED, Proposal, operands_of, symbols_in
+from eom.checker.infer.systems import USUAL
+from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
 from eom.checker.read.syntax import Marks
 from eom.checker.read.writing import latex_of
+from eom.terms.terms import Term
+from eom.worlds.solutions import rate
 
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
@@ -46,18 +51,58 @@ def doubts(
         if d.words not in GUESSED
     }
     guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}
+    ties = [t for one in draft.systems for t in one.ties]
+    guessed |= {t.latex: t.words for t in ties if t.words == USUAL}
+    said_of = {t.latex for t in ties if t.words != USUAL}
+    meant = {t.latex: f"the {t.means} of the system" for t in ties}
     used = [dict(_used(f, lexicon)) for f in formulas]
     count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
     every = {p for u in used for p in u}
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     firm = {
         *said,
+        *said_of,
         *draft.confirmed,
         *(own if sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every) else ()),
     }
     for found, held in zip(used, hold, strict=True):
         unsure = [(p, f) for p, f in found.items() if p not in firm and count[p] - held < LINES]
-        yield tuple(Doubt(*f, guessed.get(p, f"preset {draft.preset}")) for p, f in unsure)
+        yield tuple(
+            Doubt(f[0], meant.get(p, f[1]), guessed.get(p, f"preset {draft.preset}"))
+            for p, f in unsure
+        )
+
+
+def uncounted(claim: Claim) -> Iterator[str]:
+    """Yield coordinates that stand in a claim while no law of their system says where they are zero."""
+    model = claim.model
+    if model is None:
+        return
+    laws = frozenset[Any]().union(*(r.free_symbols for r in model.system.rates))
+    bare = {a.data[1] for m in claim.members for a in _bare(m.term, claim.scalars)}
+    for name in model.free_coordinates:
+        if name in bare and model.symbol(name) not in laws:
+            yield name
+
+
+def _bare(term: Term, scalars: Mapping[Any, Term]) -> Iterator[Term]:
+    """Yield the quantities of a system in a term that stand there themselves, not their rates."""
+    if term.head == "atom" and term.data[0] == "system":
+        yield term
+    elif term.head == "expr":
+        for symbol in _outside_rates(term.data[0]):
+            yield from _bare(scalars[symbol], scalars) if symbol in scalars else ()
+    elif term.head != "der":
+        for inside in term.args:
+            yield from _bare(inside, scalars)
+
+
+def _outside_rates(expression: Any) -> Iterator[Any]:
+    if expression.is_Symbol:
+        yield expression
+    elif not isinstance(expression, rate):
+        for inside in expression.args:
+            yield from _outside_rates(inside)
 
 
 def readings(

@@ -6,7 +6,7 @@ counts. A meaning that words give goes before one of a preset.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from eom.checker.mean.claims import claims, defined
@@ -35,8 +35,8 @@ class Fit:
 
 
 def drafted(name: str, tables: Tables) -> Lexicon:
-    """Return a lexicon on a preset. Raises `InputError` for an entry that cannot be read."""
-    return lexicon_of({"preset": name, **tables}, "draft")[0]
+    """Return a lexicon on a preset, or on none. Raises `InputError` for an entry that cannot be read."""
+    return lexicon_of({**({"preset": name} if name else {}), **tables}, "draft")[0]
 
 
 def fit(formulas: Iterable[Formula], lexicon: Lexicon) -> Fit:
@@ -56,15 +56,24 @@ def fit(formulas: Iterable[Formula], lexicon: Lexicon) -> Fit:
 
 
 def house(
-    formulas: tuple[Formula, ...], tables: Tables, looks: Iterable[Look]
+    formulas: tuple[Formula, ...],
+    tables: Tables,
+    looks: Iterable[Look],
+    added: Callable[[Lexicon], Lexicon],
+    *,
+    none: bool = False,
 ) -> tuple[str, Lexicon]:
-    """Return the preset under which a draft leaves least, lines and symbols, and the lexicon of both."""
+    """Return the preset under which a draft leaves least, lines and symbols, and the lexicon of both.
+
+    ``added``: puts the note's system into a lexicon; ``none``: whether there need be no preset, which goes
+    before one that says no more.
+    """
     looks = tuple(looks)
     tried = []
-    for number, name in enumerate(PRESETS):
-        lexicon = drafted(name, tables)
+    for number, name in enumerate(("", *PRESETS) if none else PRESETS):
+        lexicon = added(drafted(name, tables))
         unknown = sum(lexicon.find(k) is None for k in looks)
-        own = sum(preset(name).find(k) is not None for k in looks)
+        own = sum(preset(name).find(k) is not None for k in looks) if name else len(looks)
         tried.append((fit(formulas, lexicon).cost + unknown, -own, number, name, lexicon))
     *_, name, best = min(tried, key=lambda t: t[:3])
     return name, best

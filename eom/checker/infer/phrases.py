@@ -148,7 +148,8 @@ class Phrases:
             filled = filled.replace("quaternion", "quaternion_last")
         labels = filled.split()[1:3]
         same = len(set(labels)) < len(labels) and filled.startswith(("position", "velocity", "acc"))
-        return "" if UNKNOWN in filled or same else filled
+        partly = filled.startswith("external_force") and _PARTLY.search(one.sentence) is not None
+        return "" if UNKNOWN in filled or same or partly else filled
 
     def _owner(self, one: Said, words: str) -> str:
         """Return the frame that unit vectors belong to: the last one that the sentence names before."""
@@ -288,6 +289,10 @@ _REST = re.compile(
     r"(?:\s+(?:is|are|be|by|at))?\s*"
 )
 """What may stand between a noun and the symbol behind it."""
+_PARTLY = re.compile(
+    r"\b(?:but|except|besides|without|other than) (?:for )?(?:the )?(?:weight|gravity)"
+)
+"""Words by which a force is not all of what acts."""
 _NAME = re.compile(r"[A-Z]")
 _LEADS = {
     "of": r"\b(?:of|fixed in|along)",

@@ -102,11 +102,22 @@ def prose(document: Document) -> Prose:
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
             text.append(_marks(formula, mentions, [] if CASE.search(lead) else formulas))
-    whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", "".join(text))
+    whole = _LISTED.sub(_spelt_out, "".join(text))
+    whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
     sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
     return Prose(
         sentences, tuple(mentions), tuple(s for s, _ in formulas), tuple(n for _, n in formulas)
     )
+
+
+_LISTED = re.compile(rf"((?:^|[.;,:\n]|- )\s*)({LIST})\s*:\s+(?:the |an? )?(?=[a-z])")
+"""A letter in a list of such, with what it is behind a colon."""
+
+
+def _spelt_out(match: re.Match[str]) -> str:
+    """Return an item of a list of letters as a sentence."""
+    several = match[2].count("⟦") > 1
+    return f"{match[1]}{match[2]} {'are' if several else 'is'} the "
 
 
 CASE = re.compile(
@@ -213,6 +224,9 @@ def _heads(sentence: str) -> list[tuple[int, int, str, str]]:
         if article and not (apposed or _begins(sentence[:start], match[0], bool(found))):
             continue
         verb = match["verb"] or ""
+        last = re.search(rf"(?:,|and)\s*({MARK})$", of) if verb in {"is", "was"} else None
+        if last is not None:
+            start, of = start + last.start(1), last[1]
         says = "" if verb in {"is", "are", "be", "was", "were"} else f"{verb} "
         found.append((start, match.end(), of, says if verb else f"{article} "))
     return found

@@ -105,6 +105,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     """
     if claim.otherwise is not None:
         return _by_both(claim, lambda c: judge(c, given))
+    if claim.moving is not None and not EQUALITIES.issuperset(claim.relations):
+        return Judgement(UNDECIDED, reason="only equations between these are judged")
     if claim.relations == (PROPORTIONAL,):
         return _proportional(claim, tuple(given))
     if claim.parameters is None and is_nearly(claim):

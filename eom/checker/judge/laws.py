@@ -78,6 +78,8 @@ def free_alone(claim: Claim) -> str:
     """Return the free scalar that is one side of an equation, and is not on the other, which moves."""
     if claim.kind != STATEMENT or len(claim.members) != 2 or claim.parameters is not None:
         return ""
+    if claim.moving is not None:
+        return ""
     left, right = (m.term for m in claim.members)
     for one, other in ((left, right), (right, left)):
         meaning = claim.scalars.get(one.data[0]) if one.head == "expr" else None

@@ -24,6 +24,7 @@ from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.indices import free
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.model import Model
+from eom.checker.mean.moving import Moving, moving
 from eom.checker.mean.parameters import limited, named, read, tied
 from eom.checker.mean.roles import (
     CLAIM,
@@ -407,7 +408,8 @@ class _Context:
         axes: tuple[Mapping[str, str], ...],
     ) -> tuple[Claim, ...]:
         """Return what a statement claims for each of the axes that its indices run over."""
-        return tuple(c for a in axes for c in claims(statement, self.lexicon, known, before, a))
+        found = (c for a in axes for c in claims(statement, self.lexicon, known, before, a))
+        return tuple(_with_motion(c, self.lexicon.moving) for c in found)
 
     def _claims(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
@@ -438,10 +440,24 @@ class _Context:
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
     ) -> tuple[Claim, ...]:
         new = claims(statement, self.lexicon, known, before)
+        new = tuple(_with_motion(c, self.lexicon.moving) for c in new)
         if self.lexicon.system is None or all(covered(c) or c.numbers for c in new):
             return new
         other = claims(statement, self.lexicon.without_system(), known, before)
         return min((other, new), key=_gaps)
+
+
+def _with_motion(claim: Claim, moving: Moving | None) -> Claim:
+    """Return a claim that knows what the note declares to move; undecided where letters clash."""
+    if moving is None:
+        return claim
+    known = moving.scalars
+    clash = [s for s, t in claim.scalars.items() if known.get(s, t) != t]
+    if clash:
+        what = "a letter has another meaning where motions are declared"
+        finding = Finding(UNDECIDED, what, claim.span, str(clash[0]))
+        claim = replace(claim, findings=(*claim.findings, finding))
+    return replace(claim, moving=moving, scalars={**claim.scalars, **known})
 
 
 def _of_system(claim: Claim) -> bool:
@@ -565,9 +581,11 @@ class _Scoped:
         key = (headings, frozenset(self.passed))
         if key not in self.known:
             here = self.lexicon.at(headings, key[1])
-            self.known[key] = (
-                replace(here, tied=tied(here)) if any(r[1] for r in here.own_laws) else here
-            )
+            if any(r[1] for r in here.own_laws):
+                here = replace(here, tied=tied(here))
+            if here.moving_data:
+                here = replace(here, moving=moving(here))
+            self.known[key] = here
         return self.known[key]
 
     def _begin(self, phrase: str, source: Source) -> int:

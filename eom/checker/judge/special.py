@@ -214,7 +214,8 @@ def condition(claim: Claim, given: Sequence[str] = ()) -> str:
     try:
         if on_solutions(claim):
             return _on_system(Solutions(claim, claim.scalars, tuple(given)))
-        return _in_worlds(claim, given) if claim.parameters is None else ""
+        general = claim.parameters is None and claim.moving is None
+        return _in_worlds(claim, given) if general else ""
     except (InputError, Singular, Overdue):
         return ""
 

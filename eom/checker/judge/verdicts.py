@@ -246,7 +246,7 @@ def _played(role: str, claim: Claim, found: Judgement) -> str:
     equation = EQUALITIES.issuperset(claim.relations)
     if role == ASSUMPTION or (role == DEFINITION and not equation):
         return ASSUMPTION
-    if role == LAW and found.verdict == WRONG and own(claim):
+    if role == LAW and found.verdict == WRONG and claim.moving is None and own(claim):
         return ASSUMPTION
     if found.verdict == HOLDS and (role == INTRODUCED or _resolves(claim)):
         return DEFINITION

@@ -12,7 +12,7 @@ assumptions holds under more; so it is looked for where much is assumed, and jud
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -27,12 +27,21 @@ from eom.checker.mean.values import atoms_in
 from eom.errors import InputError
 from eom.exact.numbers import SIGNED
 from eom.exact.series import Series
-from eom.fields import Singular
+from eom.fields import RESIDUES, Field, Singular
 from eom.terms.terms import Equation, Term, expr, mul, nodes, number
 from eom.terms.terms import replace as rewritten
 from eom.worlds.evaluate import Evaluator, flat, half_powers, is_signed, subsets
 from eom.worlds.generators import worlds
-from eom.worlds.worlds import ASSUMPTIONS, GENERAL, MOMENT, OPEN, SEQUENCES, closure, sequence_of
+from eom.worlds.worlds import (
+    ASSUMPTIONS,
+    GENERAL,
+    MOMENT,
+    OPEN,
+    SEQUENCES,
+    World,
+    closure,
+    sequence_of,
+)
 
 TRIALS = 12
 """Worlds that are drawn at most, where a claim is undefined in some."""
@@ -186,7 +195,8 @@ class Worlds(Models):
     @cached_property
     def said(self) -> tuple[Equation, ...]:
         """The equations that the claim says."""
-        return equations(self.claim)
+        found, moving = equations(self.claim), self.claim.moving
+        return found if moving is None else tuple(moving.spelt(q, self.scalars) for q in found)
 
     @cached_property
     def terms(self) -> list[Term]:
@@ -196,7 +206,7 @@ class Worlds(Models):
     @property
     def names_scalars(self) -> bool:  # type: ignore[override]
         """Whether the claim says of a free scalar what it is, by others that are free."""
-        return self._scalars() == "named"
+        return self.claim.moving is None and self._scalars() == "named"
 
     def _scalars(self) -> str:
         """Return whether a claim between free scalars names some, or ties angles to others; else ""."""
@@ -246,11 +256,25 @@ class Worlds(Models):
     def draw(self, names: frozenset[str]) -> Iterator[InWorld]:
         """Yield worlds under a closed set."""
         if self.signed:
-            for world in worlds(names, SIGNED_TRIALS, SIGNED):
-                yield InWorld(names, world.seed, Evaluator(world, self.scalars))
+            for world in self._worlds(names, SIGNED_TRIALS, SIGNED):
+                yield InWorld(names, world.seed, Evaluator(world, self._meanings))
             return
-        for world in worlds(names, TRIALS << min(len(self.roots), MAX_ROOTS)):
-            yield InWorld(names, world.seed, Evaluator(world, self.scalars))
+        for world in self._worlds(names, TRIALS << min(len(self.roots), MAX_ROOTS)):
+            yield InWorld(names, world.seed, Evaluator(world, self._meanings))
+
+    @cached_property
+    def _meanings(self) -> Mapping[Any, Term]:
+        """What symbols stand for, partial derivatives carried out where the note says what moves."""
+        moving = self.claim.moving
+        return self.scalars if moving is None else moving.meanings(self.scalars)
+
+    def _worlds(
+        self, names: frozenset[str], count: int, field: Field = RESIDUES
+    ) -> Iterator[World]:
+        """Return worlds, with what moves in the note's own way."""
+        moving = self.claim.moving
+        drawn = worlds if moving is None else moving.drawn
+        return drawn(sorted(names), count, field)
 
     @cached_property
     def signed(self) -> bool:
@@ -304,16 +328,23 @@ class Worlds(Models):
         bound = not self._kinds() <= UNBOUND
         if cases and (bound or any(true for _, true, _ in cases)):
             return BOUND if bound else self.branch(cases)
+        loose = "" if self.claim.moving is not None else self._loose()
+        if loose:
+            return loose
+        if cases is not None:
+            return self.branch(cases)
+        if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, subsets(self.roots))):
+            return "this rests on the signs of its roots"
+        return ""
+
+    def _loose(self) -> str:
+        """Say that quantities may be tied to each other by what nothing here says."""
         if self._scalars() == "tied":
             return "nothing here says what these letters are"
         if "expr" not in self._rated_sides and self._of_a_motion():
             return "no system says how these coordinates move"
         if "expr" not in self._rated_sides and self._is_law():
             return "this may be a law for quantities that are any, and nothing here ties to others"
-        if cases is not None:
-            return self.branch(cases)
-        if len(self.roots) > MAX_ROOTS or any(map(self._with_signs, subsets(self.roots))):
-            return "this rests on the signs of its roots"
         return ""
 
     def is_open(self) -> bool:

@@ -168,7 +168,8 @@ def partially(e: Elaborator, value: Value, variable: Value, span: Span) -> Value
             return made(each, replace(value, dimension=dimension, span=span))
         if not x.is_Symbol:
             raise refuse(UNDECIDED, "a derivative by what is no variable", span)
-        term = _slope(e, value.term, x, span)
+        own = e.lexicon.moving is not None
+        term = terms.partial(value.term, expr(x)) if own else _slope(e, value.term, x, span)
     return replace(value, term=term, dimension=dimension, span=span)
 
 

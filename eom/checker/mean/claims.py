@@ -65,6 +65,7 @@ from eom.terms.vocabulary import position, unit
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
+    from eom.checker.mean.moving import Moving
 
 Expr = Any  # SymPy has no usable annotations
 
@@ -118,6 +119,7 @@ class Claim:
     scalars, see `eom.checker.mean.parameters`; ``numbers``: that it gives, see `eom.checker.mean.examples`;
     ``order``: of what is said to be left out, and in what; ``indices``: what free ones stand for in it.
     ``otherwise``: the same with Poisson brackets of the other sign, where nothing says which they have.
+    ``moving``: frames, places and laws of the note's own.
     """
 
     members: tuple[Value, ...]
@@ -136,6 +138,7 @@ class Claim:
     numbers: Mapping[Look, Value] = field(default_factory=dict, compare=False)
     indices: Mapping[str, str] = field(default_factory=dict, compare=False)
     otherwise: Claim | None = field(default=None, compare=False, repr=False)
+    moving: Moving | None = field(default=None, compare=False, repr=False)
 
     @property
     def verdict(self) -> str:

@@ -58,6 +58,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.checker.mean.lexicon import MATRICES
 from eom.checker.mean.model import Model, Particular, load_model, model_of
 from eom.errors import InputError, unknown_name
 from eom.expressions import as_expression
@@ -66,9 +67,11 @@ from eom.mechanics.lagrange import LONG, Mechanism, Placed, Spring, lagrange_sys
 from eom.quantities import TIME, Definition, Quantity
 from eom.scenes.parse import parse
 from eom.system import Expr, System
+from eom.worlds.solutions import rate
 
 _OWN: dict[str, type] = {
     "assume": list, "symbols": dict, "values": dict, "motions": dict, "functions": dict,
+    "usual": bool, "first": bool,
 }  # fmt: skip
 _KEYS: dict[str, type] = {"is": str, "attitude": str, "point": str, **_OWN}
 
@@ -130,8 +133,8 @@ def _usual(model: Model, where: str) -> Iterator[Row]:
 
 
 def _meaning(value: Any, model: Model, where: str) -> Any:
-    """Return a formula as it is; the name of a quantity as a meaning."""
-    if isinstance(value, Mapping) or (isinstance(value, str) and value.lstrip().startswith("=")):
+    """Return a formula, or a matrix, as it is; the name of a quantity as a meaning."""
+    if isinstance(value, Mapping) or str(value).lstrip().startswith("=") or value in MATRICES:
         return value
     return _spelt(*model.meaning(str(value), where))
 
@@ -185,6 +188,7 @@ def _with_own(model: Model, table: Mapping[str, Any], where: str, assume: Iterab
     vectors = dict(model.vectors)
     read = _Read(table, where, {n: q.symbol for n, q in model.quantities.items()})
     read.names["t"] = model.system.time
+    read.names.update({f"{q}_ddot": rate(rate(model.symbol(q))) for q in model.coordinates})
     for name, given in own_names.items():
         place = f"{where} > values > {name}"
         row = _of_type(given, Mapping, place)

@@ -422,7 +422,8 @@ class Lexicon:
     ``system``: what scalar lines are about, if the note says so; ``assume``: names of assumptions that
     hold; ``laws``: equations that do; ``own_laws``: those of all parts that hold in a place, each with
     the lexicon that it is written in; ``tied``: what they make of free quantities, see
-    `eom.checker.mean.parameters.tied`.
+    `eom.checker.mean.parameters.tied`; ``moving_data``: what it declares to move, ``moving``: its meaning,
+    see `eom.checker.mean.moving`.
     """
 
     notation: Notation = field(default_factory=Notation)
@@ -435,6 +436,8 @@ class Lexicon:
     laws: tuple[str, ...] = ()
     own_laws: tuple[tuple[Lexicon, tuple[str, ...]], ...] = ()
     tied: Mapping[tuple[str, ...], Any] = field(default_factory=dict, compare=False)
+    moving_data: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    moving: Any = field(default=None, compare=False)
 
     def at(self, headings: Sequence[str] = (), passed: Container[str] = ()) -> Lexicon:
         """Return what holds under some headings, after some of the phrases that begin scopes."""

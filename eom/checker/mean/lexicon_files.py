@@ -43,6 +43,8 @@ from eom.checker.mean.lexicon import (
     Scope,
     meaning,
 )
+from eom.checker.mean.moving import KEYS as MOVING
+from eom.checker.mean.moving import checked
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.symbol_shape import Labels, Look, Seen, grown, labels, named_in, seen
 from eom.checker.read.syntax import Group, Missing, Node, Product, Relation, Scripts, children
@@ -254,6 +256,14 @@ class _Reader:
                 found.append(law)
         return tuple(found)
 
+    def moving(self, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return what the note declares to move; nothing of what is not in shape."""
+        try:
+            return checked(data, f"{self.name}, " if self.name else "")
+        except InputError as error:
+            self.errors.append(error)
+            return {}
+
     def system(
         self, data: Mapping[str, Any], notation: Notation, folder: Path | None, *above: str
     ) -> tuple[Model | None, tuple[tuple[Entry, ...], ...]]:
@@ -332,15 +342,18 @@ def lexicon_of(
     notation = reader.notation(data, base.notation)
     own = tuple(reader.entries(data, notation))
     system, spelt = reader.system(data, notation, folder)
+    about = data.get("system")
+    first = isinstance(about, Mapping) and about.get("first", False)
     lexicon = Lexicon(
         notation,
         {**base.frames, **reader.names(data, "frames")},
         {**base.points, **reader.names(data, "points")},
-        (own, *spelt, *base.layers),
+        (*spelt, own, *base.layers) if first else (own, *spelt, *base.layers),
         tuple(reader.scopes(data, notation, folder)),
         system,
         reader.assumed(data),
         reader.laws(data),
+        moving_data=reader.moving(data),
     )
     return lexicon, tuple(reader.errors)
 
@@ -352,6 +365,8 @@ def _entries_of(
     from eom.checker.mean.described import symbols_in
 
     own, usual = symbols_in(given, model, where)
+    if isinstance(given, Mapping) and not given.get("usual", True):
+        usual = [row for row in usual if SLOT.search(row[0])]
     entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
     known = {e.look for e in entries}
     spelt: list[Entry] = []
@@ -366,20 +381,22 @@ def _entries_of(
 
 def about(
     lexicon: Lexicon,
-    system: str | System | AnyScene,
+    system: str | System | AnyScene | Model,
     symbols: Mapping[str, str] | None = None,
     *,
     first: bool = False,
+    usual: bool = True,
 ) -> Lexicon:
     """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
 
     ``system``: the name of one, a scene file, or an object; ``first``: whether its letters go before the
-    entries of the lexicon, as where those are only a draft. Raises `InputError` for systems that are not
-    known and for names that the system has not.
+    entries of the lexicon, as where those are only a draft; ``usual``: whether quantities have their usual
+    letters besides. Raises `InputError` for systems that are not known and for names that the system has
+    not.
     """
     from eom.checker.mean.model import model_from
 
-    given = {"symbols": dict(symbols or {})}
+    given = {"symbols": dict(symbols or {}), "usual": usual}
     model, spelt = _entries_of(model_from(system), given, lexicon.notation, "symbols")
     plain = lexicon.without_system()
     own = 0 if first else 1
@@ -482,7 +499,7 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     return None
 
 
-_KEYS = ("preset", "scope", "system", "assume", "laws", *_TABLES)
+_KEYS = ("preset", "scope", "system", "assume", "laws", *_TABLES, *MOVING)
 
 
 def lexicon_text(file: Path) -> str:
@@ -572,6 +589,7 @@ def slotted(latex: str, where: str) -> str:
     return SLOT.sub(lambda m: rf"\mathtt{{{m[1]}}}", latex)
 
 
+@lru_cache(maxsize=4096)
 def look_of(latex: str, where: str = "") -> Look:
     """Return the look of a pattern. Raises `InputError` for what is not one symbol."""
     tree = read_formula(slotted(latex, where)).tree

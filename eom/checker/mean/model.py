@@ -152,14 +152,10 @@ class Model:
         of = self.quantities.get(name)
         if of is None or of in self.system.parameters or self.given:
             return None
-        term = of.symbol
-        for _ in range(order):
-            term = rate(term)
-        try:
-            found = sp.cancel(sp.together(without_rates(self.system, term)))
-        except InputError:
-            return None
-        return found if found.free_symbols <= {p.symbol for p in self.system.parameters} else None
+        key = ("constant", name, order, id(self.system))
+        if key not in self.drawn:
+            self.drawn[key] = _constant(self.system, of.symbol, order)
+        return self.drawn[key]
 
     def motions(
         self, restrictions: tuple[Restriction, ...], length: int, tries: int
@@ -313,6 +309,17 @@ def model_of(system: System | AnyScene | Model, assume: Iterable[str] = ()) -> M
         made = _of_scene(system)
     assumed = tuple(made.restriction(n) for n in assume)
     return replace(made, given=(*made.given, *assumed))
+
+
+def _constant(system: System, term: Expr, order: int) -> Expr | None:
+    """Return a derivative by time where parameters alone give it; None for all else."""
+    for _ in range(order):
+        term = rate(term)
+    try:
+        found = sp.cancel(sp.together(without_rates(system, term)))
+    except InputError:
+        return None
+    return found if found.free_symbols <= {p.symbol for p in system.parameters} else None
 
 
 def _solution(

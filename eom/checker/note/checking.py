@@ -10,10 +10,13 @@ from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import doubts, readings
+from eom.checker.infer.evidence import doubts, readings, uncounted
+from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.checker.mean.claims import STATEMENT, Claim
@@ -36,6 +39,8 @@ from eom.checker.report.findings import (
     Settings,
     decided_by,
 )
+from eom.checker.report.questions import Question
+from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds.worlds import closure
@@ -48,6 +53,8 @@ _PLACED = re.compile("centre of mass|origin|^[A-Z] = [A-Z]$")
 """A special case that makes points coincide, which a draft may have taken for each other."""
 MAX_READINGS = 12
 """Other meanings under which a wrong line of a draft is judged again."""
+CREDIBLE = 2
+"""Lines that hold with a system of the draft, by which it is sure."""
 SHOWN = 3
 """Meanings that a verdict rests on and that are told."""
 MAX_SETS = 24
@@ -95,11 +102,43 @@ def check(
     return check_note(note_of(note), settings)
 
 
+@dataclass(frozen=True)
+class Whole:
+    """A note with the meanings of its symbols, its formulas with verdicts, what its words claim.
+
+    ``questions``: what may be asked so that more lines are decided.
+    """
+
+    document: Document
+    known: Meanings
+    found: tuple[Found, ...]
+    words: tuple[Finding, ...]
+    questions: tuple[Question, ...]
+
+
 def check_note(note: Note, settings: Settings) -> Report:
     """Return the report on a file, a text or a formula."""
-    closure(settings.given)
-    document = document_of(note, settings.kind)
     path = note if isinstance(note, Path) else None
+    return check_document(document_of(note, settings.kind), settings, path)
+
+
+def check_document(document: Document, settings: Settings, path: Path | None = None) -> Report:
+    """Return the report on a document; ``path``: where it stands, if it is a file."""
+    whole = judged_document(document, settings, path)
+    found = [*(f.finding for f in whole.found), *whole.words]
+    report = _report(whole.document, whole.known, settings, found)
+    return replace(report, questions=whole.questions)
+
+
+def judged_note(note: Note, settings: Settings) -> Whole:
+    """Return what is found of the formulas and the words of a file, a text or a formula."""
+    path = note if isinstance(note, Path) else None
+    return judged_document(document_of(note, settings.kind), settings, path)
+
+
+def judged_document(document: Document, settings: Settings, path: Path | None = None) -> Whole:
+    """Return what is found of the formulas and the words of a document."""
+    closure(settings.given)
     with seldom_collected(), deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
         if settings.system is not None:
@@ -111,7 +150,20 @@ def check_note(note: Note, settings: Settings) -> Report:
         found = found if settings.strict else tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
-    return _report(document, known, settings, [*(f.finding for f in found), *words])
+        open_ = _questions(found, known)
+    return Whole(document, known, found, words, open_)
+
+
+def _questions(found: Sequence[Found], known: Meanings) -> tuple[Question, ...]:
+    """Return what may be asked so that more lines are decided; nothing where a lexicon was given."""
+    if known.draft is None:
+        return ()
+    lines = [
+        (f.understood.formula, f.understood.lexicon, f.finding.verdict == UNSURE)
+        for f in found
+        if f.finding.verdict in {UNDECIDED, UNSURE} and f.finding.kind == "display"
+    ]
+    return questions(lines, known.draft)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
@@ -156,6 +208,8 @@ def _explained(found: Found, settings: Settings) -> Found:
     judged = next((j for j in found.verdict.claims if j.verdict == reported.verdict), None)
     if judged is None or judged.verdict not in GRAVE:
         return found
+    if judged.claim.moving is not None:
+        return _disagreeing(found, judged, settings)
     try:
         with deadline(settings.seconds, "what is said of this formula"):
             given = (*settings.given, *found.understood.lexicon.assume)
@@ -166,6 +220,18 @@ def _explained(found: Found, settings: Settings) -> Found:
     more = [p for p in reported.reason.split("; ") if p.startswith("it holds if")] if known else []
     reason = "; ".join([known, *more]) if known else reported.reason
     return replace(found, finding=replace(reported, explanation=explanation, reason=reason))
+
+
+def _disagreeing(found: Found, judged: Judged, settings: Settings) -> Found:
+    """Return a wrong formula on motions of the note's own with what is left over, and where it fails."""
+    claim = judged.claim
+    if claim.moving is None or claim.findings or judged.verdict != WRONG:
+        return found
+    given = (*settings.given, *found.understood.lexicon.assume)
+    drawn = claim.moving.worlds_with(claim.scalars)
+    said = (claim.moving.spelt(q, claim.scalars) for q in equations(claim))
+    why = next(filter(None, (disagreement(q, drawn, given) for q in said)), "")
+    return replace(found, finding=replace(found.finding, reason=why or found.finding.reason))
 
 
 # -- findings ------------------------------------------------------------------------------------
@@ -202,11 +268,20 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         return
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
-    for one, doubted in zip(found, doubts(formulas, hold, known.lexicon, known.draft), strict=True):
-        if one.finding.verdict != WRONG or all(map(_apart, one.verdict.claims)):
+    about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
+    lines = sum(h and a for h, a in zip(hold, about, strict=True))
+    named = settings.system is not None
+    doubted = doubts(formulas, hold, known.lexicon, known.draft)
+    for one, guessed, system in zip(found, doubted, about, strict=True):
+        if one.finding.verdict != WRONG or all(_apart(j, named) for j in one.verdict.claims):
             yield one
             continue
-        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in doubted[:SHOWN]]
+        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
+        if system and not named and (lines < CREDIBLE or guessed):
+            taken = [f"the note is about {s.name}" for s in known.draft.systems[:1]] + taken
+        if system and not named:
+            free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
+            taken += [f"{n} is counted from where the line needs it" for n in free]
         if _PLACED.search(one.finding.special):
             taken += ["points and frames are as drafted"]
         why = ", ".join(taken) or _excused(one, known.draft, settings)
@@ -215,9 +290,10 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         yield replace(one, finding=unsure) if why else one
 
 
-def _apart(judged: Judged) -> bool:
+def _apart(judged: Judged, named: bool) -> bool:
     """Return whether a verdict rests on no draft: on a system that is named, or on numbers alone."""
-    return covered(judged.claim) or any(f.what == ANOTHER for f in judged.claim.findings)
+    own = named and covered(judged.claim)
+    return own or any(f.what == ANOTHER for f in judged.claim.findings)
 
 
 def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
@@ -225,14 +301,26 @@ def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
     reading = one.understood.formula.reading
     if reading is None:
         return ""
-    given = (*settings.given, *one.understood.lexicon.assume)
+    here = one.understood.lexicon
+    given = (*settings.given, *here.assume)
     try:
         with deadline(settings.seconds, "other meanings of this formula"):
-            others = readings(one.understood.formula, one.understood.lexicon, draft)
-            for doubt, lexicon in islice(others, MAX_READINGS):
+            others = [
+                (f"${d.latex}$ is not {d.meaning} ({d.why})", lexicon)
+                for d, lexicon in islice(
+                    readings(one.understood.formula, here, draft), MAX_READINGS
+                )
+            ]
+            others += [
+                ("the system is as it was taken", r.added(here))
+                for s in draft.systems
+                if here.system is not None and set(s.headings) <= set(one.understood.headings)
+                for r in s.rivals[:SHOWN]
+            ]
+            for why, lexicon in others:
                 claims = reread(replace(one.understood, lexicon=lexicon), reading.tree)
                 if claims and all(_holds(c, given) for c in claims):
-                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+                    return why
     except (Overdue, RecursionError, InputError):
         return ""
     return ""
@@ -329,6 +417,17 @@ def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
     return NOWHERE
 
 
+def _drafts(draft: Proposal) -> Iterator[str]:
+    """Yield the meanings that were taken, with the words or the custom that they come from."""
+    for one in draft.systems:
+        where = f", under {' and '.join(one.headings)}" if one.headings else ""
+        yield f"the note is about {one.name}{where} ({one.words or USUAL})"
+        yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
+    tied = {t.latex for one in draft.systems for t in one.ties if not one.headings}
+    own = (d for d in draft.drafts if d.latex not in tied)
+    yield from (f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in own)
+
+
 def _report(
     document: Document, known: Meanings, settings: Settings, found: Sequence[Finding]
 ) -> Report:
@@ -341,9 +440,7 @@ def _report(
         document.name,
         tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),
         known.origin,
-        tuple(f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
-        if draft
-        else (),
+        tuple(_drafts(draft)) if draft else (),
         tuple(latex for latex, _ in draft.unplaced) if draft else (),
         settings.given,
         tuple(Remark("not read", f.what, f.line) for f in document.findings),

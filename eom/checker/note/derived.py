@@ -15,7 +15,8 @@ from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.spans import ReadingError
 from eom.derivations.derived import Derived
 from eom.errors import InputError
-from eom.terms.terms import VECTOR, Term, nodes
+from eom.terms.rules import entrywise, slopes
+from eom.terms.terms import VECTOR, Term, expr, nodes
 from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import NOTATIONS, notation_named, term_box
@@ -53,9 +54,41 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     spelt = ((render(chosen.point(p), "latex"), p) for p in points)
     lines += _table("points", {k: p for k, p in spelt if _is_label(k)})
     rows = (_symbols(found, chosen), _columns(derivation, chosen), _rates(derivation, chosen))
-    own = dict(_scalars(derivation, chosen, preset(base)))
-    lines += _table("symbols", {k: v for some in rows for k, v in some} | own)
+    meant = {k: v for some in rows for k, v in some}
+    meant |= dict(_scalars(derivation, chosen, preset(base)))
+    lines += _table("symbols", dict(_any(derivation, preset(base))) | meant)
+    lines += _moving(derivation, chosen)
     return "\n".join([*lines, "+++", "", ""])
+
+
+def _moving(derivation: Derived, notation: Notation) -> list[str]:
+    """Return tables of what the derivation declares to move, with formulas in LaTeX."""
+    own, lines = derivation.own, list[str]()
+
+    def latex(term: Term) -> str:
+        return f"'{render(term_box(term, notation), 'latex')}'"
+
+    carry = slopes(derivation.scalars, own)
+    meant = {s: carry(t) for s, t in derivation.scalars.items()}
+    spelt = {s: t.data[0] for s, t in meant.items() if t.head == "expr"}
+    named = entrywise(lambda e: e.xreplace(spelt))
+    turned = {
+        f: f"{{ from = '{row.base}', axis = {row.axis}, angle = {latex(expr(row.angle))} }}"
+        for f, row in own.frames.items()
+    }
+    placed = {p: latex(place) for p, place in own.points.items()}
+    bodies = {}
+    for b, body in own.bodies.items():
+        frame = f", frame = '{body.frame}'" if body.frame else ""
+        moments = ", ".join(map(latex, body.moments))
+        bodies[b] = f"{{ mass = {latex(body.mass)}{frame}, moments = [{moments}] }}"
+    for name, rows in (("turned", turned), ("placed", placed), ("bodies", bodies)):
+        lines += [f"[check.{name}]", *(f"{k} = {row}" for k, row in rows.items())] if rows else []
+    for law in own.laws:
+        gives = ", ".join(f"'{derivation.scalars[s].data[1]}'" for s in law.unknowns)
+        sides = (latex(named(t))[1:-1] for t in (law.equation.left, law.equation.right))
+        lines += ["[[check.determined]]", f"law = '{' = '.join(sides)}'", f"gives = [{gives}]"]
+    return lines
 
 
 def _table(name: str, rows: dict[str, str]) -> list[str]:
@@ -64,7 +97,10 @@ def _table(name: str, rows: dict[str, str]) -> list[str]:
 
 def _nodes(derivation: Derived) -> Iterator[Term]:
     sides = (t for s in derivation.steps for t in (s.statement.left, s.statement.right))
-    for term in (*sides, *derivation.scalars.values()):
+    own = derivation.own
+    laws = (t for law in own.laws for t in (law.equation.left, law.equation.right))
+    parts = (t for b in own.bodies.values() for t in (b.mass, *b.moments))
+    for term in (*sides, *derivation.scalars.values(), *laws, *own.points.values(), *parts):
         yield from nodes(term)
 
 
@@ -100,9 +136,18 @@ def _columns(derivation: Derived, notation: Notation) -> Iterator[tuple[str, str
 def _scalars(derivation: Derived, notation: Notation, known: Lexicon) -> Iterator[tuple[str, str]]:
     """Yield scalars of the derivation whose letters mean something else in the preset."""
     for name, meaning in derivation.scalars.items():
-        letter = symbol_latex(name.name)
-        if _is_pattern(letter) and known.find(look_of(letter)) is not None:
-            yield letter, f"= {render(term_box(meaning, notation), 'latex')}"
+        letter, said = symbol_latex(name.name), render(term_box(meaning, notation), "latex")
+        if letter != said and _is_pattern(letter) and known.find(look_of(letter)) is not None:
+            yield letter, f"= {said}"
+
+
+def _any(derivation: Derived, known: Lexicon) -> Iterator[tuple[str, str]]:
+    """Yield symbols that stand for any number, where the preset has no such letter."""
+    symbols = {s for n in _nodes(derivation) if n.head == "expr" for s in n.data[0].free_symbols}
+    for s in sorted(symbols - set(derivation.scalars), key=str):
+        letter = symbol_latex(s.name)
+        if _is_pattern(letter) and known.find(look_of(letter)) is None:
+            yield letter, f"scalar {s.name}"
 
 
 def _symbols(found: list[Term], notation: Notation) -> Iterator[tuple[str, str]]:

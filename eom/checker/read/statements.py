@@ -142,7 +142,10 @@ def _continued(found: list[Statement], previous: Sequenced[Statement]) -> list[S
         missing = s.relational and isinstance(s.members[0], Missing)
         wanted = missing or any(b.relational and _ends_open(b) for b in last)
         before = _continuable(result or previous) if wanted else []
-        if before and missing:
+        alone = _row_alone(result, s) if missing else None
+        if alone is not None:
+            new = replace(s, members=(alone, *s.members[1:]))
+        elif before and missing:
             left, *others = (_last(b) for b in before)
             members = (left, *s.members[1:])
             new = replace(s, members=members, continues=True, others=tuple(others))
@@ -151,6 +154,14 @@ def _continued(found: list[Statement], previous: Sequenced[Statement]) -> list[S
             new = replace(s, members=members, signs=signs, continues=True)
         result.append(new)
     return [_closed(s) for s in result]
+
+
+def _row_alone(result: list[Statement], s: Statement) -> Node | None:
+    """Return the expression that stands in the row before by itself: a sign below it continues that."""
+    last = result[-1] if result else None
+    if last is None or last.relational or last.row + 1 != s.row or len(last.members) != 1:
+        return None
+    return None if isinstance(last.members[0], Words) else last.members[0]
 
 
 def _continuable(before: Sequenced[Statement]) -> list[Statement]:

@@ -17,11 +17,12 @@ import io
 import json
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.read.spans import NOWHERE, Source, Span, printable
+from eom.checker.report.questions import Question
 from eom.worlds.worlds import ASSUMPTIONS
 
 if TYPE_CHECKING:
@@ -334,7 +335,8 @@ class Report:
     ``name``: of the note; ``findings``: in the order of the note; ``lexicon``: where the meanings of its
     symbols come from; ``drafts``: those that were taken from its words unconfirmed; ``unplaced``:
     symbols that the draft has no meaning for; ``given``: what was assumed without being said;
-    ``notices``: what of the note was not read.
+    ``notices``: what of the note was not read; ``questions``: which meanings would decide more lines, the
+    most useful first.
     """
 
     name: str
@@ -344,6 +346,7 @@ class Report:
     unplaced: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
     notices: tuple[Remark, ...] = ()
+    questions: tuple[Question, ...] = ()
 
     @property
     def equations(self) -> tuple[Finding, ...]:
@@ -660,6 +663,7 @@ def _report(report: Report) -> Data:
         "unplaced": list(report.unplaced),
         "given": list(report.given),
         "notices": [{"text": n.text, "line": n.line} for n in report.notices],
+        "questions": [asdict(q) for q in report.questions],
         "counts": report.counts,
         "findings": [finding(f) for f in report.findings],
     }

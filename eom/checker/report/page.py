@@ -33,6 +33,7 @@ from eom.checker.read.spans import ReadingError, Source, Span
 from eom.checker.read.tokens import Macro
 from eom.checker.read.writing import at_fault, box
 from eom.checker.report.findings import FAULTS, Correction, Counterexample, Finding, Graded, Report
+from eom.checker.report.questions import Question
 from eom.typeset.markup import render
 from eom.worlds.worlds import ASSUMPTIONS
 
@@ -159,6 +160,7 @@ def _summary(report: Report) -> Iterator[str]:
         ("Drafted from the words of the note", _list(map(html.escape, report.drafts), "ul")),
         ("Assumed throughout", _assumptions(report.given)),
         ("Symbols without a meaning", ", ".join(mathml(s) for s in report.unplaced)),
+        ("Meanings that would decide more lines", _list(map(_question, report.questions), "ul")),
         (
             "Not read",
             _list((f"line {n.line}: {html.escape(n.text)}" for n in report.notices), "ul"),
@@ -175,6 +177,14 @@ def _summary(report: Report) -> Iterator[str]:
         else ""
     )
     yield FILTER
+
+
+def _question(one: Question) -> str:
+    """Return an open meaning: the symbol, its lines, and what it may stand for."""
+    taken = f", taken for {html.escape(one.guess)}" if one.guess else ""
+    lines = ", ".join(map(str, one.lines))
+    may = "; ".join(html.escape(str(c)) for c in one.candidates)
+    return f"{mathml(one.latex)}{taken} (line {lines}){': perhaps ' + may if may else ''}"
 
 
 FILTER = """<fieldset><legend>Show findings</legend>

@@ -1,7 +1,8 @@
-"""Closed forms of small trees by Lagrange, Kane and Newton-Euler, term by term.
+"""Closed forms of small trees by Lagrange, Kane and Newton-Euler, term by term, under constraints too.
 
 Imports: `eom.derivations`, `eom.errors`, `eom.exact`, `eom.fields`, `eom.multibody.algebra`,
-`eom.multibody.model`, `eom.quantities`, `eom.system`, `eom.typeset`.
+`eom.multibody.constrained`, `eom.multibody.model`, `eom.multibody.recursion`, `eom.quantities`,
+`eom.system`, `eom.typeset`.
 """
 
 from eom.multibody.closed.forms import (
@@ -12,6 +13,7 @@ from eom.multibody.closed.forms import (
     absolute_angles,
     closed_form,
     compare,
+    with_attitude,
 )
 from eom.multibody.closed.pages import show, tree_page
 
@@ -25,4 +27,5 @@ __all__ = [
     "compare",
     "show",
     "tree_page",
+    "with_attitude",
 ]

@@ -6,7 +6,7 @@ Angles about parallel axes: their sums are the angles against the ground.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,17 +14,26 @@ import sympy as sp
 
 from eom.derivations.verification import DerivationError
 from eom.errors import InputError, typed, unknown_name
-from eom.exact.identity import equal
+from eom.errors import shown as shown_value
+from eom.exact.identity import equal, vanishes
 from eom.multibody.algebra.scalars import is_zero, sub
 from eom.multibody.algebra.spatial import Vector, times, transposed
-from eom.multibody.algebra.values import is_number
+from eom.multibody.closed.bonds import Bonds, Bound, bonds, bound
+from eom.multibody.closed.factors import quotient, shared_factor, solved_by_groups
 from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
-from eom.multibody.closed.mechanism import Link, Mechanism, mechanism
+from eom.multibody.closed.mechanism import Link, Mechanism, locked, mechanism
 from eom.multibody.closed.polynomials import Scalar, terms_of
-from eom.multibody.closed.readable import KINDS, Contribution, Part, Writer, factor, parts
+from eom.multibody.closed.readable import (
+    KINDS,
+    Part,
+    Writer,
+    by_motion,
+    factor,
+    parts,
+)
 from eom.multibody.model.model import Tree
-from eom.multibody.model.names import inputs_of, singularities_of
-from eom.quantities import TIME, Definition, Quantity
+from eom.multibody.model.names import inputs_of, singularities_of, symbols_of
+from eom.quantities import TIME, Definition, Quantity, Singularity
 from eom.system import System, as_expression
 from eom.typeset.blocks import shown
 
@@ -88,6 +97,23 @@ class ClosedForm:
     steps: Any = field(repr=False, compare=False)
     """The method at work, whose intermediate results the pages show."""
     write: Writer = field(repr=False, compare=False)
+    followers: tuple[Definition, ...] = ()
+    """Speeds that constraints determine, over those with equations."""
+    multipliers: tuple[Definition, ...] = ()
+    """Forces and torques of constraints, over coordinates, speeds and accelerations."""
+    placed: tuple[Definition, ...] = ()
+    """Coordinates that closures give outright; they are put in wherever else they stood."""
+
+    @property
+    def bonds(self) -> Bonds | None:
+        """The constraints, solved; None of a tree without."""
+        return self.steps.bonds if isinstance(self.steps, Bound) else None
+
+    @property
+    def whole(self) -> Mechanism:
+        """The mechanism with all its speeds, those that follow others too."""
+        found: Mechanism = self.steps.mechanism if self.bonds is None else self.bonds.whole
+        return found
 
     def of(self, equation: Expr, kind: str = "") -> tuple[Term, ...]:
         """Return the terms of one ``equation``, by the symbol of its speed: all, or of one ``kind``."""
@@ -119,6 +145,45 @@ class ClosedForm:
         return sp.ImmutableMatrix(self.column(*right) - self.column(*left))
 
     @cached_property
+    def solved(self) -> tuple[Expr, ...]:
+        """The accelerations, by Cramer's rule for each group of equations that hang together."""
+        found = solved_by_groups(self.mass_matrix, self.forcing)
+        return tuple(found[k] for k in range(len(self.speeds)))
+
+    @cached_property
+    def reactions(self) -> tuple[Definition, ...]:
+        """The multipliers with the accelerations put in: forces and torques by the state alone.
+
+        Raises `InputError` where one is no expression, as its mass matrix is singular everywhere.
+        """
+        known = dict(zip(self.accelerations, self.solved, strict=True))
+        return tuple(
+            Definition(d.quantity, sp.factor_terms(d.expression.xreplace(known)))
+            for d in self.multipliers
+        )
+
+    @cached_property
+    def common_factors(self) -> tuple[Expr, ...]:
+        """What all terms of each equation share and what never vanishes: numbers and parameters."""
+        moving = {q.symbol for q in (*self.coordinates, *self.speeds)} | {TIME}
+        moving |= {*self.accelerations, *(d.symbol for d in self.prescribed)}
+        moving |= {i.symbol for i in inputs_of(self.tree)}
+        shared = (
+            shared_factor([t.coefficient for t in self.of(u.symbol)], moving) for u in self.speeds
+        )
+        decimal = self.tree.numbers == "decimals"  # of which fractions would not be read again
+        return tuple(f.as_coeff_Mul()[1] if decimal else f for f in shared)
+
+    @cached_property
+    def divided(self) -> tuple[Term, ...]:
+        """The terms, each divided by the common factor of its equation."""
+        factors = {u.symbol: f for u, f in zip(self.speeds, self.common_factors, strict=True)}
+        return tuple(
+            replace(t, coefficient=quotient(t.coefficient, factors[t.equation]), origins=())
+            for t in self.terms
+        )
+
+    @cached_property
     def system(self) -> System:
         """The equations as a `System` with a mass matrix; right for small trees."""
         n = len(self.coordinates)
@@ -139,9 +204,22 @@ class ClosedForm:
             parameters=tuple(described.get(s, Quantity(s)) for s in sorted(free, key=str)),
             inputs=inputs,
             definitions=self.prescribed,
-            singularities=singularities_of(self.tree),
+            singularities=(*self._singularities(), *self._dependent()),
             numbers=self.tree.numbers,
         )
+
+    def _singularities(self) -> Iterator[Singularity]:
+        """Yield those of the coordinates, under the names that were chosen."""
+        for s in singularities_of(self.tree):
+            named = self.whole.algebra.named
+            yield replace(s, expression=named(s.expression), coordinate=named(s.coordinate))
+
+    def _dependent(self) -> Iterator[Singularity]:
+        """Yield where speeds no longer follow from the independent ones."""
+        for x in self.bonds.divisors if self.bonds else ():
+            meaning = "the independent speeds no longer determine the others; choose others"
+            symbol = min(x.free_symbols & self.whole.rates.keys(), key=str)
+            yield Singularity(x, symbol, meaning)
 
     def show(self, style: str = "text") -> str:
         """Return the derivation as a page, its ``style`` text, latex, markdown or html.
@@ -204,6 +282,7 @@ class Comparison:
 
     def checked(self) -> Comparison:
         """Return the comparison. Raises `DerivationError` that names the first term that differs."""
+        self._check_multipliers()
         for row in self.differences:
             got = {
                 form.method: str(t.coefficient if t else 0)
@@ -216,6 +295,15 @@ class Comparison:
                 expected="equal coefficients",
             )
         return self
+
+    def _check_multipliers(self) -> None:
+        for found in zip(*(form.multipliers for form in self.forms), strict=True):
+            if not all(equal(found[0].expression, d.expression) for d in found[1:]):
+                raise DerivationError(
+                    "the methods differ in a multiplier",
+                    where=found[0].symbol.name,
+                    got="; ".join(str(d.expression) for d in found),
+                )
 
     def show(self, style: str = "text") -> str:
         """Return the comparison as a page, its ``style`` text, latex, markdown or html.
@@ -230,12 +318,21 @@ class Comparison:
 
 @typed
 def closed_form(
-    tree: Tree, method: str = "lagrange", *, coordinates: Mapping[Expr, Expr] | None = None
+    tree: Tree,
+    method: str = "lagrange",
+    *,
+    coordinates: Mapping[Expr, Expr] | None = None,
+    names: Mapping[str, str] | None = None,
+    independent: Sequence[str] = (),
 ) -> ClosedForm:
     """Return the equations of motion of a small tree as a person would write them.
 
     ``method``: a row of `METHODS`. ``coordinates``: other coordinates in place of the joints', as
-    expressions over new symbols (`absolute_angles`). Raises `InputError` for an unknown method, and for
+    expressions over new symbols (`absolute_angles`). ``names``: others for coordinates and speeds, by the
+    names that they have; the rate of what is called phi is called phi_dot. Under constraints, Lagrange's
+    equations get multipliers and are combined so that these drop out, Kane's are those of nonholonomic
+    speeds; ``independent``: names of the speeds that stay, by default those that leave the simplest
+    equations. Raises `InputError` for an unknown method, constraints that cannot be solved, and for
     a tree whose closed form nobody would read. SI units; frames and signs are those of `Joint`.
     Source: Goldstein, Classical Mechanics (2002), ch. 1; Kane and Levinson, Dynamics: Theory and
     Applications (1985); Wittenburg, Dynamics of Multibody Systems (2008).
@@ -244,11 +341,12 @@ def closed_form(
     >>> m, l, g = sp.symbols("m l g", positive=True)
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> bob = Body("bob", mass=m, centre=(0, 0, -l))
-    >>> form = closed_form(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -g)))
+    >>> pendulum = Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -g))
+    >>> form = closed_form(pendulum, names={"q_hinge": "theta"})
     >>> form.mass_matrix[0], form.forcing[0]
-    (l**2*m, -g*l*m*sin(q_hinge))
+    (l**2*m, -g*l*m*sin(theta))
     """
-    return _forms(tree, (method,), coordinates)[0]
+    return _forms(tree, (method,), Wishes(coordinates, names, tuple(independent)))[0]
 
 
 @typed
@@ -257,11 +355,14 @@ def compare(
     methods: Iterable[str] = tuple(METHODS),
     *,
     coordinates: Mapping[Expr, Expr] | None = None,
+    names: Mapping[str, str] | None = None,
+    independent: Sequence[str] = (),
 ) -> Comparison:
     """Return the closed forms of a tree by several methods, their agreement verified term by term.
 
-    ``methods``: rows of `METHODS`. Raises `DerivationError` if two methods differ, and `InputError` as
-    `closed_form`. Units, frames, signs and sources are those of `closed_form`.
+    ``methods``: rows of `METHODS`; ``coordinates``, ``names``, ``independent``: as of `closed_form`.
+    Multipliers of constraints are compared, too. Raises `DerivationError` if two methods differ, and
+    `InputError` as `closed_form`. Units, frames, signs and sources are those of `closed_form`.
 
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
@@ -270,40 +371,78 @@ def compare(
     >>> [(row.kind, str(row.terms[0].expression)) for row in found.rows]
     [('inertial', '2*u_hinge_dot'), ('gravity', '20*sin(q_hinge)')]
     """
-    return Comparison(_forms(tree, tuple(methods), coordinates)).checked()
+    wishes = Wishes(coordinates, names, tuple(independent))
+    return Comparison(_forms(tree, tuple(methods), wishes)).checked()
 
 
-def _forms(
-    tree: Tree, methods: Sequence[str], coordinates: Mapping[Expr, Expr] | None
-) -> tuple[ClosedForm, ...]:
+@dataclass(frozen=True)
+class Wishes:
+    """What a user chooses of a closed form; see `closed_form`."""
+
+    coordinates: Mapping[Expr, Expr] | None = None
+    names: Mapping[str, str] | None = None
+    independent: tuple[str, ...] = ()
+
+
+def _forms(tree: Tree, methods: Sequence[str], wishes: Wishes) -> tuple[ClosedForm, ...]:
     """Return closed forms over the same geometry, written in the same way."""
     if not methods:
         raise InputError("no method is named", got="()", expected=", ".join(METHODS))
     for method in methods:
         if method not in METHODS:
             raise unknown_name("method", method, METHODS, f"tree {tree.name!r}")
-    given = mechanism(tree, coordinates)
+    names = chosen_names(tree, wishes.names or {})
+    given = mechanism(tree, wishes.coordinates, names)
     write = Writer(given.algebra, runs(given))
-    return tuple(_form(given, m, METHODS[m][1](given), write) for m in methods)
+    if not tree.constraints:
+        if wishes.independent:
+            raise InputError(
+                "independent speeds of a tree without constraints", where=f"tree {tree.name!r}"
+            )
+        return tuple(_form(given, m, METHODS[m][1](given), write) for m in methods)
+    held = bonds(given, wishes.coordinates or {}, wishes.independent, write)
+    found = (bound(held, METHODS[m][1]) for m in methods)
+    return tuple(_form(held.mechanism, m, b, write) for m, b in zip(methods, found, strict=True))
+
+
+def chosen_names(tree: Tree, names: Mapping[str, str]) -> dict[Expr, Expr]:
+    """Return symbols in place of those of coordinates and speeds.
+
+    Raises `InputError` for what is no coordinate or speed, no name, and a name that is taken.
+    """
+    where = f"tree {tree.name!r}: names"
+    known = {x.name: x for j in tree.ordered for x in (*j.coordinates, *j.speeds)}
+    taken = {*known, *(s.name for s in symbols_of(tree)), *(i.name for i in inputs_of(tree))}
+    taken = (taken | {TIME.name}) - names.keys()
+    found: dict[Expr, Expr] = {}
+    for old, new in names.items():
+        if old not in known:
+            raise unknown_name("coordinate or speed", str(old), known, where)
+        if not isinstance(new, str) or not new.isidentifier():
+            raise InputError(
+                "not a name", where=where, got=shown_value(new), expected="letters, digits, _"
+            )
+        if new in taken:
+            raise InputError("the name is taken", where=where, got=new)
+        taken.add(new)
+        found[known[old].symbol] = sp.Symbol(new, real=True)
+    return found
 
 
 def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedForm:
-    found: Iterable[Contribution] = steps.contributions()
+    found = [replace(c, value=given.in_place(c.value)) for c in steps.contributions()]
     sorted_parts = parts(given, found)
     _refuse_unreadable(given, sorted_parts.values())
     speeds = [given.speeds[k] for k in given.free]
+    put = steps.bonds.in_place if isinstance(steps, Bound) else given.in_place
     terms = []
     for key, part in sorted_parts.items():
+        coefficient = write(part.coefficient)
+        if isinstance(steps, Bound) and vanishes(coefficient):
+            continue  # over a divisor zero has no normal form
         origins = tuple((label, write(x)) for label, x in part.origins)
-        terms.append(
-            Term(
-                speeds[key.row].symbol,
-                key.kind,
-                factor(given, key.factor),
-                write(part.coefficient),
-                origins,
-            )
-        )
+        symbol = speeds[key.row].symbol
+        terms.append(Term(symbol, key.kind, factor(given, key.factor), coefficient, origins))
     return ClosedForm(
         tree=given.tree,
         method=method,
@@ -311,13 +450,37 @@ def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedFor
         speeds=tuple(speeds),
         accelerations=tuple(given.accelerations[k] for k in given.free),
         kinematics=tuple(
-            given.algebra.expression(given.rates.get(q.symbol, 0)) for q in given.variables
+            given.algebra.expression(put(given.rates.get(q.symbol, 0))) for q in given.variables
         ),
         prescribed=tuple(_prescribed(given)),
         terms=tuple(terms),
         steps=steps,
         write=write,
+        **(_constraint_parts(steps, write) if isinstance(steps, Bound) else {}),
     )
+
+
+def _constraint_parts(steps: Bound, write: Writer) -> dict[str, tuple[Definition, ...]]:
+    """Return speeds that follow and multipliers, written."""
+    held = steps.bonds
+    pen = by_motion(held.whole, write)
+    followers = (
+        Definition(held.whole.speeds[k], pen(held.in_place(held.follower(k))))
+        for k in held.dependent
+    )
+    known = {q.symbol: q for q in held.whole.variables}
+    placed = tuple(Definition(known[q], write(x)) for q, x in held.placed.items())
+    forces = zip(held.kept, steps.multipliers, strict=True)
+    multipliers = (
+        Definition(
+            Quantity(
+                sp.Symbol(f"lambda_{b.name}", real=True), b.component.unit, b.component.meaning
+            ),
+            pen(x),
+        )
+        for b, x in forces
+    )
+    return {"followers": tuple(followers), "multipliers": tuple(multipliers), "placed": placed}
 
 
 def _refuse_unreadable(given: Mechanism, found: Iterable[Part]) -> None:
@@ -340,15 +503,37 @@ def _prescribed(given: Mechanism) -> Iterable[Definition]:
         if joint.motion is None:
             continue
         for k, (q, u) in enumerate(zip(joint.coordinates, joint.speeds, strict=True)):
-            if is_number(joint.motion.position[k]):
+            if locked(joint, k):
                 continue
-            a = Quantity(given.accelerations[numbers[u.symbol]], f"{u.unit}^2", f"rate of {u.name}")
-            for quantity, value in (
-                (q, joint.motion.position),
-                (u, joint.motion.rate),
-                (a, joint.motion.acceleration),
-            ):
-                yield Definition(quantity, as_expression(value[k]))
+            place, speed = (replace(x, symbol=given.algebra.named(x.symbol)) for x in (q, u))
+            number = numbers[speed.symbol]
+            a = Quantity(given.accelerations[number], f"{u.unit}^2", f"rate of {speed.name}")
+            yield Definition(place, as_expression(joint.motion.position[k]))
+            yield Definition(speed, as_expression(joint.motion.rate[k]))
+            yield Definition(a, as_expression(joint.motion.acceleration[k]))
+
+
+@typed
+def with_attitude(tree: Tree, attitude: str) -> Tree:
+    """Return a tree whose spherical and free joints have angles of a sequence, for example 3-1-2.
+
+    Raises `InputError` for another sequence, no such joint, and formulas over what is replaced.
+    """
+    turned = [j for j in tree.joints if j.row.attitude]
+    if not turned:
+        raise InputError("no joint has an attitude", where=f"tree {tree.name!r}", got=attitude)
+    joints = tuple(replace(j, attitude=attitude) if j.row.attitude else j for j in tree.joints)
+    found = replace(tree, joints=joints)
+    lost = {q.symbol for j in turned for q in j.coordinates}
+    lost -= {q.symbol for j in joints for q in j.coordinates}
+    used = sorted(str(s) for s in lost & set(symbols_of(tree)))
+    if used:
+        raise InputError(
+            "formulas of the tree are over coordinates that are replaced",
+            where=f"tree {tree.name!r}",
+            got=", ".join(used),
+        )
+    return found
 
 
 @typed

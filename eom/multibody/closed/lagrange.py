@@ -200,7 +200,7 @@ class Lagrange:
     def _first(self, link: Link) -> int:
         """Return the number, among all speeds, of the first of a joint."""
         names = [u.symbol for u in self.mechanism.speeds]
-        return names.index(link.joint.speeds[0].symbol)
+        return names.index(self.mechanism.algebra.named(link.joint.speeds[0].symbol))
 
     def _test(self, i: int, j: int, coefficients: dict[int, Scalar]) -> None:
         basis = self.mechanism.basis

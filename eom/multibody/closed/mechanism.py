@@ -12,7 +12,7 @@ What closed forms and SymPy's mechanics take from a description; whatever else i
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -110,18 +110,30 @@ class Mechanism:
     joint_speeds: tuple[Scalar, ...]
     gravity: Vector
     pulls: tuple[Pull, ...]
+    offsets: Mapping[Expr, Scalar] = field(default_factory=lambda: {TIME: 1})
+    """What changes without speeds: time, and coordinates that constraints move."""
+    even: frozenset[int] = frozenset()
+    """Prescribed speeds that are constant."""
+    followers: Mapping[int, Scalar] = field(default_factory=dict)
+    """Generators that are speeds which follow others, over those."""
+    named: frozenset[Expr] = frozenset()
+    """Speeds whose names were chosen."""
 
     @cached_property
     def rates(self) -> dict[Expr, Scalar]:
         """How each coordinate and each speed changes in time."""
-        found: dict[Expr, Scalar] = {}
+        found: dict[Expr, Scalar] = dict(self.offsets)
         for u, column in zip(self.speeds, self.basis, strict=True):
             speed = self.algebra.atom(u.symbol)
             for q, rate in column.items():
                 found[q] = found.get(q, 0) + speed * rate
-        for u, a in zip(self.speeds, self.accelerations, strict=True):
-            found[u.symbol] = self.algebra.atom(a)
+        for k, (u, a) in enumerate(zip(self.speeds, self.accelerations, strict=True)):
+            found[u.symbol] = 0 if k in self.even else self.algebra.atom(a)
         return found
+
+    def lift(self, x: Any) -> Scalar:
+        """Return a value of the description, speeds that follow others over those."""
+        return followed(self.algebra, self.algebra.lift(x), self.followers)
 
     @property
     def forced(self) -> tuple[int, ...]:
@@ -135,6 +147,28 @@ class Mechanism:
     def rate_of(self, v: Vector) -> Vector:
         """Return the derivatives of components in time."""
         return [self.rate(x) for x in v]
+
+    @property
+    def frozen(self) -> dict[int, Scalar]:
+        """Generators of coordinates that move and are looked at in one place, with their values there."""
+        places = {
+            self.algebra.named(c.symbol): self.algebra.lift(joint.motion.position[k])
+            for joint in self.tree.ordered
+            if joint.motion is not None
+            for k, c in enumerate(joint.coordinates)
+            if is_number(joint.motion.position[k]) and not locked(joint, k)
+        }
+        found = {}
+        for g, e in enumerate(list(self.algebra.generators)):
+            used = e.free_symbols & places.keys()
+            if used:
+                put = e.xreplace({q: as_expression(places[q]) for q in used})
+                found[g] = self.algebra.lift(put)
+        return found
+
+    def in_place(self, x: Scalar) -> Scalar:
+        """Return a scalar where coordinates are that are looked at in one place."""
+        return self.algebra.replaced(x, self.frozen)
 
     @cached_property
     def _numbers(self) -> dict[int, int]:
@@ -176,7 +210,7 @@ class Mechanism:
 
         Springs and dampers resist, so that their values stand beside those of inertia.
         """
-        start, lift = 0, self.algebra.lift
+        start, lift = 0, self.lift
         for link in self.links:
             joint = link.joint
             paired = joint.row.paired(joint.attitude)
@@ -204,46 +238,56 @@ class Mechanism:
         return k == link
 
 
-class _Trigonometry:
+class Trigonometry:
     """Sines and cosines in an algebra; nothing gets a name."""
 
     def __init__(self, algebra: Algebra) -> None:
         self.algebra = algebra
 
     def sin(self, x: Scalar) -> Scalar:
+        """Return the sine."""
         return self.algebra.turned(x)[0] if isinstance(x, Polynomial) else self._number(sp.sin, x)
 
     def cos(self, x: Scalar) -> Scalar:
+        """Return the cosine."""
         return self.algebra.turned(x)[1] if isinstance(x, Polynomial) else self._number(sp.cos, x)
 
     def sqrt(self, x: Scalar) -> Scalar:
+        """Raise `InputError`: nothing here has a length."""
         raise InputError("closed forms hold no lengths of springs", got=str(x))
 
     def _number(self, function: Any, x: Scalar) -> Scalar:
         return self.algebra.lift(function(as_expression(x)))
 
     def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:  # noqa: ARG002
+        """Return the value: nothing gets a name."""
         return value
 
 
-def mechanism(tree: Tree, coordinates: Mapping[Expr, Expr] | None = None) -> Mechanism:
-    """Return a tree over polynomials.
+def mechanism(
+    tree: Tree,
+    coordinates: Mapping[Expr, Expr] | None = None,
+    names: Mapping[Expr, Expr] | None = None,
+) -> Mechanism:
+    """Return a tree over polynomials, its constraints left aside.
 
     ``coordinates``: other coordinates, for each coordinate that is replaced an expression over the
-    new ones. Raises `InputError` for systems with too many speeds, coordinates that do not fit, and
-    whatever the tree says beyond `eom.multibody.closed.mechanism.KNOWN`.
+    new ones. ``names``: symbols in place of those of coordinates and speeds. Raises `InputError` for
+    systems with too many speeds, coordinates that do not fit, and whatever the tree says beyond
+    `eom.multibody.closed.mechanism.KNOWN` and constraints.
     """
-    refuse_unknown(tree, "a closed form")
-    builder = _Building(tree, dict(coordinates or {}))
+    refuse_unknown(tree, "a closed form", frozenset({"constraints"}))
+    builder = _Building(tree, dict(coordinates or {}), dict(names or {}))
     links = tuple(builder.link(joint) for joint in tree.ordered)
     return builder.finish(links)
 
 
 class _Building:
-    def __init__(self, tree: Tree, chosen: dict[Expr, Expr]) -> None:
+    def __init__(self, tree: Tree, chosen: dict[Expr, Expr], names: dict[Expr, Expr]) -> None:
         self.tree = tree
-        self.algebra = Algebra(f"tree {tree.name!r}")
-        self.work = _Trigonometry(self.algebra)
+        self.own_names = frozenset(names.values())
+        self.algebra = Algebra(f"tree {tree.name!r}", _with_rates(tree, names))
+        self.work = Trigonometry(self.algebra)
         self.chosen = {k: as_expression(e) for k, e in chosen.items()}
         self.new = new_coordinates(tree, self.chosen)
         self.seats = {GROUND: -1}
@@ -254,7 +298,12 @@ class _Building:
         self.accelerations: list[Expr] = []
         self.free: list[int] = []
         self.basis: list[dict[Expr, Scalar]] = []
+        self.even: list[int] = []
         self._new_speeds()
+
+    def named(self, q: Quantity) -> Quantity:
+        """Return a quantity with the name that was chosen."""
+        return replace(q, symbol=self.algebra.named(q.symbol))
 
     def _new_speeds(self) -> None:
         for q in self.new:
@@ -270,9 +319,10 @@ class _Building:
                 expected=f"at most {MOST}",
                 hint="derive(tree) has no such limit",
             )
+        u = self.named(u)
         self.speeds.append(u)
         self.accelerations.append(sp.Symbol(dotted(u.name), real=True))
-        self.basis.append(moved)
+        self.basis.append({self.algebra.named(q): x for q, x in moved.items()})
 
     def vector(self, v: Vector) -> Vector:
         return [self.algebra.lift(x) for x in v]
@@ -329,8 +379,8 @@ class _Building:
 
     def _coordinates(self, joint: Joint) -> list[Scalar]:
         if joint.motion is not None:
-            given = zip(joint.coordinates, joint.motion.position, strict=True)
-            q = [self.algebra.lift(p if is_number(p) else c.symbol) for c, p in given]
+            given = enumerate(zip(joint.coordinates, joint.motion.position, strict=True))
+            q = [self.algebra.lift(p if locked(joint, k) else c.symbol) for k, (c, p) in given]
         else:
             q = [self.algebra.lift(self.chosen.get(c.symbol, c.symbol)) for c in joint.coordinates]
         self._attitude(joint)
@@ -364,9 +414,11 @@ class _Building:
 
     def _prescribed(self, joint: Joint) -> None:
         for k, u in enumerate(joint.speeds):
-            if is_number(joint.motion.position[k]):
+            if locked(joint, k):
                 self.joint_speeds.append(0)
                 continue
+            if is_number(joint.motion.acceleration[k]) and not joint.motion.acceleration[k]:
+                self.even.append(len(self.speeds))
             self._speed(u, False, {joint.coordinates[k].symbol: 1})
             self.joint_speeds.append(self.algebra.atom(u.symbol))
 
@@ -384,7 +436,7 @@ class _Building:
             algebra=self.algebra,
             links=links,
             coordinates=tuple(self.coordinates),
-            variables=(*self.new, *kept),
+            variables=(*self.new, *map(self.named, kept)),
             speeds=tuple(self.speeds),
             accelerations=tuple(self.accelerations),
             free=tuple(self.free),
@@ -392,6 +444,8 @@ class _Building:
             joint_speeds=tuple(self.joint_speeds),
             gravity=self.vector(self.tree.gravity),
             pulls=tuple(self._pull(load) for load in self.tree.loads),
+            even=frozenset(self.even),
+            named=frozenset(u.symbol for u in self.speeds) & self.own_names,
         )
 
     def _pull(self, load: Load) -> Pull:
@@ -401,6 +455,43 @@ class _Building:
             force, torque = (times(transposed(link.seat), v) for v in (force, torque))
         point = link.point(self.vector(load.point))
         return Pull(self.seats[load.body], force, torque, point, load.axes == GROUND)
+
+
+def locked(joint: Joint, k: int) -> bool:
+    """Return whether a prescribed coordinate is a constant that does not move.
+
+    One with a rate beside a constant place moves: that is where it is looked at.
+    """
+    place, *rates = (joint.motion.position[k], joint.motion.rate[k], joint.motion.acceleration[k])
+    return is_number(place) and all(map(is_zero, rates))
+
+
+def followed(algebra: Algebra, x: Scalar, followers: Mapping[int, Scalar]) -> Scalar:
+    """Return a scalar with followers in place of their speeds.
+
+    Raises `InputError` where it is no polynomial in them.
+    """
+    lost = {algebra.generators[g] for g in followers}
+    for g in x.used if isinstance(x, Polynomial) else ():
+        if g not in followers and algebra.generators[g].free_symbols & lost:
+            raise InputError(
+                "a force is no polynomial in a speed that a constraint determines",
+                where=algebra.where,
+                got=str(algebra.generators[g]),
+                hint="choose other independent speeds",
+            )
+    return algebra.replaced(x, followers)
+
+
+def _with_rates(tree: Tree, names: Mapping[Expr, Expr]) -> dict[Expr, Expr]:
+    """Return names with those of the rates: the rate of what is called phi is called phi_dot."""
+    found = dict(names)
+    for j in tree.ordered:
+        for u, c in zip(j.speeds, j.row.paired(j.attitude), strict=True):
+            q = None if c is None else names.get(j.coordinates[c].symbol)
+            if q is not None:
+                found.setdefault(u.symbol, sp.Symbol(dotted(q.name), real=True))
+    return found
 
 
 def dotted(name: str) -> str:
@@ -482,12 +573,15 @@ KNOWN: dict[type, frozenset[str]] = {
 """The fields that are used, by type."""
 
 
-def refuse_unknown(tree: Tree, what: str) -> None:
-    """Raise `InputError` if a tree says something that ``what`` would leave out in silence."""
+def refuse_unknown(tree: Tree, what: str, also: frozenset[str] = frozenset()) -> None:
+    """Raise `InputError` if a tree says something that ``what`` would leave out in silence.
+
+    ``also``: fields of a tree that it knows beyond `KNOWN`.
+    """
     for part in _parts(tree):
         known = next(names for kind, names in KNOWN.items() if isinstance(part, kind))
         for f in fields(part):
-            if f.name not in known and getattr(part, f.name) != _default(f):
+            if f.name not in known | also and getattr(part, f.name) != _default(f):
                 name = getattr(part, "name", "")
                 raise InputError(
                     f"{what} cannot take {f.name.replace('_', ' ')} into account",

@@ -1,21 +1,14 @@
-"""Pages of closed forms: one method with its steps, or several side by side, term by term.
-
-What each method shows of its way: stages with a reason and lines (left side, value).
-
-A value is an expression, or three of them: components in the axes that the reason names.
-"""
+"""Pages of closed forms: one method with its steps, or several side by side, term by term."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
 
 from eom.derivations.derived import FORMATS
 from eom.errors import typed, unknown_name
-from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.closed.forms import (
     EQUATIONS,
     METHODS,
@@ -25,11 +18,11 @@ from eom.multibody.closed.forms import (
     closed_form,
     compare,
 )
-from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
-from eom.multibody.closed.mechanism import dotted
-from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar, terms_of
-from eom.multibody.closed.readable import KINDS, content
+from eom.multibody.closed.readable import KINDS
+from eom.multibody.closed.stages import Stage, Value, display_names, stages
 from eom.multibody.model.model import Tree
+from eom.multibody.model.names import inputs_of
+from eom.quantities import TIME
 from eom.typeset.blocks import (
     EQUALS,
     Block,
@@ -49,31 +42,17 @@ from eom.typeset.boxes import (
     Box,
     Fence,
     Formula,
-    Fraction,
     Grid,
     Operator,
     Row,
-    Scripts,
-    Symbol,
     Words,
     row,
     symbol,
 )
 from eom.typeset.markup import render
-from eom.typeset.writing import expression_pieces, in_decimals
+from eom.typeset.writing import Names, expression_pieces
 
 Expr = Any
-
-
-class Names(dict[Expr, Expr]):
-    """How symbols are shown, and whether numbers are shown as decimals."""
-
-    decimals = False
-
-    def of(self, value: Expr) -> Expr:
-        """Return an expression, or a matrix, as it is shown."""
-        found = value.xreplace(self)
-        return in_decimals(found) if self.decimals else found
 
 
 @shown.register(ClosedForm)
@@ -94,12 +73,15 @@ def tree_page(
     style: str = "text",
     *,
     coordinates: Mapping[Expr, Expr] | None = None,
+    names: Mapping[str, str] | None = None,
+    independent: Sequence[str] = (),
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
     ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.derived.FORMATS`:
-    text, latex, markdown or html. ``coordinates``: as of `closed_form`, as are units, frames, signs and
-    sources. Raises `InputError` for unknown methods and formats, else as `compare`.
+    text, latex, markdown or html. ``coordinates``, ``names``, ``independent``: as of `closed_form`, as are
+    units, frames, signs and sources. Raises `InputError` for unknown methods and formats, else as
+    `compare`.
 
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
@@ -109,11 +91,16 @@ def tree_page(
     """
     if style not in FORMATS:
         raise unknown_name("format", style, FORMATS)
-    if method == "all":
-        return show(compare(tree, coordinates=coordinates), style)
-    if method not in METHODS:
+    if method not in {*METHODS, "all"}:
         raise unknown_name("method", method, [*METHODS, "all"], f"tree {tree.name!r}")
-    return show(closed_form(tree, method, coordinates=coordinates), style)
+    wishes: dict[str, Any] = {
+        "coordinates": coordinates,
+        "names": names,
+        "independent": independent,
+    }
+    if method == "all":
+        return show(compare(tree, **wishes), style)
+    return show(closed_form(tree, method, **wishes), style)
 
 
 def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
@@ -134,19 +121,6 @@ def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
 # -- names -------------------------------------------------------------------------------------
 
 
-def display_names(form: ClosedForm) -> Names:
-    """Return how speeds and accelerations are shown: those of a coordinate q as rates of q."""
-    found = Names()
-    found.decimals = form.tree.numbers == "decimals"
-    given = form.steps.mechanism
-    for u, a, moved in zip(given.speeds, given.accelerations, given.basis, strict=True):
-        if len(moved) == 1 and set(moved.values()) == {1}:
-            q = next(iter(moved)).name
-            found[u.symbol] = sp.Symbol(dotted(q), real=True)
-            found[a] = sp.Symbol(dotted(dotted(q)), real=True)
-    return found
-
-
 def _variables(form: ClosedForm) -> Iterator[Block]:
     names = display_names(form)
     items = [(Formula(q.symbol), q.description) for q in form.coordinates]
@@ -158,14 +132,38 @@ def _variables(form: ClosedForm) -> Iterator[Block]:
             items.append((Formula(shown), f"{u.description}, elsewhere {u.name}"))
     yield Heading("Variables")
     yield Bullets(tuple(items))
+    yield from _remarks(form)
     if form.prescribed:
         yield Heading("Prescribed motion")
-        yield Display(
-            tuple(
-                _line(Formula(d.symbol.xreplace(names)), d.expression, names)
-                for d in form.prescribed
-            )
-        )
+        moving = {TIME, *(i.symbol for i in inputs_of(form.tree))}
+        still = set(form.whole.accelerations)
+        lines = []
+        for d in form.prescribed:
+            shown, value = names.of(d.symbol), d.expression
+            if shown != value and not (value == 0 and d.symbol in still):
+                of_time = (Words("(t)"),) if value.free_symbols & moving else ()
+                lines.append(_line(Row((Formula(shown), *of_time)), value, names))
+        yield Display(tuple(lines))
+
+
+def _remarks(form: ClosedForm) -> Iterator[Block]:
+    """Yield what the constraints say beside equations: who follows, what holds where."""
+    held = form.bonds
+    if held is None:
+        return
+    names = display_names(form)
+    yield Heading("Constraints")
+    items: list[tuple[Box, str]] = [
+        (Formula(d.symbol.xreplace(names)), "follows the other speeds") for d in form.followers
+    ]
+    items += [(Formula(names.of(x)), "taken to be positive") for x in held.positive]
+    items += [
+        (Formula(names.of(x)), "must not be zero: there other speeds follow") for x in held.divisors
+    ]
+    items += [(Words(name), "holds by itself, or by the others") for name in held.idle]
+    items += [(Formula(d.symbol), f"{d.quantity.meaning} ({d.quantity.unit or 'its own unit'})")
+              for d in form.multipliers]  # fmt: skip
+    yield Bullets(tuple(items))
 
 
 # -- steps -------------------------------------------------------------------------------------
@@ -179,6 +177,23 @@ def _derivation(form: ClosedForm) -> Iterator[Steps]:
         yield Steps((note,), (tuple(_stage_lines(stage, names)),))
     last = Note(number + 1, "The equations of motion", "their terms are sorted by kind below")
     yield Steps((last,), (tuple(equation_lines(form)),))
+    for after, (reason, lines) in enumerate(_further(form, names), number + 2):
+        yield Steps((Note(after, reason),), (lines,))
+
+
+def _further(form: ClosedForm, names: Names) -> Iterator[tuple[str, tuple[Line, ...]]]:
+    """Yield what follows from the equations: the same divided by common factors, and multipliers."""
+    if any(f != 1 for f in form.common_factors):
+        yield (
+            "What all terms of an equation share is divided out",
+            tuple(equation_lines(form, form.divided)),
+        )
+    if form.multipliers:
+        lines = (_line(Formula(d.symbol), d.expression, names) for d in form.multipliers)
+        yield (
+            "Forces of the constraints, from the equations of the speeds that follow",
+            tuple(lines),
+        )
 
 
 def _stage_lines(stage: Stage, names: Names) -> Iterator[Line]:
@@ -196,12 +211,16 @@ def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
     return Line(left, EQUALS, _pieces(right, names), words)
 
 
-def equation_lines(form: ClosedForm) -> Iterator[Line]:
-    """Yield the equations: left side in the order of the kinds, the applied forces on the right."""
+def equation_lines(form: ClosedForm, terms: Sequence[Term] | None = None) -> Iterator[Line]:
+    """Yield the equations: left side in the order of the kinds, the applied forces on the right.
+
+    ``terms``: in place of those of the form.
+    """
     names = display_names(form)
     for u in form.speeds:
-        left = [t for t in form.of(u.symbol) if KINDS[t.kind].left]
-        right = [t for t in form.of(u.symbol) if not KINDS[t.kind].left]
+        own = [t for t in (form.terms if terms is None else terms) if t.equation == u.symbol]
+        left = [t for t in own if KINDS[t.kind].left]
+        right = [t for t in own if not KINDS[t.kind].left]
         pieces = _sum(left, names)
         yield Line(row(*pieces), EQUALS, _sum(right, names), broken_left=pieces)
 
@@ -236,7 +255,7 @@ def _signed(term: Term, names: Names) -> Iterator[tuple[bool, Box]]:
 def equations_latex(form: ClosedForm) -> str:
     """Return the equations as one aligned display."""
     rows = []
-    for line in equation_lines(form):
+    for line in equation_lines(form, form.divided):
         for part in broken(line):
             left = render(part.left, "latex") if part.left else ""
             relation = render(part.relation, "latex")
@@ -324,270 +343,3 @@ _LETTERS = {
 
 def _grid(matrix: Expr) -> Box:
     return Grid(tuple(tuple(row(*expression_pieces(x)) for x in line) for line in matrix.tolist()))
-
-
-Value = Expr | tuple[Expr, ...]
-
-
-@dataclass(frozen=True)
-class Stage:
-    """A step of a method: why, and what it gives."""
-
-    reason: str
-    lines: tuple[tuple[Box, Value], ...]
-
-
-def stages(form: ClosedForm) -> list[Stage]:
-    """Return the stages of the method of a closed form; those without lines are left out."""
-    stages = _STAGES_OF[type(form.steps)](form, form.steps)
-    return [stage for stage in stages if stage.lines]
-
-
-@dataclass(frozen=True)
-class _Pen:
-    """Writes scalars of one closed form, by the products of speeds in them."""
-
-    form: ClosedForm
-
-    def __call__(self, x: Scalar) -> Expr:
-        if not isinstance(x, Polynomial):
-            return self.form.write(x)
-        given = self.form.steps.mechanism
-        names = [*given.accelerations, *(u.symbol for u in given.speeds)]
-        moving = {given.algebra.index(s) for s in names}
-        found = x.by(lambda g: g in moving)
-        return sp.Add(*(self._product(m, c) for m, c in found.items()))
-
-    def _product(self, moving: Monomial, x: Scalar) -> Expr:
-        """Return a product of speeds with its coefficient, the number in it kept in front."""
-        number = content(list(terms_of(x).values()))
-        bare = self.form.write(x * (1 / number))
-        generators = self.form.steps.mechanism.algebra.generators
-        front = sp.Rational(number.numerator, number.denominator)
-        return sp.Mul(front, bare, *(generators[g] ** p for g, p in moving))
-
-    def vector(self, v: Sequence[Scalar]) -> tuple[Expr, ...]:
-        return tuple(map(self, v))
-
-
-def _lines(pairs: Iterator[tuple[Box, Value]]) -> tuple[tuple[Box, Value], ...]:
-    """Return the lines whose value is not zero."""
-    return tuple((left, value) for left, value in pairs if not _nothing(value))
-
-
-def _nothing(value: Value) -> bool:
-    return all(x == 0 for x in value) if isinstance(value, tuple) else bool(value == 0)
-
-
-def _of(letter: str, body: str, *more: str) -> Box:
-    """Return a letter with the name of a body below it, and a speed's number."""
-    below: list[Box] = [_name(body)]
-    for m in more:
-        below += [Operator("comma"), Symbol(m)]
-    return Scripts(Symbol(letter), sub=Row(tuple(below)))
-
-
-def _name(body: str) -> Box:
-    """Return the name of a body, however it is made up of letters, digits and underscores."""
-    return Words(body)
-
-
-def _by(above: Box, below: Expr) -> Box:
-    """Return a partial derivative."""
-    partial = Operator("partial")
-    return Fraction(Row((partial, above)), Row((partial, symbol(str(below)))))
-
-
-def _d_dt(inner: Box) -> Box:
-    d = Operator("d")
-    return Row((Fraction(d, Row((d, Symbol("t")))), Operator("times"), inner))
-
-
-# -- Lagrange ----------------------------------------------------------------------------------
-
-
-def _lagrange(form: ClosedForm, steps: Lagrange) -> Iterator[Stage]:
-    pen, links = _Pen(form), steps.mechanism.links
-    heavy = [k for k, link in enumerate(links) if not is_zero(link.mass)]
-    yield Stage(
-        "positions of the centres of mass, in the ground's axes",
-        _lines((_of("r", links[k].name), pen.vector(steps.centres[k])) for k in heavy),
-    )
-    yield Stage(
-        "their derivatives in time",
-        _lines((_of("v", links[k].name), pen.vector(steps.motions[k].linear)) for k in heavy),
-    )
-    turning = [k for k in heavy if not all(is_zero(x) for row in links[k].inertia for x in row)]
-    yield Stage(
-        "angular velocities, in the bodies' axes, from the derivatives of the rotations",
-        _lines(
-            (_of("omega", links[k].name), pen.vector(steps.motions[k].angular)) for k in turning
-        ),
-    )
-    yield Stage(
-        "kinetic energies: half of m v.v and omega.J omega about the centre of mass; rotors add to T",
-        _lines((_of("T", links[k].name), pen(steps.energies[k])) for k in heavy)
-        + _lines(iter([(Symbol("T"), pen(steps.kinetic))])),
-    )
-    yield Stage(
-        "potential energies of gravity and springs; Rayleigh's function of the dampers",
-        _lines(
-            iter(
-                [
-                    (symbol("V_gravity"), pen(steps.gravity)),
-                    (symbol("V_springs"), pen(steps.springs)),
-                    (Symbol("R"), pen(steps.dissipation)),
-                ]
-            )
-        ),
-    )
-    yield from _differentiated(form, steps, pen)
-
-
-def _differentiated(form: ClosedForm, steps: Lagrange, pen: _Pen) -> Iterator[Stage]:
-    given, shown = steps.mechanism, _shown(form)
-    rows = [(s, shown(given.speeds[s].symbol)) for s in given.free]
-    yield Stage(
-        "momenta",
-        _lines((_by(Symbol("T"), u), pen(steps.momenta[s])) for s, u in rows),
-    )
-    yield Stage(
-        "their derivatives in time",
-        _lines((_d_dt(_by(Symbol("T"), u)), pen(given.rate(steps.momenta[s]))) for s, u in rows),
-    )
-    yield Stage(
-        "how the kinetic energy changes with the coordinates",
-        _lines((_turned(form, "T", s), pen(steps.moved(steps.kinetic, s))) for s, _ in rows),
-    )
-    yield Stage(
-        "speeds that are no rates of coordinates: the terms of Boltzmann and Hamel",
-        _lines((_of("B", str(u)), pen(steps.brackets(s))) for s, u in rows),
-    )
-    yield Stage(
-        "how the potential energy changes with the coordinates",
-        _lines(
-            (_turned(form, "V", s), pen(steps.moved(steps.gravity + steps.springs, s)))
-            for s, _ in rows
-        ),
-    )
-
-
-def _turned(form: ClosedForm, letter: str, s: int) -> Box:
-    """Return dT/dq where the speed is the rate of q, else X_s T."""
-    given = form.steps.mechanism
-    moved = given.basis[s]
-    if len(moved) == 1 and set(moved.values()) == {1}:
-        return _by(Symbol(letter), next(iter(moved)))
-    return Row((Scripts(Symbol("X"), sub=symbol(given.speeds[s].name)), Symbol(letter)))
-
-
-# -- Kane --------------------------------------------------------------------------------------
-
-
-def _kane(form: ClosedForm, steps: Kane) -> Iterator[Stage]:
-    pen, given = _Pen(form), steps.mechanism
-    heavy = [(k, link.name) for k, link in enumerate(given.links) if not is_zero(link.mass)]
-    yield Stage(
-        "angular velocities and velocities of the centres of mass, in the bodies' axes",
-        _pairs(
-            pen, "omega", "v", ((n, steps.origins[k].angular, steps.centres[k]) for k, n in heavy)
-        ),
-    )
-    partials = (
-        (n, str(row), steps.partial(k, s)) for row, s in enumerate(given.free, 1) for k, n in heavy
-    )
-    yield Stage(
-        "partial angular velocities and partial velocities: the coefficients of the speeds",
-        _lines(
-            (_of(letter, name, row), pen.vector(v))
-            for name, row, pair in partials
-            for letter, v in zip(("omega", "v"), pair, strict=True)
-        ),
-    )
-    yield Stage(
-        "angular accelerations and accelerations, by differentiation in turning axes",
-        _pairs(pen, "alpha", "a", ((n, *steps.accelerations[k]) for k, n in heavy)),
-    )
-    yield _generalised(form, pen, "motion", "generalised inertia forces, less their sign", "F*")
-    for source, words in _ACTIVE:
-        yield _generalised(form, pen, source, words, "F")
-
-
-def _pairs(
-    pen: _Pen, first: str, second: str, found: Iterable[tuple[str, Sequence[Any], Sequence[Any]]]
-) -> tuple[tuple[Box, Value], ...]:
-    """Return two vectors of each body, with their letters."""
-    return _lines(
-        (_of(letter, name), pen.vector(v))
-        for name, *vectors in found
-        for letter, v in zip((first, second), vectors, strict=True)
-    )
-
-
-_ACTIVE = (
-    ("gravity", "generalised active forces of gravity, less their sign"),
-    ("spring", "generalised active forces of springs, less their sign"),
-    ("damper", "generalised active forces of dampers, less their sign"),
-    ("applied", "generalised active forces that are applied"),
-)
-
-
-def _generalised(form: ClosedForm, pen: _Pen, source: str, reason: str, letter: str) -> Stage:
-    found = [
-        (
-            Row((Words(f"{c.label}, "), symbol(str(_shown(form)(form.speeds[c.row].symbol))))),
-            c.value,
-        )
-        for c in form.steps.contributions()
-        if c.source == source and not is_zero(c.value)
-    ]
-    return Stage(f"{reason} ({letter})", _lines((left, pen(x)) for left, x in found))
-
-
-# -- Newton-Euler ------------------------------------------------------------------------------
-
-
-def _newton_euler(form: ClosedForm, steps: NewtonEuler) -> Iterator[Stage]:
-    pen, links = _Pen(form), steps.mechanism.links
-    heavy = [(k, link) for k, link in enumerate(links) if not is_zero(link.mass)]
-    moving = (
-        (link.name, steps.motions[k].alpha, steps.acceleration(k, link.centre)) for k, link in heavy
-    )
-    yield Stage(
-        "angular accelerations, and accelerations of the centres of mass, in the bodies' axes",
-        _pairs(pen, "alpha", "a", moving),
-    )
-    rates = ((link.name, steps.momentum_rate(k)) for k, link in heavy)
-    balances = ((name, rate.linear, rate.angular) for name, rate in rates)
-    yield Stage(
-        "balances of each body: force m a, and moment J alpha + omega x J omega about the centre",
-        _pairs(pen, "f", "n", balances),
-    )
-    yield Stage(
-        "moments and forces are handed on towards the ground; along the directions that a joint leaves "
-        "free it carries no reaction, and what the bodies beyond it ask there is",
-        _asked(form, steps, pen),
-    )
-
-
-def _asked(form: ClosedForm, steps: NewtonEuler, pen: _Pen) -> tuple[tuple[Box, Value], ...]:
-    names = [u.name for link in steps.mechanism.links for u in link.joint.speeds]
-    shown = _shown(form)
-    return _lines(
-        (Row((Words(f"{label}, at "), symbol(str(shown(sp.Symbol(names[s], real=True)))))), pen(x))
-        for s, _, label, x in steps.joint_rows()
-        if not is_zero(x)
-    )
-
-
-def _shown(form: ClosedForm) -> Callable[[Expr], Expr]:
-
-    names = display_names(form)
-    return lambda e: e.xreplace(names)
-
-
-_STAGES_OF: dict[type, Callable[[ClosedForm, Any], Iterator[Stage]]] = {
-    Lagrange: _lagrange,
-    Kane: _kane,
-    NewtonEuler: _newton_euler,
-}

@@ -34,11 +34,12 @@ LIMIT = 150_000
 class Algebra:
     """The generators that occur, in the order of their first use, and what their squares are.
 
-    Raises `InputError` when `LIMIT` products of terms have been formed.
+    ``names``: symbols in place of others, wherever these occur. Raises `InputError` when `LIMIT` products
+    of terms have been formed.
     """
 
-    def __init__(self, where: str = "") -> None:
-        self.where = where
+    def __init__(self, where: str = "", names: Mapping[Expr, Expr] | None = None) -> None:
+        self.where, self.names = where, dict(names or {})
         self.generators: list[Expr] = []
         self.spent = 0
         self._index: dict[Expr, int] = {}
@@ -48,11 +49,16 @@ class Algebra:
 
     def index(self, generator: Expr) -> int:
         """Return the number of a generator."""
+        generator = self.named(generator)
         known = self._index.get(generator)
         if known is None:
             known = self._index[generator] = len(self.generators)
             self.generators.append(generator)
         return known
+
+    def named(self, e: Expr) -> Expr:
+        """Return an expression with the names that were chosen."""
+        return e.xreplace(self.names) if self.names else e
 
     def atom(self, generator: Expr) -> Polynomial:
         """Return a generator as a polynomial."""
@@ -60,6 +66,7 @@ class Algebra:
 
     def angle(self, base: Expr, *, keep_sine: bool = False) -> tuple[Polynomial, Polynomial]:
         """Return sine and cosine of one angle; the first call decides which of them is kept."""
+        base = self.named(base)
         sine, cosine = sp.sin(base), sp.cos(base)
         pair = self.index(sine), self.index(cosine)
         if base not in self._sines:
@@ -109,6 +116,32 @@ class Algebra:
         if count < 0:
             return self.inverse(base, e.base) ** -count
         return base**count
+
+    def squared(self, x: Scalar) -> Scalar | None:
+        """Return what a scalar is the square of, of either sign: a product, a sine or a cosine; or None."""
+        products = [Polynomial(self, {m: 1}) for m in terms_of(x) if m]
+        halves = [h for h in map(_half, products) if h is not None]
+        for g in [g for h in halves for g, _ in next(iter(h.terms))]:
+            angle = (
+                self.generators[g].args[0]
+                if isinstance(self.generators[g], sp.sin | sp.cos)
+                else None
+            )
+            halves += [] if angle is None else list(self.angle(angle))
+        ways = (h for h in halves if not isinstance(x - h * h, Polynomial) and x - h * h == 0)
+        return next(ways, None)
+
+    def replaced(self, x: Scalar, known: Mapping[int, Scalar]) -> Scalar:
+        """Return a scalar with scalars in place of generators."""
+        if not isinstance(x, Polynomial) or known.keys().isdisjoint(x.used):
+            return x
+        result: Scalar = 0
+        for rest, coefficient in x.by(lambda g: g in known).items():
+            product = coefficient
+            for g, power in rest:
+                product = product * (known[g] ** power if power > 0 else 1 / known[g] ** -power)
+            result = result + product
+        return result
 
     def inverse(self, base: Scalar, written: Expr) -> Scalar:
         """Return 1/x; ``written``: how a sum stands in a generator of its own."""
@@ -262,6 +295,14 @@ class Polynomial(Operators):
             key = tuple(x for x in m if wanted(x[0]))
             found.setdefault(key, {})[tuple(x for x in m if not wanted(x[0]))] = n
         return {m: self.algebra.scalar(terms) for m, terms in found.items()}
+
+
+def _half(x: Polynomial) -> Polynomial | None:
+    """Return a single product with half its powers, without its number; None where one is odd."""
+    ((monomial, _),) = x.terms.items()
+    if any(p % 2 for _, p in monomial):
+        return None
+    return Polynomial(x.algebra, {tuple((g, p // 2) for g, p in monomial): 1})
 
 
 def _added(x: Scalar, y: Scalar) -> Scalar:

@@ -18,7 +18,7 @@ What a method finds: parts of the equations, each with where it comes from.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -312,6 +312,25 @@ class Writer:
                     factor = factor * known[g]
             total = total + factor
         return total
+
+
+def by_motion(mechanism: Mechanism, write: Callable[[Scalar], Expr]) -> Callable[[Scalar], Expr]:
+    """Return what writes a scalar by the products of speeds and accelerations in it."""
+    moving = set(_moving(mechanism))
+    generators = mechanism.algebra.generators
+
+    def product_of(m: Monomial, x: Scalar) -> Expr:
+        """Return a product of speeds with its coefficient, the number in it kept in front."""
+        number = content(list(terms_of(x).values()))
+        front = sp.Rational(number.numerator, number.denominator)
+        return sp.Mul(front, write(x * (1 / number)), *(generators[g] ** p for g, p in m))
+
+    def written(x: Scalar) -> Expr:
+        if not isinstance(x, Polynomial):
+            return write(x)
+        return sp.Add(*(product_of(m, c) for m, c in x.by(lambda g: g in moving).items()))
+
+    return written
 
 
 def _plain(algebra: Algebra, terms: Terms) -> Sum:

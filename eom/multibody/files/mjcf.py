@@ -102,10 +102,10 @@ def _compiled(file: Path) -> tuple[Any, list[str]]:
     try:
         return mujoco.MjModel.from_xml_path(str(file)), [f"MuJoCo: {w}" for w in warnings]
     except (ValueError, mujoco.FatalError) as error:
-        raise InputError(
-            "MuJoCo refuses the model", got=" ".join(str(error).split()),
-            hint="files of meshes must lie where the model names them",
-        ) from None  # fmt: skip
+        words = " ".join(str(error).split())
+        lacking = "meshes and included files must lie where the model names them"
+        hint = lacking if "opening file" in words else ""
+        raise InputError("MuJoCo refuses the model", got=words, hint=hint) from None
     finally:
         mujoco.set_mju_user_warning(before)
 

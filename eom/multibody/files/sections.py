@@ -32,11 +32,11 @@ from eom.multibody.model.parts import Kind, kinds
 from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity
 from eom.scenes import parse
-from eom.scenes.description import Part, one_of
+from eom.scenes.description import one_of
 from eom.scenes.naming import check_names, spelling
 from eom.scenes.stated import Stated
 from eom.system import System
-from eom.units import measure
+from eom.units import has_unit
 
 Names = Mapping[str, Any]
 
@@ -73,7 +73,7 @@ class Formulas:
         if given.matrix is not None:
             return self.values(given.matrix, where, "1")
         factor = sp.pi / 180 if given.degrees is not None else sp.Integer(1)
-        if given.degrees is not None and any(map(_has_unit, given.degrees)):
+        if given.degrees is not None and any(map(has_unit, given.degrees)):
             raise InputError(
                 "degrees have no other unit", where=where, got=given.degrees,
                 expected="numbers, or radians = with values in any unit",
@@ -82,10 +82,6 @@ class Formulas:
         return turned(
             given.sequence, [right(sp.sympify(a, strict=True) * factor) for a in angles], where
         )
-
-
-def _has_unit(given: Any) -> bool:
-    return isinstance(given, str) and measure(given) is not None
 
 
 def turned(sequence: str, angles: Iterable[Any], where: str) -> tuple[tuple[Value, ...], ...]:
@@ -163,7 +159,8 @@ class Reading:
     @cached_property
     def plain(self) -> Formulas:
         """Over parameters and time."""
-        return Formulas({"t": TIME, **{q.name: q.symbol for q in self.parameters}}, self.stated)
+        own = {q.name: q.symbol for q in self.parameters}
+        return Formulas({"t": TIME, **own}, self.stated)
 
     @cached_property
     def defined(self) -> dict[str, Any]:
@@ -380,29 +377,17 @@ def tree_of(reading: Reading) -> Tree:
         gravity_gradient=reading.moving.values(
             scene.gravity_gradient or ZEROS, "gravity_gradient", "1/s^2"
         ),
-        numbers="decimals" if has_decimals(scene) else "values",
+        numbers="decimals" if _has_decimals(scene) else "values",
         inputs=reading.inputs,
         parameters=reading.parameters,
         **parts,
     )
 
 
-def has_decimals(scene: TreeDescription) -> bool:
+def _has_decimals(scene: TreeDescription) -> bool:
     """Return whether any number of a scene's bodies, joints and what acts has decimals."""
-    told = {key: getattr(scene, key) for key in (*SECTIONS, "points")}
-    return _has_decimals([scene.gravity, scene.gravity_gradient, told])
-
-
-def _has_decimals(given: Any) -> bool:
-    if isinstance(given, Part):
-        return _has_decimals(dict(given))
-    if isinstance(given, Mapping):
-        return any(map(_has_decimals, given.values()))
-    if isinstance(given, tuple | list):
-        return any(map(_has_decimals, given))
-    if isinstance(given, str):
-        return parse.has_decimals(given)
-    return isinstance(given, float) and not given.is_integer()
+    keys = (*SECTIONS, "points", "gravity", "gravity_gradient")
+    return any(parse.has_decimals(getattr(scene, key)) for key in keys)
 
 
 def points_of(reading: Reading) -> tuple[Point, ...]:

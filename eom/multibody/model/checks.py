@@ -7,14 +7,10 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
-import sympy as sp
-
-from eom.dimensions import Dimensions
 from eom.errors import InputError
-from eom.multibody.algebra.scalars import mul, sub, total
+from eom.multibody.algebra.scalars import is_zero, mul, sub, total
 from eom.multibody.algebra.spatial import Matrix, Vector, product, transposed
 from eom.multibody.algebra.values import Value, is_number
-from eom.quantities import TIME, Quantity
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 SLACK = Fraction(1, 10**9)
@@ -82,18 +78,29 @@ def not_parallel(axis: Vector, other: Vector, where: str) -> None:
         raise InputError("the two axes are parallel", where=where, got=float(cosine))
 
 
-def units(
-    rows: Iterable[tuple[str, Any, str]], own: Iterable[Quantity], moving: Iterable[Quantity]
-) -> None:
-    """Raise `InputError` for an expression over ``own`` quantities that has another unit than its place.
+def joint(given: Any) -> None:
+    """Raise `InputError` for springs where no coordinate is, and motion that does not fit."""
+    where = f"joint {given.name!r}"
+    paired = given.row.paired(given.attitude)
+    for k, (stiffness, coordinate) in enumerate(zip(given.stiffness, paired, strict=True)):
+        if coordinate is None and not is_zero(stiffness):
+            raise InputError(
+                "a spring needs a coordinate whose rate is the speed",
+                where=f"{where}: speed {given.speeds[k].name}",
+                hint="use a load or an applied force",
+            )
+    if given.row.axes == 2:
+        not_parallel(given.axis, given.second_axis, where)
+    if given.motion is not None:
+        _motion(given, where, paired)
 
-    ``rows``: places, values and units. Numbers in expressions may be values with units.
-    """
-    known = [(q.symbol, q.unit) for q in own if q.unit]
-    if not known:
-        return
-    stated, others = {s for s, _ in known}, [(q.symbol, q.unit) for q in moving]
-    dimensions = Dimensions([*known, *others, (TIME, "s")], counts=False, time=TIME)
-    for where, value, unit in rows:
-        if isinstance(value, sp.Basic) and value.free_symbols & stated:
-            dimensions.check(value, where, unit)
+
+def _motion(given: Any, where: str, paired: Sequence[int | None]) -> None:
+    counts = [len(m) for m in (given.motion.position, given.motion.rate, given.motion.acceleration)]
+    if None in paired or any(n != len(paired) for n in counts):
+        raise InputError(
+            "prescribed motion needs one expression a coordinate, each the integral of a speed",
+            where=where,
+            got=f"{counts[0]} for {given.kind}",
+            expected=len(paired) if None not in paired else "a joint of one or two coordinates",
+        )

@@ -27,6 +27,7 @@ import sympy as sp
 from eom.errors import InputError, typed_fields
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import Value, value
+from eom.multibody.model import checks
 from eom.multibody.model.parts import ACTING, MOVING, BodyName, Kind, Part, Position
 from eom.quantities import TIME
 
@@ -155,6 +156,7 @@ def check(
         if own:
             _one_takes_the_rest(own)
             _through(body, own)
+            _possible_at_start(body)
             flow(body, own)
         elif changes(body):
             raise InputError(
@@ -182,6 +184,17 @@ def _one_takes_the_rest(jets: Sequence[Jet]) -> None:
             where=f"body {jets[0].body!r}", got=f"{len(free)} jets without a rate of {len(jets)}",
             expected="one jet without rate",
         )  # fmt: skip
+
+
+def _possible_at_start(body: Any) -> None:
+    """Raise `InputError` for a negative mass, or an inertia that no body has, at t = 0."""
+    where = f"{body.where}, at t = 0"
+
+    def at_start(given: Value) -> Value:
+        return value(sp.sympify(given).subs(TIME, 0), where)
+
+    rows = (tuple(map(at_start, row)) for row in body.central_inertia)
+    checks.body(at_start(body.mass), tuple(rows), where)
 
 
 def _through(body: Any, jets: Sequence[Jet]) -> None:

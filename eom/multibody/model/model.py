@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain
 from typing import Annotated, Any
 
 import sympy as sp
@@ -20,7 +19,7 @@ from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
-from eom.multibody.model import checks, jets
+from eom.multibody.model import checks, jets, measures
 from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import ALONE, KINDS, QUATERNION
 from eom.multibody.model.joints import Kind as JointKind
@@ -222,7 +221,7 @@ class Joint(Part):
             self._keep(name, _each(getattr(self, name), size, f"{self.where}: {name}"))
         if self.motion is not None and not isinstance(self.motion, Motion):
             self._keep("motion", Motion(self.motion))
-        _check_joint(self)
+        checks.joint(self)
 
     @property
     def row(self) -> JointKind:
@@ -489,10 +488,7 @@ class Tree:
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)
-        if not self.numbers:
-            _check_units(self)
-            found = any(map(values.is_decimal, _numbers(self)))
-            keep(self, "numbers", "decimals" if found else "values")
+        keep(self, "numbers", measures.checked(self))
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
@@ -510,68 +506,7 @@ class Tree:
         return {j.child: j for j in self.joints}
 
 
-def _numbers(given: Tree) -> Iterator[Value]:
-    """Yield all values of a tree."""
-    yield from (*given.gravity, *(x for row in given.gravity_gradient for x in row))
-    parts = (
-        given.bodies,
-        given.joints,
-        given.loads,
-        given.constraints,
-        given.rotors,
-        given.springs,
-    )
-    for part in (p for group in parts for p in group):
-        yield from part.given
-
-
-def _check_units(given: Tree) -> None:
-    of_joints = (q for j in given.joints for q in (*j.coordinates, *j.speeds, *j.motors))
-    of_rotors = (q for r in given.rotors for q in (*r.states, *r.motors))
-    own = (*given.parameters, *given.inputs)
-    checks.units(_measured(given), own, chain(of_joints, of_rotors))
-
-
-def _measured(given: Tree) -> Iterator[tuple[str, Value, str]]:
-    """Yield all values with places and units."""
-    yield from ((f"tree {given.name!r}: gravity", x, "m/s^2") for x in given.gravity)
-    place = f"tree {given.name!r}: gravity_gradient"
-    yield from ((place, x, "1/s^2") for row in given.gravity_gradient for x in row)
-    for joint in given.joints:
-        yield from joint.measured(joint.speeds)
-    for group in (given.bodies, given.loads, given.constraints, given.rotors, given.springs):
-        yield from (row for part in group for row in part.measured())
-
-
 # -- what they must be --
-
-
-def _check_joint(given: Joint) -> None:
-    """Raise `InputError` for springs where no coordinate is, and motion that does not fit."""
-    where = f"joint {given.name!r}"
-    paired = given.row.paired(given.attitude)
-    for k, (stiffness, coordinate) in enumerate(zip(given.stiffness, paired, strict=True)):
-        if coordinate is None and not is_zero(stiffness):
-            raise InputError(
-                "a spring needs a coordinate whose rate is the speed",
-                where=f"{where}: speed {given.speeds[k].name}",
-                hint="use a load or an applied force",
-            )
-    if given.row.axes == 2:
-        checks.not_parallel(given.axis, given.second_axis, where)
-    if given.motion is not None:
-        _motion(given, where, paired)
-
-
-def _motion(given: Joint, where: str, paired: Sequence[int | None]) -> None:
-    counts = [len(m) for m in (given.motion.position, given.motion.rate, given.motion.acceleration)]
-    if None in paired or any(n != len(paired) for n in counts):
-        raise InputError(
-            "prescribed motion needs one expression a coordinate, each the integral of a speed",
-            where=where,
-            got=f"{counts[0]} for {given.kind}",
-            expected=len(paired) if None not in paired else "a joint of one or two coordinates",
-        )
 
 
 def _check_tree(given: Tree) -> None:

@@ -42,7 +42,7 @@ class Kind:
     each: tuple[str, str] = ("", "")
 
     def units(self, speeds: Sequence[Quantity]) -> tuple[str, ...]:
-        """Return the unit of one value a speed."""
+        """Return the unit of one value a speed, of ``speeds``."""
         return tuple(self.each[0 if s.unit == "rad/s" else 1] for s in speeds)
 
 
@@ -99,7 +99,7 @@ class Part:
         """Derive what else a field is, and raise `InputError` for what does not go together."""
 
     def measured(self, speeds: Sequence[Quantity] = ()) -> Iterator[tuple[str, Value, str]]:
-        """Yield values with their places and the units that they have, as far as these are known."""
+        """Return values with places and units, these as far as they are known; ``speeds``: of a joint."""
         for name, kind in self._kinds.items():
             held, where = getattr(self, name), f"{self.where}: {name}"
             if isinstance(held, Part):
@@ -110,14 +110,9 @@ class Part:
                 yield from ((where, x, kind.unit) for x in _values(held))
 
     @property
-    def given(self) -> Iterator[Value]:
-        """All numbers and expressions as they were given."""
-        return _values(tuple(getattr(self, name) for name in self._kinds))
-
-    @property
     def values(self) -> Iterator[Value]:
         """All numbers and expressions that it holds."""
-        return self.given
+        return _values(tuple(getattr(self, name) for name in self._kinds))
 
 
 def _values(given: Any) -> Iterator[Value]:

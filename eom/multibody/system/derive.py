@@ -1,7 +1,6 @@
 """A tree of bodies as a `System`, by articulated bodies with every intermediate named.
 
 What is computed of a motion beside its rates: outputs, points, reactions, constants.
-
 Functions of a tree as systems to compile: mass matrix, dynamics, Jacobians, centre of mass, energies.
 """
 
@@ -159,8 +158,7 @@ def _momentum(derived: Derived) -> list[Definition]:
 
 
 def _centre(derived: Derived) -> list[Definition]:
-    whole = mass(derived.flow)
-    inverse = derived.work.keep("inverse", derived.tree.name, "", reciprocal(whole))
+    inverse = derived.work.keep("inverse", derived.tree.name, "", reciprocal(mass(derived.flow)))
     return _vector(
         "centre", "m", "centre of mass", [mul(inverse, x) for x in first_moments(derived.flow)]
     )

@@ -51,7 +51,7 @@ from eom.terms.rules.calculus import (
     take_out,
 )
 from eom.terms.rules.scalars import collect, constants, determinants, dyads, put_in
-from eom.terms.rules.slopes import slopes
+from eom.terms.rules.slopes import slopes, spelt_out
 from eom.terms.rules.tracing import Rule, Trace, named, noted, rest_on, traced
 from eom.terms.rules.vectors import (
     associate,
@@ -136,6 +136,7 @@ __all__ = [
     "scalars_in",
     "seen_from",
     "slopes",
+    "spelt_out",
     "swap",
     "symmetric",
     "symmetrise",

@@ -13,7 +13,7 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.terms.own import Own
-from eom.terms.rules.basic import everywhere
+from eom.terms.rules.basic import everywhere, until_stable
 from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
     INERTIAL,
@@ -117,12 +117,17 @@ def _constant(term: Term) -> bool:
     return term.is_zero or (term.head == "expr" and not term.data[0].free_symbols)
 
 
+def spelt_out(own: Own) -> Rule:
+    """Return the rule that replaces quantities of bodies of one's own by what they are."""
+    return until_stable(lambda node: own.meaning(node) or node)
+
+
 def slopes(scalars: Mapping[Any, Term], own: Own | None = None) -> Rule:
     """Return the rule that carries out partial derivatives by symbols.
 
     Raises `InputError` for those by what is itself given by other symbols.
     """
-    kit = Slopes(scalars, own or Own())
+    kit = Slopes(scalars, Own() if own is None else own)
 
     def rule(node: Term) -> Term:
         if node.head != "partial":

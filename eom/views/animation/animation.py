@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eom.errors import InputError
+from eom.errors import InputError, unknown_name
 from eom.opening import AnyScene
 from eom.views.animation.bodies import Bodies, bodies_of, tracks_of, with_attitude
 from eom.views.animation.figures import Figure, Figures, Shape, equivalent
@@ -47,6 +47,10 @@ AROUND_ONE = 1.2
 """What is seen around a single body, by its extent: its vectors need room."""
 SAMPLES = 100
 """Times at which the space that the motion takes is measured."""
+FAR = 5.0
+"""A motion that takes more room than what moves, so many times, has a camera that follows a body."""
+STAYS = "none"
+"""The word for a camera that follows nothing."""
 
 Integrate = Callable[[AnyScene], "Result"]
 
@@ -84,6 +88,8 @@ class View:
 
     ``centre`` (3,) and ``radius`` of the ball (m); ``up``: a unit vector; ``camera``: azimuth and elevation
     of where it stands (degrees); ``ground``: height of the ground along ``up`` (m), None without one.
+    ``follow``: the number of a body with which the ball goes, and the camera, or -1; ``centre`` is then
+    where the body is at the start.
     """
 
     centre: Floats
@@ -91,6 +97,7 @@ class View:
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     camera: tuple[float, float] = (35.0, 20.0)
     ground: float | None = None
+    follow: int = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,16 +133,20 @@ def animation_of(
     seconds: float | None = None,
     speed: float | None = None,
     robot: dict[str, tuple[Shape, ...]] | None = None,
+    follow: str | None = None,
 ) -> Animation:
     """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
 
     ``scene``: of any model; vectors get components in A, the frame that attitude is measured in, or the
     ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds`` (s): of the motion, else to
     the scene's end; ``speed``: seconds of it that are shown in one, else so that it takes a fair time.
-    ``robot``: shapes of bodies by name (`eom.views.animation.figures`).
+    ``robot``: shapes of bodies by name (`eom.views.animation.figures`). ``follow``: the body that the
+    camera goes with, or ``none``; if left out, the one that the rest stays nearest to, if the motion goes
+    far (`FAR`).
 
-    Raises `InputError` for a time or speed that is not positive, for a motion that ends before it can be
-    shown, and for one that turns so fast that its samples would not fit into a page of 3 MB.
+    Raises `InputError` for an unknown body, for a time or speed that is not positive, for a motion that
+    ends before it can be shown, and for one that turns so fast that its samples would not fit into a page
+    of 3 MB.
 
     >>> import eom
     >>> from eom.views.time.histories import run
@@ -147,7 +158,8 @@ def animation_of(
         if given is not None and not (math.isfinite(given) and given > 0):
             raise InputError("not a positive number", where=name, got=given)
     prepared = with_attitude(scene, COARSE, seconds)
-    return sampled(prepared, integrate, speed=speed, robot=robot, asked=scene.requested)
+    told: dict[str, Any] = {"speed": speed, "robot": robot, "follow": follow}
+    return sampled(prepared, integrate, asked=scene.requested, **told)
 
 
 def sampled(
@@ -157,6 +169,7 @@ def sampled(
     speed: float | None = None,
     robot: dict[str, tuple[Shape, ...]] | None = None,
     asked: tuple[str, ...] = (),
+    follow: str | None = None,
 ) -> Animation:
     """Return the animation of a scene of `with_attitude`, simulated again where it needs more samples.
 
@@ -170,7 +183,8 @@ def sampled(
         share = planned / abs(float(tracks.times[-1] - tracks.times[0]))
         prepared = _with_points(prepared, math.ceil(count * share))
         tracks, result = _tracks(prepared, integrate)
-    return shown(prepared, tracks, result, speed=speed, robot=robot, asked=asked)
+    told: dict[str, Any] = {"speed": speed, "robot": robot, "follow": follow}
+    return shown(prepared, tracks, result, asked=asked, **told)
 
 
 def _with_points(scene: AnyScene, points: int) -> AnyScene:
@@ -220,6 +234,7 @@ def shown(
     speed: float | None = None,
     robot: dict[str, tuple[Shape, ...]] | None = None,
     asked: tuple[str, ...] = (),
+    follow: str | None = None,
 ) -> Animation:
     """Return the animation of a motion that was simulated (`eom.views.animation.bodies.tracks_of`)."""
     bodies = bodies_of(scene)
@@ -232,7 +247,7 @@ def shown(
         figures=figures,
         arrows=tuple(arrows_of(tracks)),
         readouts=tuple(_readouts(scene, result, asked))[:MOST_READOUTS],
-        view=_view(bodies, tracks, figures),
+        view=_view(bodies, tracks, figures, follow),
         speed=speed or speed_of(span),
         axes=("a₁ radial", "a₂ along", "a₃ normal") if bodies.orbit else ("a₁", "a₂", "a₃"),
         notes=tuple(_notes(bodies, result, figures)),
@@ -280,19 +295,42 @@ def _notes(bodies: Bodies, result: Result, figures: Figures) -> Iterator[str]:
 # -- the view --------------------------------------------------------------------------------------
 
 
-def view_of(tracks: Tracks, figures: Figures) -> View:
-    """Return the view of a motion without gravity."""
-    points = np.concatenate([*_places(tracks, figures)])
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    if len(tracks.bodies) == 1 and not np.any(tracks.bodies[0].positions):
-        centre = np.zeros(3)
-    radius = float(np.linalg.norm(points - centre, axis=1).max())
-    return View(centre, radius * (AROUND_ONE if len(tracks.bodies) == 1 else 1))
+def view_of(tracks: Tracks, figures: Figures, follow: str | None = None) -> View:
+    """Return the view of a motion without gravity; it follows a body where the motion goes far.
+
+    ``follow``: the body's name, or `STAYS`. Raises `InputError` for others.
+    """
+    names = [track.name for track in tracks.bodies]
+    if follow is not None:
+        if follow not in {*names, STAYS}:
+            raise unknown_name("body", follow, [*names, STAYS], "follow")
+        return _room(tracks, figures, names.index(follow) if follow in names else -1)
+    whole = _room(tracks, figures, -1)
+    near = min(
+        (_room(tracks, figures, k) for k in range(len(tracks.bodies))), key=lambda v: v.radius
+    )
+    return near if whole.radius > FAR * near.radius else whole
 
 
-def _view(bodies: Bodies, tracks: Tracks, figures: Figures) -> View:
+def _room(tracks: Tracks, figures: Figures, follow: int) -> View:
+    """Return the ball that holds the motion, or that goes with a body and holds it at all times."""
+    points = np.concatenate([*_places(tracks, figures)], axis=1)
+    if follow >= 0:
+        centre, ways = (
+            tracks.bodies[follow].positions[0],
+            tracks.bodies[follow].positions[_some(tracks)],
+        )
+    else:
+        still = len(tracks.bodies) == 1 and not np.any(tracks.bodies[0].positions)
+        ends = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+        centre = ways = np.zeros(3) if still else (ends[0] + ends[1]) / 2
+    radius = float(np.linalg.norm(points - ways.reshape(-1, 1, 3), axis=2).max())
+    return View(centre, radius * (AROUND_ONE if len(tracks.bodies) == 1 else 1), follow=follow)
+
+
+def _view(bodies: Bodies, tracks: Tracks, figures: Figures, follow: str | None) -> View:
     """Return the view of a scene: under gravity there are up, down and a ground."""
-    view, gravity = view_of(tracks, figures), bodies.gravity
+    view, gravity = view_of(tracks, figures, follow), bodies.gravity
     if gravity is None:
         return view
     up = -gravity / np.linalg.norm(gravity)
@@ -305,14 +343,18 @@ def _view(bodies: Bodies, tracks: Tracks, figures: Figures) -> View:
 
 
 def _places(tracks: Tracks, figures: Figures) -> Iterator[Floats]:
-    """Yield where the vertices of the bodies are at some of the times."""
-    some = slice(None, None, max(1, len(tracks.times) // SAMPLES))
+    """Yield where the vertices of the bodies are at some of the times, shape (times, vertices, 3)."""
+    some = _some(tracks)
     for track, figure in zip(tracks.bodies, figures.bodies, strict=True):
-        yield track.positions[some]
+        yield track.positions[some, None]
         if figure.shapes:
             vertices = np.concatenate([s.mesh.vertices for s in figure.shapes])[::7]
             turned = np.einsum("nij,vi->nvj", matrices(track.quaternions[some]), vertices)
-            yield (track.positions[some, None] + turned).reshape(-1, 3)
+            yield track.positions[some, None] + turned
+
+
+def _some(tracks: Tracks) -> slice:
+    return slice(None, None, max(1, len(tracks.times) // SAMPLES))
 
 
 def at(track: Track, point: Any) -> Floats:

@@ -67,6 +67,7 @@ def data(animation: Animation) -> dict[str, Any]:
         "up": [_number(x) for x in view.up],
         "view": [_number(x) for x in view.camera],
         "ground": None if view.ground is None else _number(view.ground),
+        "follow": view.follow,
         "axes": list(animation.axes),
         "bodies": bodies,
         "stand": [meshes.shape(s) for s in figures.ground],

@@ -36,6 +36,8 @@ LONGEST_FILM = 8.0
 FIELD = math.radians(32)
 """The camera's field of view, from top to bottom."""
 PALE = 0.62
+GROUND, SQUARES = 1.6, 12
+"""How far the ground goes from its middle, by the radius of what is seen, and its squares to a side."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,8 @@ class Camera:
     """Rows: to the right, up, towards the camera."""
 
     @classmethod
-    def of(cls, animation: Animation, aspect: float) -> Camera:
-        """Return the camera that sees all of the motion."""
+    def of(cls, animation: Animation, aspect: float, moved: Floats | None = None) -> Camera:
+        """Return the camera that sees all of the motion; ``moved``: by how far it is from its start (m)."""
         view = animation.view
         up = np.array(view.up)
         across, along = level(up)
@@ -70,7 +72,8 @@ class Camera:
         right = np.cross(up, towards)
         right /= np.linalg.norm(right)
         axes = np.stack([right, np.cross(towards, right), towards])
-        return cls(np.asarray(view.centre) + distance * towards, axes)
+        here = np.asarray(view.centre) + (0 if moved is None else moved)
+        return cls(here + distance * towards, axes)
 
     @cached_property
     def view(self) -> View:
@@ -92,8 +95,19 @@ class Filming:
 
     def __init__(self, animation: Animation, film: Film) -> None:
         self.animation, self.film = animation, film
-        self.camera = Camera.of(animation, film.width / film.height)
         self.scales = _scales(animation)
+
+    def moved(self, place: float) -> Floats:
+        """Return how far the body that the camera follows is from its start (m), (3,)."""
+        body = self.animation.view.follow
+        if body < 0:
+            return np.zeros(3)
+        way = self.animation.tracks.bodies[body].positions
+        return np.asarray(_between(way, place) - way[0])
+
+    def camera(self, place: float) -> Camera:
+        """Return the camera at a place among the samples."""
+        return Camera.of(self.animation, self.film.width / self.film.height, self.moved(place))
 
     @cached_property
     def count(self) -> int:
@@ -201,20 +215,21 @@ def _draw(filming: Filming, place: float, figure: Any) -> None:
     axes.set_xlim(-aspect, aspect)
     axes.set_ylim(-1, 1)
     axes.set_axis_off()
-    _ground(filming, axes)
-    _paths(filming, place, axes)
-    corners, colours = _scene(filming, place)
-    view = filming.camera.view
+    camera = filming.camera(place)
+    _ground(filming, place, camera, axes)
+    _paths(filming, place, camera, axes)
+    corners, colours = _scene(filming, place, camera)
+    view = camera.view
     flat, order = view.flat(corners), np.argsort(-view.depth(corners).mean(axis=1), kind="stable")
-    shaded = _lit(corners, colours, filming)[order]
+    shaded = _lit(corners, colours, filming, camera)[order]
     edges = shaded * np.where(shaded[:, 3:] == 1, 1.0, (1.0, 1.0, 1.0, 0.0))
     axes.add_collection(
         PolyCollection(
             list(flat[order]), facecolors=shaded, edgecolors=edges, linewidths=0.4, zorder=3
         )
     )
-    _links(filming, place, axes)
-    _vectors(filming, place, axes, back)
+    _links(filming, place, camera, axes)
+    _vectors(filming, place, camera, axes, back)
     times, title = filming.animation.times, filming.animation.title
     time = float(times[0]) + place * float(times[1] - times[0])
     label = {"color": ink, "va": "top", "zorder": 9, "parse_math": False}
@@ -227,7 +242,7 @@ def _places(filming: Filming) -> int:
     return max(0, min(6, 2 - math.floor(math.log10(span))))
 
 
-def _scene(filming: Filming, place: float) -> tuple[Floats, Floats]:
+def _scene(filming: Filming, place: float, camera: Camera) -> tuple[Floats, Floats]:
     """Return the triangles that are not turned away, where they are, and their colours."""
     groups = [filming.stand, *filming.bodies]
     corners = [filming.stand.corners]
@@ -236,52 +251,62 @@ def _scene(filming: Filming, place: float) -> tuple[Floats, Floats]:
         corners.append(body.corners @ C + _between(track.positions, place))
     points = np.concatenate(corners)
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    away = np.einsum("ni,ni->n", normals, filming.camera.place - points[:, 0]) <= 0
+    away = np.einsum("ni,ni->n", normals, camera.place - points[:, 0]) <= 0
     seen = ~(away & np.concatenate([g.hidden for g in groups]))
     return points[seen], np.concatenate([g.colours for g in groups])[seen]
 
 
-def _lit(corners: Floats, colours: Floats, filming: Filming) -> Floats:
+def _lit(corners: Floats, colours: Floats, filming: Filming, camera: Camera) -> Floats:
     """Return colours by how a lamp above the camera's left shines on the triangles."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    towards = np.einsum("ni,ni->n", normals, filming.camera.place - corners.mean(axis=1))
+    towards = np.einsum("ni,ni->n", normals, camera.place - corners.mean(axis=1))
     normals *= np.where(towards < 0, -1.0, 1.0)[:, None]
-    right, _, back = filming.camera.axes
+    right, _, back = camera.axes
     lamp = -0.5 * right + 0.7 * np.array(filming.animation.view.up) + 0.55 * back
     lamp /= np.linalg.norm(lamp)
     shade = 0.55 + 0.45 * np.clip(normals @ lamp, 0, 1)
     return np.concatenate([np.clip(colours[:, :3] * shade[:, None], 0, 1), colours[:, 3:]], axis=1)
 
 
-def _ground(filming: Filming, axes: Any) -> None:
+def foot_of(filming: Filming, place: float) -> Floats:
+    """Return the middle of the squares of the ground (m), whole ones from that at the start, (3,)."""
+    view, moved = filming.animation.view, filming.moved(place)
+    up, cell = np.array(view.up), 2 * GROUND * view.radius / SQUARES
+    foot = view.centre + ((view.ground or 0.0) - view.centre @ up) * up
+    steps = [cell * round(float(moved @ way) / cell) * way for way in level(up)]
+    return np.asarray(foot + steps[0] + steps[1])
+
+
+def _ground(filming: Filming, place: float, camera: Camera, axes: Any) -> None:
+    """Draw the squares of the ground below what is seen; they stay where they are."""
     from matplotlib.collections import LineCollection
 
     view = filming.animation.view
     if view.ground is None:
         return
-    up = np.array(view.up)
-    first, second = level(up)
-    foot = view.centre + (view.ground - view.centre @ up) * up
-    reach = np.linspace(-1.6, 1.6, 13) * view.radius
+    first, second = level(np.array(view.up))
+    reach = np.linspace(-GROUND, GROUND, SQUARES + 1) * view.radius
+    foot = foot_of(filming, place)
     lines = [[foot + a * u + b * reach[0] * v, foot + a * u - b * reach[0] * v]
              for a in reach for u, v, b in ((first, second, 1), (second, first, 1))]  # fmt: skip
-    camera, ends = filming.camera.view, np.array(lines)
-    seen = camera.flat(ends)[np.all(camera.depth(ends) > 0, axis=1)]
+    ends = np.array(lines)
+    seen = camera.view.flat(ends)[np.all(camera.view.depth(ends) > 0, axis=1)]
     grey = "#343941" if filming.film.dark else "#d4d4ce"
     axes.add_collection(LineCollection(list(seen), colors=grey, linewidths=0.7, zorder=1))
 
 
-def _paths(filming: Filming, place: float, axes: Any) -> None:
+def _paths(filming: Filming, place: float, camera: Camera, axes: Any) -> None:
     many = len(filming.tips) > 1
     for k, path in enumerate(filming.tips):
         done = np.concatenate([path[: int(place) + 1], _between(path, place)[None]])
-        flat = filming.camera.view.flat(done)
+        ahead = camera.view.depth(done) > 0.1 * filming.animation.view.radius
+        flat = np.where(ahead[:, None], camera.view.flat(done), np.nan)
         colour = COLOURS[PALETTE[k % len(PALETTE)] if many else "orange"]
         axes.plot(flat[:, 0], flat[:, 1], color=colour, linewidth=1.2, alpha=0.7, zorder=2)
 
 
-def _links(filming: Filming, place: float, axes: Any) -> None:
+def _links(filming: Filming, place: float, camera: Camera, axes: Any) -> None:
     """Draw springs and rods without mass."""
     tracks = filming.animation.tracks.bodies
     for link in filming.animation.figures.links:
@@ -292,11 +317,11 @@ def _links(filming: Filming, place: float, axes: Any) -> None:
                 continue
             q = interpolated(tracks[body].quaternions, place)
             ends.append(_between(tracks[body].positions, place) + turned(q[None], point[None])[0])
-        flat = filming.camera.view.flat(np.array(ends))
+        flat = camera.view.flat(np.array(ends))
         axes.plot(flat[:, 0], flat[:, 1], color=COLOURS["grey"], linewidth=2, zorder=4)
 
 
-def _vectors(filming: Filming, place: float, axes: Any, back: str) -> None:
+def _vectors(filming: Filming, place: float, camera: Camera, axes: Any, back: str) -> None:
     """Draw omega, H and torque of a single body, and its axes; of many bodies none."""
     from matplotlib import patheffects
 
@@ -317,7 +342,7 @@ def _vectors(filming: Filming, place: float, axes: Any, back: str) -> None:
     for vector, text, colour in ends:
         if float(np.linalg.norm(vector)) < 0.02 * animation.view.radius:
             continue
-        start, end, words = filming.camera.view.flat(
+        start, end, words = camera.view.flat(
             np.stack([origin, origin + vector, origin + 1.08 * vector])
         )
         ink = COLOURS[colour]

@@ -72,6 +72,8 @@ def _worth(views: Floats, arcs: Sequence[Floats], places: Floats, enough: float)
 
 DIRECTIONS = 12
 ALONG = np.array([0.25, 0.5, 0.75, 1.0])
+WORDED = 1.2
+"""Where the words of an arrow are, by its length."""
 WIDE = 0.45
 """What a distance across the paper counts beside one up or down: words are wide."""
 
@@ -104,7 +106,8 @@ def _crowded(items: Iterable[Item]) -> Iterator[Floats]:
         if isinstance(item, Words):
             yield item.place
         elif isinstance(item, Arrow):
-            yield from item.start + np.outer(ALONG, item.end - item.start)
+            places = ALONG if not item.words else np.array([*ALONG, WORDED])
+            yield from item.start + np.outer(places, item.end - item.start)
         elif isinstance(item, Curve) and len(item.points) == 2:
             yield from item.points[0] + np.outer(ALONG, item.points[1] - item.points[0])
 

@@ -55,6 +55,7 @@ SHOWN = {
     "trails": "trail",
     "body frames": "axes of the body",
     "space frame": "axes of space",
+    "camera": "camera follows the body that floats",
 }
 """What can be hidden, by the names of the viewer."""
 
@@ -283,6 +284,7 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
         "centre": subject.centre,
         "bodies": subject.bodies,
         "joints": subject.joints,
+        "follow": subject.follow,
         "up": list(subject.up),
         "variants": {
             key(choice): {

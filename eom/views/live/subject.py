@@ -116,8 +116,9 @@ class Subject:
     the turns that the knobs attitude_1 to 3 are the angles of, or empty. ``inertia``: names of the
     entries of the inertia matrix, of one body. ``centre``: names of the components of the centre of mass
     from the fixed point, or empty. ``bodies``: by the order of what is drawn. ``joints``: by body the
-    number of joints that lead on. ``up``: against gravity. ``caption``: below the
-    picture; ``shown``: what can be hidden, and whether it is seen at first.
+    number of joints that lead on. ``follow``: the number of a body that floats, with which the camera goes,
+    or -1. ``up``: against gravity. ``caption``: below the picture; ``shown``: what can be hidden, and
+    whether it is seen at first.
     """
 
     kind: str
@@ -133,6 +134,7 @@ class Subject:
     centre: tuple[str, ...] = ()
     bodies: tuple[str, ...] = ()
     joints: tuple[int, ...] = ()
+    follow: int = -1
     up: Sequence[float] = (0.0, 0.0, 1.0)
     notes: tuple[str, ...] = ()
     caption: str = ""
@@ -580,6 +582,7 @@ def _of_tree(scene: TreeScene) -> Subject:
     switches = tuple(
         Switch(name, WORDS[name], False) for name, edit in EDITS.items() if edit(tree) != tree
     )
+    afloat = [k for k, b in enumerate(tree.bodies) if tree.joint_of[b.name].kind == "free"]
     return Subject(
         kind="tree",
         name=scene.name,
@@ -591,9 +594,10 @@ def _of_tree(scene: TreeScene) -> Subject:
         fixed=_fixed(scene),
         bodies=tuple(b.name for b in tree.bodies),
         joints=tuple(len(_joints_on(tree, b.name)) for b in tree.bodies),
+        follow=next(iter(afloat), -1),
         up=_up(scene),
         caption=TREE_CAPTION,
-        shown={name: name != "body frames" for name in FRAMES},
+        shown={name: name != "body frames" for name in (*FRAMES, *(["camera"] if afloat else []))},
     )
 
 

@@ -9,7 +9,7 @@ where, and which way.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, singledispatch
 from typing import Any
@@ -115,12 +115,13 @@ def _picture(scene: AnyScene, s: Sketch) -> Picture:
     return check(Picture(((panel,),), short(scene.title or scene.name), s.caption))
 
 
-def _corner(axes: Floats, items: Iterable[Item], view: tuple[float, float]) -> Iterator[Item]:
-    """Yield axes, rows of (3, 3), at the lower left of all else."""
+def _corner(axes: Floats, items: Sequence[Item], view: tuple[float, float]) -> Iterator[Item]:
+    """Yield axes, rows of (3, 3), at the lower left of all else, words of arrows included."""
     across, up = paper(view)
     points = np.concatenate([np.reshape(a, (-1, 3)) for item in items for a in placed(item)])
-    left, low = float(np.nanmin(points @ across)), float(np.nanmin(points @ up))
     size = float(np.linalg.norm(axes[0])) / 0.35
+    worded = [float(i.end @ across) - 0.3 * size for i in items if isinstance(i, Arrow) and i.words]
+    left, low = min([float(np.nanmin(points @ across)), *worded]), float(np.nanmin(points @ up))
     start = (left - 0.45 * size) * across + (low + 0.1 * size) * up
     for axis, letter in zip(axes, "xyz", strict=True):
         yield Arrow(start, start + axis, "black", 1.6, f"${letter}$")
@@ -584,7 +585,10 @@ def _loads(s: TreeAtStart) -> Iterator[Item]:
         point, length = s.on_body(load.body, load.point), 0.4 * s.size
         label = name(load.body).strip("$")
         yield from force(point, numbers(load.force, s.known) @ C, length, f"$F_{{{label}}}$")
-        yield from torque(point, numbers(load.torque, s.known) @ C, length, f"$M_{{{label}}}$")
+        couple = (
+            numbers(load.torque, s.known) @ C
+        )  # longer, so that words are not on those of a force
+        yield from torque(point, couple, 1.5 * length, f"$M_{{{label}}}$")
 
 
 def _jets(s: TreeAtStart) -> Iterator[Item]:

@@ -94,18 +94,20 @@
   const reach = (several ? 0.5 : 0.95) * data.radius;
   const SHARE = {omega: 1, momentum: 0.84, torque: 0.68};
 
+  const TRAIL = {width: 2, opacity: 0.75, layer: "trails"};
+  const trailColour = (n) => (several ? data.bodies[n].colour : "orange");
+  const tipAt = (body, at, q) => turned(q, body.tip).map((x, m) => at[m] + x);
+
   function drawTrails() {
     bodies.forEach((body, n) => {
       if (!body.tip) {
         return;
       }
-      const points = new Float32Array(3 * count);
+      body.path = new Float32Array(3 * count);
       for (let k = 0; k < count; k += 1) {
-        const tip = turned(body.quaternions.subarray(4 * k, 4 * k + 4), body.tip);
-        const at = position(body, k, 0);
-        points.set([at[0] + tip[0], at[1] + tip[1], at[2] + tip[2]], 3 * k);
+        body.path.set(tipAt(body, position(body, k, 0), body.quaternions.subarray(4 * k, 4 * k + 4)), 3 * k);
       }
-      viewer.trail("tip " + n, points, {colour: several ? data.bodies[n].colour : "orange", width: 2, opacity: 0.75});
+      viewer.trail("tip " + n, body.path, {colour: trailColour(n), ...TRAIL});
     });
     if (!several) {
       const points = arrows[0].values.map((x) => (x * reach) / (scales.omega || 1));
@@ -116,7 +118,7 @@
 
   // -- what is shown ----------------------------------------------------------------------------------
 
-  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0};
+  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0, follow: data.follow};
   const shown = {};
   const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque"};
 
@@ -172,6 +174,21 @@
   const frames = box("frames", several ? "body frames" : "body frame", !several, (on) => viewer.show("body frames", on));
   if (data.ground !== null) {
     box("ground", "ground, squares of " + Number(viewer.cell.toPrecision(2)) + " m", true, (on) => viewer.show("ground", on));
+  }
+
+  if (bodies.some((body) => body.positions)) {
+    const label = document.createElement("label");
+    const select = document.createElement("select");
+    select.id = "follow";
+    select.append(new Option("nothing", -1));
+    bodies.forEach((body, n) => select.append(new Option(body.name, n)));
+    select.value = String(state.follow);
+    select.addEventListener("change", () => {
+      state.follow = Number(select.value);
+      draw();
+    });
+    label.append(document.createTextNode("camera follows"), select);
+    byId("show").append(label);
   }
 
   const rows = [];
@@ -230,9 +247,11 @@
     const [k, part] = moment();
     const at = bodies.map((body, n) => {
       const where = position(body, k, part);
-      viewer.pose(n, where, slerp(body.quaternions, k, part));
-      if (body.tip) {
-        viewer.trailTo("tip " + n, k + 2);
+      const q = slerp(body.quaternions, k, part);
+      viewer.pose(n, where, q);
+      if (body.tip) { // to the last sample, and from there to where the tip is now
+        viewer.trailTo("tip " + n, k + 1);
+        viewer.line("end " + n, body.path.subarray(3 * k, 3 * k + 3), tipAt(body, where, q), {colour: trailColour(n), ...TRAIL});
       }
       return where;
     });
@@ -254,6 +273,9 @@
       const vector = seen ? between(arrow.values, 3, k, part).map((x) => x * factor) : null;
       viewer.arrow(arrow.kind + n, origin, vector, {colour: arrow.colour, text: arrow.text});
     });
+    if (state.follow >= 0) {
+      viewer.follow(at[state.follow]);
+    }
     viewer.render();
     const slider = byId("time");
     slider.value = String(Math.round(1000 * (span ? state.time / span : 0)));

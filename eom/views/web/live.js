@@ -21,7 +21,7 @@
   const C = new Float64Array(9), omega = new Float64Array(3), H = new Float64Array(3), torque = new Float64Array(3);
   const turn = [1, 0, 0, 0], origin = [0, 0, 0], tip = [0, 0, 0], inBody = [0, 0, 0];
   const size = {omega: 1, H: 1, torque: 1};
-  let viewer = null, radius = 1, traced = 0;
+  let viewer = null, radius = 1, traced = 0, following = true;
 
   const length = (v) => Math.hypot(v[0], v[1], v[2]);
 
@@ -147,7 +147,7 @@
       const s = shapesFrom[k];
       const own = length([v[s + 1], v[s + 2], v[s + 3]]);
       const edge = v[s] > 0 ? Math.sqrt((1.5 * (v[s + 4] + v[s + 7] + v[s + 9])) / v[s]) : 0;
-      most = Math.max(most, length([v[12 * k], v[12 * k + 1], v[12 * k + 2]]) + own + 0.6 * edge);
+      most = Math.max(most, length([v[12 * k], v[12 * k + 1], v[12 * k + 2]]) + own + edge);
     });
     return most;
   }
@@ -180,6 +180,7 @@
           for (let j = 0; j < 3; j += 1) C[3 * j + i] = v[s + 3 * (j + 1) + i] - v[s + i];
         }
         viewer.pose(k, origin, EOM_ROTATIONS.ofMatrix(C, turn));
+        if (following && k === data.follow) viewer.follow(origin);
         if (k === data.bodies.length - 1) {
           const c = shapesFrom[k];
           for (let i = 0; i < 3; i += 1)
@@ -522,7 +523,8 @@
     });
     still.addEventListener("change", () => play(!still.matches));
     all("[data-show]").forEach((input) => input.addEventListener("change", () => {
-      input.dataset.show.split(",").forEach((name) => viewer.show(name, input.checked));
+      if (input.dataset.show === "camera") following = input.checked;
+      else input.dataset.show.split(",").forEach((name) => viewer.show(name, input.checked));
     }));
   }
 

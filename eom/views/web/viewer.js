@@ -255,6 +255,7 @@ const createViewer = (() => {
   const make = (canvas, description) => {
     const radius = description.radius || 1;
     const centre = vectorOf(description.centre || [0, 0, 0]);
+    const focus = centre.clone();
     const up = vectorOf(description.up || [0, 0, 1]).normalize();
     const names = Object.assign(
       {space: ["a\u2081", "a\u2082", "a\u2083"], body: ["b\u2081", "b\u2082", "b\u2083"]}, description.names);
@@ -306,23 +307,17 @@ const createViewer = (() => {
     function lay(height) {
       const cell = gridCell(radius);
       const count = 2 * Math.ceil((2.2 * radius) / cell);
-      const foot = centre.clone().addScaledVector(up, height - centre.dot(up));
-      const snapped = foot.clone();
-      [across, along].forEach((axis) => {
-        const at = foot.dot(axis);
-        snapped.addScaledVector(axis, Math.round(at / cell) * cell - at);
-      });
       const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), up);
       const grid = new THREE.GridHelper(count * cell, count, "#b4b4ac", "#d4d4ce");
       const sheet = new THREE.Mesh(new THREE.PlaneGeometry(count * cell, count * cell).rotateX(-Math.PI / 2),
                                    new THREE.ShadowMaterial({opacity: 0.2}));
       sheet.receiveShadow = true;
-      [grid, sheet].forEach((object, k) => {
-        object.position.copy(snapped).addScaledVector(up, -k * 1e-3 * radius);
+      [grid, sheet].forEach((object) => {
         object.quaternion.copy(turn);
         layer("ground").add(object);
       });
-      shadows = {grid, sheet};
+      shadows = {grid, sheet, height, cell};
+      under();
       renderer.shadowMap.enabled = true;
       renderer.shadowMap.type = THREE.PCFShadowMap;
       sun.castShadow = true;
@@ -330,6 +325,31 @@ const createViewer = (() => {
       Object.assign(sun.shadow.camera, {left: -2.2 * radius, right: 2.2 * radius, top: 2.2 * radius,
                                         bottom: -2.2 * radius, near: 0.1 * radius, far: 14 * radius});
       sun.shadow.normalBias = 0.01 * radius;
+    }
+
+    /* The ground below what is looked at: whole cells, so that its lines stay where they are. */
+    function under() {
+      const {grid, sheet, height, cell} = shadows;
+      const foot = focus.clone().addScaledVector(up, height - focus.dot(up));
+      [across, along].forEach((axis) => {
+        const at = foot.dot(axis);
+        foot.addScaledVector(axis, Math.round(at / cell) * cell - at);
+      });
+      [grid, sheet].forEach((object, k) => object.position.copy(foot).addScaledVector(up, -k * 1e-3 * radius));
+    }
+
+    /* Look at a point from where it is looked at now, the lights and the ground with it. */
+    function follow(point) {
+      const step = vectorOf(point).sub(focus);
+      if (step.lengthSq() === 0) {
+        return;
+      }
+      [focus, camera.position, controls.target, sun.position, sun.target.position, fill.position].forEach((p) => p.add(step));
+      sun.target.updateMatrixWorld();
+      if (shadows) {
+        under();
+      }
+      controls.update();
     }
 
     function gridCell(size) {
@@ -484,8 +504,8 @@ const createViewer = (() => {
     }
 
     function home() {
-      controls.target.copy(centre);
-      camera.position.copy(centre).addScaledVector(sight, distance());
+      controls.target.copy(focus);
+      camera.position.copy(focus).addScaledVector(sight, distance());
       controls.update();
       ask();
     }
@@ -861,6 +881,8 @@ const createViewer = (() => {
       seenAt, words: allWords,
       /* Draw now; draw with the next frame. */
       render, ask,
+      /* Go with a point: the camera, the lights, the ground. */
+      follow,
       /* Turn the camera (radians), move it nearer (factor below 1) or farther, put it back. */
       orbit, zoom, home,
       resize, camera, controls, scene,

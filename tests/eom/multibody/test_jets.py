@@ -254,6 +254,12 @@ def test_missing_and_impossible_jets_are_told():
     refused("one takes the rest", jets={"nozzle": nozzle, "other": nozzle})
     still = {"rocket": {"mass": "m0", "moments": ["mu*k", "mu*k", "mu*k"]}}
     refused("nothing goes through its jet", bodies=still)
+    text = refused("mass is negative", bodies={"rocket": {"mass": "-1 - 2*t"}})
+    assert "body 'rocket', at t = 0" in text
+    flat = {"rocket": {"mass": "2 - t", "moments": ["1 - t/2", "1 - t/2", "3 - t"]}}
+    refused("no body has this inertia", bodies=flat)
+    refused("unknown name 'z_rocket'", jets={"nozzle": {**nozzle, "rate": "z_rocket"}})
+    refused("too few values", jets={"nozzle": {**nozzle, "velocity": ["-v", 0]}})
     refused("unknown name 't'", jets={"nozzle": {**nozzle, "point": [0, 0, "-l*t"]}})
 
 

@@ -106,6 +106,25 @@ def test_nothing_is_said_of_what_is_switched_off(written):
     assert difference(written(text))[0] <= 1e-13
 
 
+@pytest.mark.parametrize(
+    ("inside", "reasons"),
+    [
+        ("<body mocap='true'><geom size='.1'/></body>", ["surroundings"]),
+        ("<body><joint type='free' armature='1' stiffness='1'/><geom size='.1'/></body>",
+         ["spring", "armature"]),
+        ("<body gravcomp='1'><joint/><geom size='.1'/></body>", ["surroundings"]),
+        ("<flexcomp name='f' type='grid' count='2 2 1' spacing='.1 .1 .1' radius='.01' dim='2' mass='1'/>",
+         ["flex"]),
+    ],
+)  # fmt: skip
+def test_what_else_is_left_out(written, inside, reasons):
+    assert [r.reason for r in eom.load_scene(written(model(inside))).repairs] == reasons
+
+
+def test_a_model_without_bodies_moves_nothing(written):
+    assert eom.load_scene(written("<mujoco/>")).derive().states == ()
+
+
 HOSTILE = ["__import__('os')", "a;b", "9", "ground", "ä/ö", "x y", "x_y", "\\\\n"]
 
 

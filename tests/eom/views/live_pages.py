@@ -17,7 +17,8 @@ from tests import node
 SUPPORTED = (
     "lecture-wheel", "gravity-gradient-satellite", "heavy-top", "t-handle", "t-handle-in-angles",
     "double-pendulum", "floating-tree", "pendulum-on-cart", "satellite-with-panels", "seven-joint-arm",
-    "bicycle-wheel",
+    "bicycle-wheel", "rotary-pendulum", "reaction-wheels", "dual-spin-satellite",
+    "control-moment-gyroscope", "gyroscope-in-gimbals", "quadrotor", "rocket", "walking-leg",
 )  # fmt: skip
 SINGLE = SUPPORTED[:5]
 WHOLE = (*SINGLE, "double-pendulum", "satellite-with-panels")

@@ -442,3 +442,60 @@ def test_pictures_of_a_film_are_at_the_right_times():
     long = animation_of(tumbling("none"), integrate, speed=0.01)
     with pytest.raises(InputError, match="too many pictures"):
         film_bytes(long, ".gif", Film(fps=50, length=99.0))
+
+
+# -- the camera ------------------------------------------------------------------------------------------
+
+THROWN = {
+    "bodies": {"stick": {"mass": 1, "solid": "box", "size": {"a": 1, "b": 0.2, "c": 0.2}},
+               "knob": {"mass": 0.1, "solid": "box", "size": {"a": 0.1, "b": 0.1, "c": 0.1}}},
+    "joints": {"thrown": {"kind": "free", "parent": "ground", "child": "stick"},
+               "pin": {"kind": "revolute", "parent": "stick", "child": "knob",
+                       "on_parent": {"position": (0.5, 0, 0)}}},
+    "gravity": (0, 0, -10),
+    "initial": {"v_thrown_1": 20, "v_thrown_3": 10, "w_thrown_3": 2},
+}  # fmt: skip
+
+
+def thrown(seconds, follow=None):
+    scene = TreeScene(**THROWN, integration={"t_end": seconds})
+    return animation_of(scene, integrate, follow=follow)
+
+
+def test_the_camera_goes_with_a_body_where_the_motion_goes_far():
+    near, far = thrown(0.1).view, thrown(2.0)
+    assert near.follow == -1
+    assert far.view.follow == 0
+    assert far.view.radius < 1.2
+    assert far.view.centre == pytest.approx([0, 0, 0])
+    assert data(far)["follow"] == 0
+    filming = Filming(far, Film())
+    places = [filming.camera(k).place for k in (0.0, 100.0)]
+    way = far.tracks.bodies[0].positions
+    assert places[1] - places[0] == pytest.approx(way[100] - way[0])
+    for k in (0, 100, 200):
+        assert filming.camera(k).view.flat(way[k][None])[0] == pytest.approx([0, 0], abs=1e-12)
+
+
+def test_the_camera_goes_with_the_body_that_is_named_or_stays():
+    assert thrown(2.0, "knob").view.follow == 1
+    whole = thrown(2.0, "none").view
+    assert whole.follow == -1
+    assert whole.radius > 20
+    filming = Filming(thrown(2.0, "none"), Film())
+    assert filming.camera(0.0).place == pytest.approx(filming.camera(50.0).place)
+    with pytest.raises(InputError, match="unknown body 'knbo'"):
+        thrown(2.0, "knbo")
+
+
+def test_squares_of_the_ground_stay_where_they_are_as_the_camera_goes():
+    """Of the lines below what is seen at two times those of both lie on each other."""
+    from eom.views.animation import filming as films
+
+    filming = Filming(thrown(2.0), Film(length=2.0))
+    view = filming.animation.view
+    cell = 3.2 * view.radius / 12
+    feet = [films.foot_of(filming, k) for k in (0.0, 100.0)]
+    steps = (feet[1] - feet[0]) / cell
+    assert steps == pytest.approx(np.round(steps), abs=1e-9)
+    assert abs(steps[0]) > 10

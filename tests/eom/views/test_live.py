@@ -84,9 +84,19 @@ def test_the_page_moves_as_the_c_target_does(name):
     drawn = about.variants[about.choice].drawn
     assert tuple(got["names"]) == drawn.state_names
     assert difference(got, in_c(drawn, got)) < 1e-9
-    times = 10 if name == "seven-joint-arm" else 1 if name in SINGLE else 2
+    damped = name in {"seven-joint-arm", "walking-leg"}
+    times = 10 if damped else 1 if name in SINGLE else 2
     assert np.mean(got["work"][1:]) < 30 * times  # much damping on small links: short steps
     assert max(got["work"][1:]) < 120 * times
+
+
+def test_the_camera_follows_what_floats():
+    assert "camera" not in subject("double-pendulum").shown
+    assert subject("double-pendulum").follow == -1
+    about = subject("quadrotor")
+    assert about.follow == 0
+    assert data_of(text_of("quadrotor"))["follow"] == 0
+    assert 'data-show="camera" checked' in text_of("quadrotor")
 
 
 @pytest.mark.slow

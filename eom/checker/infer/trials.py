@@ -1,0 +1,322 @@
+r"""Which system a note, or a part of it, is about: the one under which most of its lines hold.
+
+Rows that words name are tried with the letters of the note, and angles counted either way; a system is
+taken only where lines of the note hold with it. No line that fails counts against it: notes have slips.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import islice
+
+from eom.checker.infer.sayings import Prose, look_of, prose, said
+from eom.checker.infer.systems import (
+    MAX_ROWS,
+    Guess,
+    Row,
+    Spoken,
+    Tie,
+    candidates,
+    choices,
+    guesses,
+    spoken,
+)
+from eom.checker.judge.coordinates import covered
+from eom.checker.judge.judge import is_nearly, models_of
+from eom.checker.judge.members import of_members
+from eom.checker.judge.models import Search
+from eom.checker.judge.systems import LEVELS, agreeing, levelled
+from eom.checker.judge.verdicts import GRAVE
+from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, claims, defined
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.values import Value, atoms_in
+from eom.checker.read.documents import Document, Piece
+from eom.checker.read.statements import Statement, read
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import Node, Number, children, walk
+from eom.errors import InputError
+
+ENOUGH = 2
+"""Lines that have to hold for a system to be taken; one, where fewer fail."""
+SILENT = frozenset({"t", "pi", "infty"})
+"""Letters that mean the same everywhere."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A heading with all that stands below it up to the next of its level, or a whole note."""
+
+    headings: tuple[str, ...]
+    document: Document
+
+    @cached_property
+    def text(self) -> Prose:
+        """Its sentences."""
+        return prose(self.document)
+
+    @cached_property
+    def words(self) -> str:
+        """Its words, with those of its headings."""
+        titles = (p.body for p in self.document.pieces if p.kind == "heading")
+        return " ".join((*titles, *map(self.text.shown, self.text.sentences)))
+
+    @cached_property
+    def said(self) -> tuple[Spoken, ...]:
+        """What its words say of letters."""
+        return spoken(self.text, said(self.text))
+
+    @cached_property
+    def lines(self) -> tuple[tuple[Statement, ...], ...]:
+        """Its displays, each as statements."""
+        displays = (f for f in read(self.document) if f.piece.kind == "display" and f.relational)
+        return tuple(tuple(s for s in f.statements if s.relational) for f in displays)
+
+    @cached_property
+    def dotted(self) -> frozenset[Look]:
+        """Its symbols that stand with a dot."""
+        members = (m for line in self.lines for s in line for m in s.members)
+        found = (seen(n) for m in members for n in walk(m))
+        return frozenset(s.look for s in found if s is not None and s.dots)
+
+    @cached_property
+    def looks(self) -> tuple[Counter[Look], Mapping[Look, int]]:
+        """The symbols of its displays with how often they stand there, and their first lines."""
+        count: Counter[Look] = Counter()
+        lines: dict[Look, int] = {}
+        for formula in read(self.document):
+            if formula.piece.kind != "display":
+                continue
+            for look in _looks(m for s in formula.statements for m in s.members):
+                count[look] += 1
+                lines.setdefault(look, formula.piece.line)
+        return count, lines
+
+
+def _looks(nodes: Iterable[Node]) -> Iterator[Look]:
+    """Yield the symbols of formulas, with their labels."""
+    for node in nodes:
+        look = None if isinstance(node, Number) else look_of(node)
+        if look is not None and seen(node) is not None:
+            if look.name not in SILENT:
+                yield look
+            continue
+        yield from _looks(children(node))
+
+
+def parts(document: Document) -> tuple[Part, ...]:
+    """Return the parts of a note by its headings, each down to the next of the same level or above."""
+    pieces = document.pieces
+    places = [k for k, p in enumerate(pieces) if p.kind == "heading"]
+    found = []
+    for k in places:
+        ends = (j for j in places if j > k and pieces[j].level <= pieces[k].level)
+        own = pieces[k : next(ends, len(pieces))]
+        found.append(Part((_title(pieces[k]),), replace(document, pieces=own)))
+    return tuple(found)
+
+
+def _title(piece: Piece) -> str:
+    return piece.body.strip("# \n\t")
+
+
+# -- trials --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A system with how many lines hold under it, which fail, and of how many it says nothing.
+
+    ``lines``: which were tried, None for all; ``misfits``: how many fail by their kinds or dimensions.
+    """
+
+    guess: Guess
+    held: int
+    failed: frozenset[int]
+    open: int
+    lines: frozenset[int] | None = None
+    misfits: int = 0
+
+    @property
+    def cost(self) -> tuple[int, int]:
+        """What makes one trial worse than another."""
+        return -self.held, self.open
+
+
+@dataclass
+class Trials:
+    """The systems that are tried in a part, under the lexicon of its words; each line read once."""
+
+    part: Part
+    lexicon: Lexicon
+    done: dict[str, Trial] = field(default_factory=dict)
+
+    def best(self) -> Trial | None:
+        """Return the trial in which most lines hold; None where none holds in any.
+
+        Once most lines hold under a system no other is tried.
+        """
+        count, lines = self.part.looks
+        found = self._candidates(count, lines) if count else []
+        best: Trial | None = None
+        for row, tied, name in found[:MAX_ROWS]:
+            new = self._of_row(row, tied, name)
+            best = min(
+                (t for t in (best, new) if t is not None), key=lambda t: t.cost, default=None
+            )
+            if best is not None and 2 * best.held > len(self.part.lines):
+                break
+        if best is None or not best.held:
+            return None
+        whole = (t for t in self.done.values() if t.lines is None and t.guess != best.guess)
+        rivals = tuple(t.guess for t in whole if t.held >= best.held)
+        return replace(best, guess=replace(best.guess, rivals=rivals))
+
+    def _candidates(
+        self, count: Counter[Look], lines: Mapping[Look, int]
+    ) -> list[tuple[Row, tuple[Tie, ...], str]]:
+        part = self.part
+        return candidates(part.words, part.said, count, lines, part.dotted)
+
+    def alone(self) -> Trial | None:
+        """Return the system under which lines without words hold, by letters that are usual for it.
+
+        Where they hold under none: the first under which nothing but that can be said of them.
+        """
+        count, lines = self.part.looks
+        failed: Trial | None = None
+        for row, tied, _ in candidates("", (), count, lines, self.part.dotted):
+            for letters in choices(row, tied):
+                for guess in guesses(row, letters, "", "", turned=False):
+                    new = self.trial(guess, deep=True)
+                    if new is not None and new.held == len(self.part.lines):
+                        return new
+                    if new is not None and new.failed:
+                        failed = min((t for t in (failed, new) if t), key=lambda t: t.misfits)
+        return failed
+
+    def _of_row(self, row: Row, tied: tuple[Tie, ...], name: str) -> Trial | None:
+        """Return the best trial of a row: first its letters, then its sizes and how angles are counted.
+
+        What else may be meant is tried on the lines that fail.
+        """
+        first = next(guesses(row, tied, self.part.words, name), None)
+        if first is None:
+            return None
+        letters = [self.trial(replace(first, ties=t)) for t in islice(choices(row, tied), 4)]
+        best = min((t for t in letters if t is not None), key=lambda t: t.cost, default=None)
+        if best is None:
+            return None
+        for guess in guesses(row, best.guess.ties, self.part.words, name):
+            if not best.failed:
+                break
+            again = self.trial(guess, best.failed)
+            other = self.trial(guess) if again is not None and again.held else None
+            best = best if other is None else min(best, other, key=lambda t: t.cost)
+        return best
+
+    def trial(
+        self, guess: Guess, lines: frozenset[int] | None = None, *, deep: bool = False
+    ) -> Trial | None:
+        """Return what holds under a system, of some lines or all; None where it cannot be used.
+
+        ``deep``: whether lines on what is derived of the system are judged, too.
+        """
+        key = repr((guess.table, guess.ties, lines and sorted(lines)))
+        if key not in self.done:
+            try:
+                lexicon = guess.added(self.lexicon)
+            except InputError:
+                return None
+            self.done[key] = trial(guess, self.part, lexicon, lines, deep=deep)
+        return self.done[key]
+
+
+def trial(
+    guess: Guess,
+    part: Part,
+    lexicon: Lexicon,
+    lines: frozenset[int] | None = None,
+    *,
+    deep: bool = False,
+) -> Trial:
+    """Return how many lines hold, which fail, how many are left under a system."""
+    found: dict[str, set[int]] = {v: set() for v in ("held", "failed", "open")}
+    known: dict[Look, Value] = {}
+    misfits = 0
+    for number, statements in enumerate(part.lines):
+        if lines is not None and number not in lines:
+            continue
+        rows: list[Claim] = []
+        for statement in statements:
+            new = claims(statement, lexicon, known)
+            known |= defined(new)
+            rows += [c for c in new if c.kind == STATEMENT]
+        found[_verdict(rows, deep)].add(number)
+        misfits += any(c.findings and c.verdict in GRAVE for c in rows)
+    held, failed = len(found["held"]), frozenset(found["failed"])
+    return Trial(guess, held, failed, len(found["open"]), lines, misfits)
+
+
+def _verdict(rows: Sequence[Claim], deep: bool) -> str:
+    """Return what is to be said of the claims of a line about a system."""
+    about = [c for c in rows if covered(c)]
+    if not about:
+        return "open"
+    verdicts = {_held(c, deep) for c in about}
+    return next(v for v in ("failed", "open", "held") if v in verdicts)
+
+
+def _held(claim: Claim, deep: bool = False) -> str:
+    """Return whether a claim holds at a random point of the system's motion, or with another zero of V."""
+    if claim.findings:
+        return "failed" if claim.verdict in GRAVE else "open"
+    if of_members(claim) or is_nearly(claim) or not EQUALITIES.issuperset(claim.relations):
+        return _at_once(claim) if deep else "open"
+    if agreeing(claim) == len(claim.members) - 1:
+        return "held"
+    other = levelled(claim) if _of_energy(claim) else None
+    moved = other is not None and agreeing(replace(claim, model=other)) == len(claim.members) - 1
+    return "held" if moved else "failed"
+
+
+def _at_once(claim: Claim) -> str:
+    """Return whether a claim holds without any condition."""
+    try:
+        search = Search(models_of(claim))
+        _, base = search.base
+        said = bool(search.models.said) and not is_nearly(claim)
+        return "held" if said and search.holds(base) else "failed" if said else "open"
+    except InputError:
+        return "open"
+
+
+def _of_energy(claim: Claim) -> bool:
+    """Return whether a claim is about a quantity that depends on where potential energy is zero."""
+    atoms = (a for m in claim.members for a in atoms_in(m.term, claim.scalars))
+    return any(a.data[0] == "system" and a.data[1] in LEVELS for a in atoms)
+
+
+def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
+    """Return the systems that a note is about: of the whole, then of parts that are about another."""
+    whole = Trials(Part((), document), lexicon)
+    if not whole.part.words.strip():
+        alone = whole.alone()
+        return (alone.guess,) if alone is not None else ()
+    first = whole.best()
+    found = [first.guess] if first is not None and _enough(first) else []
+    for part in parts(document):
+        if len(part.document.pieces) < len(document.pieces) - 1:
+            own = Trials(part, lexicon)
+            best = own.best()
+            known = own.trial(found[0]) if found else None
+            if best is not None and _enough(best) and (known is None or best.cost < known.cost):
+                found.append(replace(best.guess, headings=part.headings))
+    return tuple(found)
+
+
+def _enough(one: Trial) -> bool:
+    """Return whether lines hold that make a system credible."""
+    return one.held >= (1 if one.held > len(one.failed) else ENOUGH)
