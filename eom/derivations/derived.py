@@ -493,9 +493,7 @@ class _Notes:
         new = [a for a in letters if a in step.assumptions and a not in self.told]
         self.told.update(new)
         under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
-        if step.kind == "result" and not step.by:
-            kind = "stated, not derived"
-        evidence = "" if step.evidence.startswith("held") else step.evidence
+        evidence = "" if step.by and step.evidence.startswith("held") else step.evidence
         states = (f"{s} ({NOTES[s]})" if s in NOTES else s for s in step.states)
         parts = [kind, *states, self._origin(step), f"under {under}" if under else "", evidence]
         remarks = "; ".join(p for p in parts if p)
