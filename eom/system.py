@@ -254,6 +254,7 @@ class System:
         parameters: Iterable[Any] = (),
         period: float | None = None,
         delay: float = 0.0,
+        rates: Mapping[Any, Any] | None = None,
     ) -> System:
         """Return the closed loop: a system in which inputs are laws over states, outputs and time.
 
@@ -272,7 +273,7 @@ class System:
         and held between. Then ``states`` have the expressions of their next values in place of rates, and
         laws may read the inputs that they set, as they were before; values take effect ``delay`` (s) after
         the sample, those of states at once. What is held stays an input of the system, `Sampling` says by
-        what it is set.
+        what it is set. ``rates``: of further states of the control, which are continuous beside a period.
 
         Raises `InputError` for what is no input, names that are taken, laws that need their own results,
         intermediate definitions of the system, which have no lasting names, a period that is not positive,
@@ -284,8 +285,9 @@ class System:
         -d*v - k*x
         """
         closed = self.closed_loop(
-            laws, states, definitions=definitions, parameters=parameters, period=period, delay=delay
-        )
+            laws, states, definitions=definitions, parameters=parameters,
+            period=period, delay=delay, rates=rates,
+        )  # fmt: skip
         if self.numbers != "counts":
             _check_control(self, closed)
         return closed
@@ -300,6 +302,7 @@ class System:
         parameters: Iterable[Any] = (),
         period: float | None = None,
         delay: float = 0.0,
+        rates: Mapping[Any, Any] | None = None,
     ) -> System:
         """Return what `with_control` does, with no check of the dimensions of laws.
 
@@ -311,29 +314,26 @@ class System:
             if name not in held:
                 raise unknown_name("input", name, held, f"laws of control of {self.name!r}")
         if delay and period is None:
-            raise InputError(
-                "a delay of laws that are not sampled",
-                where=f"control of {self.name!r}",
-                got=f"delay = {shown(delay)}",
-                hint="give the period of the samples, too",
-            )
-        moved = {as_state(key): rate for key, rate in (states or {}).items()}
+            raise InputError("a delay of laws that are not sampled", where=f"control of {self.name!r}",
+                             got=shown(delay), hint="give the period of the samples, too")  # fmt: skip
+        moved = {as_state(key): e for key, e in (rates or {}).items()}
+        own = {as_state(key): e for key, e in (states or {}).items()}
         shared = {as_quantity(key): e for key, e in (definitions or {}).items()}
         variables = (*self.states, *self.parameters, *self.inputs, Quantity(self.time))
         known = {d.name: d.expression for d in self.outputs}
         known |= {q.name: q.symbol for q in variables}
         hidden = {d.name for d in self.definitions} - {*known}
         where = f"control of {self.name!r}"
-        spoken = Spoken(where, known, (*moved, *shared), parameters, hidden)
+        spoken = Spoken(where, known, (*moved, *own, *shared), parameters, hidden)
         rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
         made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
-        rates = {q: spoken.over(rate) for q, rate in moved.items()}
+        along, next_ = ({q: spoken.over(e) for q, e in g.items()} for g in (moved, own))
         gains = tuple(spoken.gains.values())
         if period is None:
-            return _closed(self, made, rates, gains)
-        laws_, next_ = made[len(shared) :], tuple(Definition(q, e) for q, e in rates.items())
-        sampling = Sampling(laws_, next_, period, delay)
-        return _sampled(self, made[: len(shared)], sampling, gains)
+            return _closed(self, made, {**next_, **along}, gains)
+        steps = tuple(Definition(q, e) for q, e in next_.items())
+        sampling = Sampling(made[len(shared) :], steps, period, delay)
+        return _sampled(self, made[: len(shared)], along, sampling, gains)
 
 
 def _check_control(system: System, closed: System) -> None:
@@ -408,23 +408,24 @@ def _kept(
 def _sampled(
     system: System,
     shared: tuple[Definition, ...],
+    rates: Mapping[Quantity, Expr],
     sampling: Sampling,
     gains: tuple[Quantity, ...],
 ) -> System:
-    """Return a system under laws that are sampled; states of the control become inputs that are held."""
-    definitions = in_order((*shared, *system.definitions), system.name)
-    kept = _kept(system.invariants, definitions, sampling.symbols)
-    rows = (*shared, *sampling.rows)
-    shown = (Definition(d.quantity, d.symbol) for d in rows if d.name not in system.output_names)
+    """Return a system under laws that are sampled; their states become inputs that are held.
+
+    ``shared``, ``rates``: definitions, and states of the control that are continuous.
+    """
+    held = replace(system, inputs=(*system.inputs, *(d.quantity for d in sampling.states)))
+    whole = _closed(held, shared, rates, gains)
+    invariants = _kept(whole.invariants, whole.definitions, sampling.symbols)
+    rows = (Definition(d.quantity, d.symbol) for d in sampling.rows)
     return replace(
-        system,
-        parameters=(*system.parameters, *gains),
-        inputs=(*system.inputs, *(d.quantity for d in sampling.states)),
-        definitions=definitions,
-        outputs=(*system.outputs, *shown),
-        invariants=kept,
-        maintained=tuple(n for n in system.maintained if n in {d.name for d in kept}),
-        sampled=(*system.sampled, sampling),
+        whole,
+        outputs=(*whole.outputs, *(d for d in rows if d.name not in whole.output_names)),
+        invariants=invariants,
+        maintained=tuple(n for n in whole.maintained if n in {d.name for d in invariants}),
+        sampled=(*whole.sampled, sampling),
     )
 
 

@@ -542,6 +542,7 @@ FACTS = {
     "codegen.LinearMotion": ("A (k, k)", "Units are those of the system", NONE, NONE),
     "codegen.Normal": (NONE, "In the unit of what is sampled", NONE, NONE),
     "codegen.Result": ("``y`` (n, N)", "Units are those of the system", NONE, NONE),
+    "codegen.Sampled": (NONE, "in its unit", NONE, NONE),
     "codegen.Sampler": (NONE, "Units are those of what is sampled", NONE, "SC 2011"),
     "codegen.Sensitivities": (
         NONE,

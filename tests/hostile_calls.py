@@ -167,6 +167,9 @@ def _codegen():
         "Statistics": (codegen.Statistics, {"names": ("y",), "quantiles": False, "edges": {}}),
         "Event": (codegen.Event, {"expression": y, "direction": 0, "terminal": False, "name": "e"}),
         "Signal": (codegen.Signal, {"function": lambda t: t, "knots": None, "max_step": None}),
+        "Sampled": (codegen.Sampled, {
+            "law": lambda t, x, m: (0.0, m), "period": 0.1, "delay": 0.0, "states": None, "memory": 0,
+        }),
     }  # fmt: skip
 
 
@@ -228,7 +231,8 @@ def _eom(folder):
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "angles": (), "multipliers": (), "title": "", "numbers": "counts",
+            "attitudes": (), "angles": (), "multipliers": (), "sampled": (), "title": "",
+            "numbers": "counts",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",
@@ -371,9 +375,11 @@ def _methods():
         "System.rate_of": (OSCILLATOR.rate_of, {"expression": y}),
         "System.with_control": (OSCILLATOR.with_control, {
             "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+            "period": 0.1, "delay": 0.0, "rates": {"filter": y},
         }),
         "System.closed_loop": (OSCILLATOR.closed_loop, {
             "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
+            "period": 0.1, "delay": 0.0, "rates": {"filter": y},
         }),
         "Table.__call__": (eom.Table("a", (0, 1), (0, 1)), {"argument": y}),
         "Compiled.rates": (lambda **a: compiled.functions["rates"](a["t"], a["x"], a["p"], a["u"]), at),

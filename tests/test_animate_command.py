@@ -38,6 +38,7 @@ def test_a_page_is_written(run, tmp_path):
     assert result.output == f"wrote plate.html ({len(text.encode()):,} bytes)\n"
     assert '"end":1.0,' in text
     assert '"speed":0.5,' in text
+    assert '"follow":-1,' in text
 
 
 @pytest.mark.slow
@@ -57,6 +58,7 @@ def test_slides_are_written(run, tmp_path):
     ("arguments", "message"),
     [
         (("plate.toml", "--out", "plate.svg"), "unknown kind of file"),
+        (("plate.toml", "--out", "plate.html", "--follow", "plaet"), "unknown body 'plaet'"),
         (("plate.toml", "--out", "plate.toml/plate.html"), "file cannot be written"),
         (("plate.toml", "--out", "plate.html", "--fps", "10"), "this option is for slides"),
         (("plate.toml", "--out", "plate.gif", "--fps", "0"), "unusable rate of pictures"),

@@ -15,7 +15,7 @@ from tests.pages import Block, agrees, blocks
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 MADE = DOCS / "howto" / "pictures.md"
-"""The page that is run when the site is built (`docs/_ext/made.py`): the site shows what it makes."""
+"""The page that is run where the site is built alone (`docs/_ext/made.py`), which shows what it makes."""
 PAGES = sorted(
     page
     for page in DOCS.rglob("*.md")
@@ -27,6 +27,9 @@ NEEDS = {
     "robots": ("yourdfpy", "mujoco"),
     "monte-carlo": ("zarr",),
     "tutorial": ("matplotlib",),
+    "control": ("matplotlib",),
+    "rotary-pendulum": ("matplotlib",),
+    "reaction-wheels": ("matplotlib",),
 }
 TASKS = 10
 
@@ -44,7 +47,12 @@ def test_blocks_of_all_pages_run_and_print_what_is_shown():
         capture_output=True,
         text=True,
         check=False,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
+        env={
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "OPENBLAS_NUM_THREADS": "1",
+            "MPLBACKEND": "agg",
+        },
     )
     assert done.returncode == 0, done.stderr
     reported = json.loads(done.stdout)

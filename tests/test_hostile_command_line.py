@@ -64,6 +64,7 @@ RIGHT = {
     "run": ("{scene}", "--target", "numpy", "--out", "{out}"),
     "ensemble": ("{scene}", "--vary", "omega_1=grid(1,2,2)", "--points", "2"),
     "linearise": ("{tree}", "--target", "numpy", "--starts", "2"),
+    "analyse": ("{tree}", "--small", "1"),
     "check": ("{note}", "--jobs", "1"),
     "convert": ("--quaternion", "1,0,0,0"),
     "bench": ("nobody",),

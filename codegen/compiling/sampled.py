@@ -139,12 +139,17 @@ class Function:
     all: bool
     zero: tuple[float, ...] = ()
 
-    def fresh(self) -> Callable[[float, Array], Array]:
-        """Return f(t, x) of time (s) and states (n,), which gives the inputs in order."""
+    def fresh(self) -> Callable[[float, Array, Array], None]:
+        """Return f(t, x, out) of time (s) and states (n,), which puts the inputs into ``out``, in order."""
         function = self.sampled.fresh()
         given: Any = function if self.all else {self.names[0]: function}
         held = np.zeros(len(self.names))
-        return Inputs(held, self.names, given, self.states, self.zero, watched=False)
+        inputs = Inputs(held, self.names, given, self.states, self.zero, watched=False)
+
+        def call(t: float, x: Array, out: Array) -> None:
+            out[:] = inputs(t, x)
+
+        return call if self.all else inputs.single
 
     def since(self, zero: tuple[float, ...]) -> Function:
         """Return the same over a time that is zero at ``zero``, a sum."""
@@ -254,6 +259,17 @@ def laws_of(compiled: Compiled, functions: Mapping[str, Sampled]) -> tuple[Law, 
         called = Function(law, own, states, not name)
         found.append(Law.of(law.period, law.delay, [names.index(n) for n in own], called=called))
     return tuple(found)
+
+
+def refuse(compiled: Compiled, what: str) -> None:
+    """Raise `InputError` where laws are sampled: ``what`` sees inputs that are held for ever."""
+    if compiled.system.sampled:
+        raise InputError(
+            f"{what} would take inputs for held that sampled laws change",
+            where=f"system {compiled.layout.name!r}",
+            got=f"sampled {', '.join(compiled.system.held)}",
+            expected="a system without sampled laws: the open loop, or laws without a period",
+        )
 
 
 def start_values(compiled: Compiled, initial: Any, inputs: Any) -> tuple[Any, Any]:

@@ -2,5 +2,6 @@
 
 In: distributions, arrays of initial values. Out: `Ensemble`s, summaries, stores on disk.
 Imports: `codegen.compiling`, `codegen.frontend`, `codegen.integrate`, `codegen.ir`,
-`codegen.native`, `codegen.precision`, `codegen.runs`, `eom.errors`, `eom.system`, `eom.units`.
+`codegen.native`, `codegen.precision`, `codegen.runs`, `eom.errors`, `eom.quantities`, `eom.system`,
+`eom.units`.
 """

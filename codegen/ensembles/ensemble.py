@@ -33,7 +33,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling import sampled
 from codegen.compiling.compiled import Compiled, processors
-from codegen.compiling.sampled import Sampled
 from codegen.ensembles import store as stores
 from codegen.ensembles.sampler import Many, Population, Sampler, population
 from codegen.ensembles.statistics import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
@@ -57,7 +56,7 @@ from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
 from codegen.runs.arguments import span as span_of
 from codegen.runs.arguments import tolerances as tolerances_of
-from codegen.runs.simulation import DEFAULT_MARGIN, compile_once
+from codegen.runs.simulation import DEFAULT_MARGIN, InputsGiven, compile_once
 from eom.errors import InputError, typed, unknown_name
 from eom.system import System
 
@@ -165,10 +164,7 @@ def ensemble(
     atol: ArrayLike | None = None,
     t_eval: ArrayLike | None = None,
     *,
-    inputs: Mapping[str, float | Sampled | Callable[..., Any]]
-    | Sampled
-    | Callable[..., Any]
-    | None = None,
+    inputs: InputsGiven | None = None,
     statistics: Statistics | Sequence[str] = (),
     keep: bool | None = None,
     store: str | Path | None = None,

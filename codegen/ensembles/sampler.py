@@ -32,6 +32,7 @@ from codegen.frontend.structure import Condition
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import Array
 from eom.errors import AssumptionError, InputError, shown, typed, typed_fields, unknown_name
+from eom.quantities import TIME
 from eom.system import System
 from eom.units import in_unit, nearest
 
@@ -187,8 +188,8 @@ def _finite(name: str, array: Array, first: int) -> None:
         raise InputError(f"value of {name} is not finite", where=where, got=got)
 
 
-def check(compiled: Compiled, x: Array, p: Array, u: Array, first: int) -> None:
-    """Test states (n, N), parameters and inputs against what the system assumes.
+def check(compiled: Compiled, x: Array, p: Array, u: Array, first: int, time: float = 0.0) -> None:
+    """Test states (n, N), parameters and inputs against what the system assumes at a time (s).
 
     Raises `AssumptionError` for the first trajectory that contradicts, `InputError` for parameters
     that must be positive and are not.
@@ -197,7 +198,7 @@ def check(compiled: Compiled, x: Array, p: Array, u: Array, first: int) -> None:
     columns = dict(zip(names_of(layout.states), x, strict=True))
     columns |= dict(zip(names_of(layout.parameters), p, strict=True))
     columns |= dict(zip(names_of(layout.inputs), u, strict=True))
-    known = _completed(compiled, columns)
+    known = _completed(compiled, columns) | {TIME.name: np.asarray(time)}
     for name, meaning in guard.positive.items():
         bad = np.flatnonzero(~(np.asarray(known.get(name, 1.0)) > 0))
         if bad.size:
@@ -250,8 +251,10 @@ def _evaluate(condition: Condition) -> Evaluate:
     order = names_of(compiled.layout.parameters)
 
     def at(known: Mapping[str, Array]) -> Array:
-        columns = np.stack(np.broadcast_arrays(*(np.atleast_1d(known[n]) for n in order)))
-        found: Array = compiled.rhs(0.0, np.zeros((1, columns.shape[1])), columns)[0]
+        rows = np.broadcast_arrays(np.zeros(1), *(np.atleast_1d(known[n]) for n in order))
+        columns = np.stack(rows)[1:]
+        still = np.zeros((1, columns.shape[1]))
+        found: Array = compiled.rhs(float(known[TIME.name]), still, columns)[0]
         return found
 
     return at

@@ -100,7 +100,7 @@ def run(plan: Plan, some: Population, number: int) -> Piece:
     first = number * plan.chunk
     last = min(first + plan.chunk, some.count)
     x, p = some.draw(first, last)
-    check(plan.compiled, x, p, plan.shared.inputs, first)
+    check(plan.compiled, x, p, plan.shared.inputs, first, plan.shared.t_span[0])
     plan = _held(plan, x, p)
     clock = clock_of_plan(plan)
     moved, p = (plan, p) if clock is None else _since_start(plan, clock, p)

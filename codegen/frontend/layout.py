@@ -25,7 +25,7 @@ from codegen.ir.program import (
     Program,
 )
 from eom.errors import InputError, near_matches, shown, unknown_name
-from eom.quantities import Quantity
+from eom.quantities import Quantity, Sampling
 from eom.system import System
 from eom.tables import Table
 from eom.units import number_in
@@ -87,6 +87,9 @@ class Layout:
             {
                 OUTPUTS: tuple(d.quantity for d in system.outputs),
                 INVARIANTS: tuple(d.quantity for d in system.invariants),
+                SAMPLES: tuple(
+                    _when(d.quantity, s, d in s.laws) for s in system.sampled for d in s.rows
+                ),
             },
             attitudes=stated_of(system),
             winding=tuple(n for a in system.angles for n in a.winding),
@@ -119,6 +122,12 @@ class Layout:
     def sizes(self) -> dict[str, int]:
         """Number of results of each group, the empty ones left out."""
         return {g: len(names) for g, names in self.results.items() if names}
+
+
+def _when(quantity: Quantity, sampling: Sampling, waits: bool) -> Quantity:
+    """Return a quantity that is held, with when it changes in its meaning."""
+    delay = f", in effect {sampling.delay!r} s later" if waits and sampling.delay else ""
+    return replace(quantity, meaning=f"evaluated every {sampling.period!r} s{delay}")
 
 
 def names_of(quantities: Sequence[Quantity]) -> tuple[str, ...]:

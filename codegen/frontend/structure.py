@@ -21,7 +21,7 @@ from codegen.ir.passes import Slot, prune, substitute
 from codegen.ir.program import RATES, Program
 from codegen.ir.residues import vanishing
 from eom.errors import AssumptionError, InputError, unknown_name
-from eom.quantities import Assumption
+from eom.quantities import TIME, Assumption
 from eom.system import System
 
 
@@ -88,8 +88,10 @@ class Guard:
         positive = {q.name: q.meaning for q in system.parameters if q.symbol.is_positive}
         return cls(system.name, known, positive, tuple(conditions))
 
-    def check(self, values: Mapping[str, float]) -> None:
+    def check(self, values: Mapping[str, float], time: float | None = None) -> None:
         """Refuse ``values`` by name that contradict an assumption or that the system does not know.
+
+        ``time``: where a run starts (s); without, what is assumed of the time is not tested.
 
         A name that the system no longer has but that an assumption speaks of is tested against
         it: a torque given to a torque-free system, a third moment of inertia to a symmetric one.
@@ -99,7 +101,8 @@ class Guard:
         parameters that must be positive and are not.
         """
         where = f"system {self.system!r}"
-        spoken_of = {n for c in self.conditions for n in c.names}
+        spoken_of = {n for c in self.conditions for n in c.names} - {TIME.name}
+        known = values if time is None else {**values, TIME.name: time}
         for name, value in values.items():
             if name not in self.known and name not in spoken_of:
                 raise unknown_name("name", name, self.known, where)
@@ -110,8 +113,8 @@ class Guard:
                     got=value,
                 )
         for condition in self.conditions:
-            if all(n in values for n in condition.names):
-                condition.check(values, where)
+            if all(n in known for n in condition.names):
+                condition.check(known, where)
 
 
 def _condition(assumption: Assumption, expression: Any, is_zero: bool) -> Condition:
@@ -151,6 +154,10 @@ class Structure:
         given = dict(parameters or {})
         equal, numbers = _equal(system, given)
         held = {"state": dict(states or {}), "input": dict(inputs or {})}
+        for name in held["input"]:
+            if name in system.held:
+                raise InputError(f"input {name} is set by a sampled law, and not compiled in",
+                                 where=f"system {system.name!r}", got=held["input"][name])  # fmt: skip
         for kind, known in (("state", system.state_names), ("input", system.input_names)):
             _known(kind, held[kind], known, system)
             to_array(list(held[kind].values()), list(held[kind]), kind)

@@ -343,15 +343,42 @@ def _going_on(
 
     def integrator(problem: Problem) -> Trajectory:
         look = _Look(task, problem, chosen)
-        made = run(problem if task.events or problem.laws else look.watching())
+        made = run(problem if task.events else look.watching())
         first = replace(made, method=name, why=chosen.why, methods=(chosen.method,))
-        if problem.laws:  # the rest of a run does not know what its laws have held
-            return first
+        if problem.laws:
+            return _anew(task, methods, problem, first, look.stiff)
         if look.stiff is not None and first.stop.kind == LEFT:
             return _implicitly(task, methods, problem, first, look.stiff)
         return _onward(task, methods, problem, first)
 
     return integrator
+
+
+def _anew(
+    task: Task,
+    methods: Mapping[str, Prepare],
+    problem: Problem,
+    first: Trajectory,
+    stiff: Stiff | None,
+) -> Trajectory:
+    """Make a whole run by another method where the first is stuck, or limited by stability.
+
+    Where laws are sampled the rest of a run does not know what they have held, and what is on its way.
+    """
+    if stiff is not None and first.stop.kind == LEFT:
+        method, why = _implicit(stiff, task), f"stiff from {_when(problem, first)} on: {stiff}"
+    elif first.stop.kind == "step" or first.stop.overflows:
+        method, why = NEXT.get(first.methods[-1], ("", 0.0))[0], _stuck(problem, first)
+    else:
+        return first
+    if not method:
+        return first
+    run, name = methods[method](task)
+    whole = run(replace(problem, watch=None))
+    if first.stop.kind != LEFT and whole.stop.kind not in ENDS:
+        return first
+    said = f"{why}; {method} made all of the run"
+    return replace(whole, method=name, why=_both_notices(first.why, said), methods=(method,))
 
 
 def _onward(

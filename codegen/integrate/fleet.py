@@ -110,7 +110,7 @@ class _Job(ctypes.Structure):
         ("laws", ctypes.c_void_p),
         ("law_count", ctypes.c_size_t),
         ("law_values", ctypes.c_void_p),
-        ("held", ctypes.c_void_p),
+        ("held_at", ctypes.c_void_p),
     ]
 
 
@@ -125,13 +125,13 @@ def runner(function: Any) -> Runner:
         x, p = np.ascontiguousarray(x), np.ascontiguousarray(p)
         shared = replace(shared, atol=_held(shared))
         runs = _empty(shared, times, n, count)
-        laws = samples.laws_of(shared.laws)
+        laws = samples.laws_of(shared.laws, shared.t_span[1] - shared.t_span[0])
         room = np.empty(times * (n + 1) + 1)
         job, flag = _job(shared, x, p, runs, room), children.flag()
         job.halt = flag.address
         if shared.laws and runs.held is not None:
             job.laws, job.law_count = ctypes.addressof(laws.array), len(shared.laws)
-            job.law_values, job.held = laws.values.ctypes.data, runs.held.ctypes.data
+            job.law_values, job.held_at = laws.values.ctypes.data, runs.held.ctypes.data
         function(ctypes.addressof(job))
         children.check()
         return runs
@@ -318,10 +318,11 @@ def problem_of(shared: Shared, x: Array, p: Array, j: int, singularities: int) -
 
 
 def _empty(shared: Shared, times: int, n: int, count: int) -> Runs:
-    numbers = (np.zeros(count, dtype=np.int32) for _ in range(5))
+    status, which, steps, rejected, continued = np.zeros((5, count), dtype=np.int32)
     held = np.full((times, len(shared.inputs), count), math.nan) if shared.laws else None
     y = np.full((times, n, count), math.nan)
-    return Runs(y, np.empty(count), np.empty((n, count)), *numbers, held=held)
+    ends = np.empty(count), np.empty((n, count))
+    return Runs(y, *ends, status, which, steps, rejected, continued, held)
 
 
 STUCK = ("not finite", "step")

@@ -114,6 +114,9 @@ def _runge_kutta(
                 f"method {name} finds events in generated C alone",
                 got="inputs that are Python functions" if task.signals else compiled.target,
                 expected="the target c, and inputs that are numbers",
+                hint="write inputs into the system by System.with_control, or sample them: codegen.Sampled"
+                if task.signals
+                else "",
             )
         integrator, used = _scipy(elsewhere)(task)
         reason = " (inputs are Python functions)" if task.signals is not None else ""
@@ -129,7 +132,8 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
     if task.signals is not None:
         raise InputError(
             "method taylor cannot differentiate inputs that are Python functions",
-            hint="write them into the system by System.with_control, or choose DOP853",
+            hint="write them into the system by System.with_control, sample them by codegen.Sampled, or "
+            "choose DOP853",
         )
     order = taylor.order_of(task.problem.rtol)
     native = _taylor_once(SameObject(task.compiled), _further(task), order)
@@ -140,7 +144,8 @@ def _refuse_signals(name: str, task: Task) -> None:
     if task.signals is not None:
         raise InputError(
             f"method {name} runs in C and cannot call inputs that are Python functions",
-            hint="write them into the system by System.with_control, or choose DOP853",
+            hint="write them into the system by System.with_control, sample them by codegen.Sampled, or "
+            "choose DOP853",
         )
 
 

@@ -316,7 +316,10 @@ class _Run:
         self.closest = np.fmin(self.closest, np.abs(self.singular))
         if self.watcher is not None and self.inputs is not None:
             self.inputs.forget()
-        self.solver = self._solver(t, x, self.usual or None)
+        carried = (
+            self.method in MULTISTEP or self.method in SUNDIALS
+        )  # they begin with the lowest order
+        self.solver = self._solver(t, x, None if carried else self.usual or None)
         return True
 
     def _solver(self, t: float, x: Array, step: float | None) -> Any:

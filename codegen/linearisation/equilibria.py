@@ -37,6 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
+from codegen.compiling.sampled import refuse
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import completed, in_si, names_of, to_array
 from codegen.ir.passes import dependence
@@ -202,6 +203,7 @@ def equilibrium(
     >>> found.kind, round(found.states["q"], 6)
     ('isolated', 1.570796)
     """
+    refuse(compiled, "an equilibrium")
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     best: Array | None = None
     for start in search.starts(starts, seed, spread):
@@ -243,6 +245,7 @@ def equilibria(
     >>> [round(found.states["x"], 6) for found in equilibria(logistic, {"x": 0.9})]
     [1.0, 0.0]
     """
+    refuse(compiled, "an equilibrium")
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     found: list[Array] = []
     for start in search.starts(starts, seed, spread):

@@ -47,6 +47,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling.checked import Values
 from codegen.compiling.compiled import Compiled, kept_jacobian
+from codegen.compiling.sampled import refuse
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of
 from codegen.ir.interpret import Point
@@ -100,6 +101,7 @@ def linearise(
     >>> near.A.tolist(), near.B.tolist()
     ([[0.0, 1.0], [-1.0, 0.0]], [[0.0], [1.0]])
     """
+    refuse(compiled, "linear motion")
     layout = compiled.layout
     n, k = len(layout.states), len(layout.results[OUTPUTS])
     whole = kept_jacobian(compiled, (RATES, OUTPUTS), ("states", "inputs"), compiled.target)
@@ -254,6 +256,7 @@ def _doubtful(full: Linear, apart: Array) -> tuple[str, ...]:
 
 
 def _arrays(compiled: Compiled, point: Equilibrium) -> tuple[Array, Array, Array]:
+    refuse(compiled, "linear motion")
     layout = compiled.layout
     groups = (
         ("states", point.states, layout.states),

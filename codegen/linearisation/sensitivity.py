@@ -20,6 +20,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling.compiled import TARGETS, Compiled, compile
+from codegen.compiling.sampled import refuse
 from codegen.derivatives.derivative import JACOBIAN, UNIT, Seeds, derive
 from codegen.frontend.layout import Layout, names_of
 from codegen.ir.ops import Instruction
@@ -110,6 +111,7 @@ def sensitivities(
     -0.135335
     """
     compiled = system if isinstance(system, Compiled) else compile(system)
+    refuse(compiled, "sensitivities")
     layout = compiled.layout
     _known("parameter", parameters, names_of(layout.parameters))
     _known("state", initial_states, names_of(layout.states))

@@ -5,7 +5,7 @@
  * status[j] and which[j]. Grid points that it does not reach are left as they are. room: as many doubles
  * as grid points of n + 1. Once *halt is not 0 the job is left as it is, within a few steps.
  * Where laws are sampled: so many of them, with room for their values; input i that was held at grid[k] goes
- * to held[(k * inputs + i) * count + j]. */
+ * to held_at[(k * inputs + i) * count + j]. */
 typedef struct {
     double t, t_end, h_max, rtol, margin;
     const double *atol, *u, *grid, *x, *p;
@@ -17,5 +17,5 @@ typedef struct {
     const volatile int *halt;
     void *laws;
     size_t law_count;
-    double *law_values, *held;
+    double *law_values, *held_at;
 } job_;

@@ -13,6 +13,7 @@ before; then these change, and what waited for its delay takes effect.
 from __future__ import annotations
 
 import ctypes
+import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -169,7 +170,7 @@ enum { CHANGES = 64 };
 /* Store what trajectory j holds at the points of the grid before a time. */
 static size_t store_held(const job_ *o, size_t j, size_t next, double until, const double *u) {
     for (; next < o->grid_count && o->grid[next] < until; ++next)
-        for (size_t i = 0; i < @INPUTS@; ++i) o->held[(next * @INPUTS@ + i) * o->count + j] = u[i];
+        for (size_t i = 0; i < @INPUTS@; ++i) o->held_at[(next * @INPUTS@ + i) * o->count + j] = u[i];
     return next;
 }
 
@@ -270,16 +271,22 @@ class Laws:
     kept: tuple[Any, ...]
 
 
-def laws_of(laws: Sequence[Law], made: Callable[[Law, Array], Any] | None = None) -> Laws:
-    """Return laws as C reads them; ``made``: gives the call of one in Python, and where its values go."""
+def laws_of(
+    laws: Sequence[Law], span: float, made: Callable[[Law, Array], Any] | None = None
+) -> Laws:
+    """Return laws as C reads them, for a run over ``span`` (s).
+
+    ``made``: gives the call of one in Python, which is told where its values go.
+    """
     array, kept, first = (_Law * len(laws))(), list[Any](), 0
     values = np.zeros(max(1, sum(len(law.applied) + len(law.stepped) for law in laws)))
     for row, law in zip(array, laws, strict=True):
         count, states = len(law.applied), len(law.stepped)
         places = np.array([*law.applied, *law.stepped], dtype=np.int64)
-        waiting = np.zeros((law.whole + 2) * max(count, 1))
+        room = 2 + min(law.whole, math.ceil(span / law.period))  # no more samples than there are
+        waiting = np.zeros(room * max(count, 1))
         row.period, row.rest, row.whole = law.period, law.rest, law.whole
-        row.count, row.all, row.room, row.first = count, count + states, law.whole + 2, first
+        row.count, row.all, row.room, row.first = count, count + states, room, first
         row.waits = int(law.whole > 0 or law.rest > 0)
         row.places, row.waiting = places.ctypes.data, waiting.ctypes.data
         kept += [places, waiting]
@@ -298,7 +305,8 @@ class Driver:
         self.error: BaseException | None = None
         self.u, self.p = problem.inputs.copy(), problem.parameters
         self.state = np.ctypeslib.as_array(s.x)
-        self.laws = laws_of(problem.laws, self._called)
+        start, end = problem.t_span
+        self.laws = laws_of(problem.laws, end - start, self._called)
         self.rows = np.empty((ROWS, len(self.u) + 1))
         self.parts: list[Array] = []
         self.o = functions.structure(
@@ -310,11 +318,11 @@ class Driver:
     def _called(self, law: Law, place: Array) -> Any:
         """Return what C calls; it puts the values of a law into their place."""
         assert law.called is not None
-        function = law.called.fresh()
+        function, state = law.called.fresh(), self.state
 
         def call(t: float) -> int:
             try:
-                place[:] = function(t, self.state)
+                function(t, state, place)
             except BaseException as error:
                 self.error = error  # raised when C has returned
                 return 1
@@ -403,7 +411,9 @@ class Schedule:
             if law.time(self.start, self.taken[k]) <= until:
                 call = self.calls[k]
                 if call is not None:
-                    self.waiting[k].append(np.array(call(t, x)))
+                    out = np.empty(len(law.applied))
+                    call(t, x, out)
+                    self.waiting[k].append(out)
                 else:
                     assert self.generated is not None
                     values = self.generated(t, x, self.p, self.u) if values is None else values

@@ -46,10 +46,10 @@ class Found:
 
 
 class Called(Protocol):
-    """A law in Python: what gives a function f(t, x) of time (s) and states (n,) for each run."""
+    """A law in Python: what gives a function f(t, x, out) of time (s) and states (n,) for each run."""
 
-    def fresh(self) -> Callable[[float, Array], Array]:
-        """Return the function for one run, which gives a value for each input of the law."""
+    def fresh(self) -> Callable[[float, Array, Array], None]:
+        """Return the function for one run, which puts a value for each input of the law into ``out``."""
         ...
 
     def since(self, zero: tuple[float, ...]) -> Called:

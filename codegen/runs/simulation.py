@@ -255,30 +255,21 @@ def simulate(
     (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
-    compiled, given, functions = sampled.split(_compiled(system), inputs or {})
-    part = _part(compiled, outputs, found, given, bool(functions))
-    laws = sampled.laws_of(part.compiled, functions)
-    sampled.check_laws(laws, span)
-    numbers = _in_si(compiled, initial, parameters, given)
-    initial, given = sampled.start_values(part.compiled, numbers[0], numbers[2])
-    x0, values, held, signals = _numbers(
-        part, initial, numbers[1], _with_zeros(given, functions, laws, part)
-    )
     rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
-    first = sampled.first_inputs(part.compiled, laws, (since + span[0], x0, values), held)
-    point = sizes_of.Point(x0, values, first, since)
-    smallest, unknown = _smallest(part.compiled, atol, point, span, rtol, signals)
+    values = initial, parameters, inputs or {}
+    given = _given(_compiled(system), values, outputs, found, span, since)
+    compiled = given.part.compiled
+    smallest, unknown = _smallest(given, atol, since, span, rtol)
     problem = Problem(
-        x0, span, values, held, rtol, smallest, arguments.positive(margin, "margin"),
-        singularities=len(part.compiled.layout.results[SINGULARITIES]), progress=progress,
-        t_eval=None if t_eval is None else arguments.grid(t_eval, span),
-        dense_output=dense_output, first_step=arguments.optional(first_step, "first_step"),
-        max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
-        project=_projected(part.compiled, project, method), events=looked_for.filters(found), laws=laws,
+        given.x0, span, given.values, given.held, rtol, smallest, arguments.positive(margin, "margin"),
+        singularities=len(compiled.layout.results[SINGULARITIES]), progress=progress,
+        t_eval=None if t_eval is None else arguments.grid(t_eval, span), dense_output=dense_output,
+        first_step=arguments.optional(first_step, "first_step"), max_steps=arguments.count(max_steps),
+        max_step=arguments.positive(max_step, "max_step"), project=_projected(compiled, project, method),
+        events=looked_for.filters(found), laws=given.laws,
     )  # fmt: skip
-    clock = clock_of(part.compiled, span, since, found)
-    result = _with_notice(_run(part, problem, method, signals, found, clock), unknown)
-    return result.with_accuracy() if accuracy else result
+    run = given.part, problem, method, given.signals, found, clock_of(compiled, span, since, found)
+    return _finished(_run(*run), unknown, accuracy)
 
 
 def _in_si(compiled: Compiled, *values: Any) -> tuple[Any, ...]:
@@ -286,23 +277,20 @@ def _in_si(compiled: Compiled, *values: Any) -> tuple[Any, ...]:
     return tuple(in_si(v, compiled.layout.known) for v in values)
 
 
-def _with_notice(result: Result, unknown: str) -> Result:
-    """Return a result that says which scales of states are not known."""
-    return replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
+def _finished(run: Result, unknown: str, accuracy: bool) -> Result:
+    """Return a result that says which scales are not known, with its error if that is asked for."""
+    result = replace(run, notice=_joined(run.notice, unknown if run.steps else ""))
+    return result.with_accuracy() if accuracy else result
 
 
 def _smallest(
-    compiled: Compiled,
-    atol: ArrayLike | None,
-    point: sizes_of.Point,
-    span: tuple[float, float],
-    rtol: float,
-    signals: Inputs | None,
+    given: _Given, atol: ArrayLike | None, since: float, span: tuple[float, float], rtol: float
 ) -> tuple[Array, str]:
     """Return absolute tolerances, given or by the scales of the states, and which scales are not known."""
     if atol is None:
-        return sizes_of.of_run(compiled, point, span, rtol, signals)
-    return arguments.tolerances(atol, len(point.states)), ""
+        point = given.point(since, span[0])
+        return sizes_of.of_run(given.part.compiled, point, span, rtol, given.signals)
+    return arguments.tolerances(atol, len(given.x0)), ""
 
 
 def _joined(*notices: str) -> str:
@@ -320,15 +308,46 @@ def _projected(
     return maintained if can_project(method) else ()
 
 
-def _with_zeros(
-    given: Any, functions: Mapping[str, Sampled], laws: Sequence[Law], part: pruning.Part
-) -> Any:
-    """Return inputs by name with zero for what functions set at samples."""
-    if not functions:
-        return given
-    names = names_of(part.compiled.layout.inputs)
-    places = (k for law in laws if law.called for k in law.applied)
-    return {**{names[k]: 0.0 for k in places}, **given}
+@dataclass(frozen=True)
+class _Given:
+    """What a user gives of a run, in order: states, parameters, held inputs, and what changes these."""
+
+    part: pruning.Part
+    laws: tuple[Law, ...]
+    x0: Array
+    values: Array
+    held: Array
+    signals: Inputs | None
+
+    def point(self, since: float, start: float) -> sizes_of.Point:
+        """Return where the run begins, behind the first samples."""
+        at = (since + start, self.x0, self.values)
+        first = sampled.first_inputs(self.part.compiled, self.laws, at, self.held)
+        return sizes_of.Point(self.x0, self.values, first, since)
+
+
+def _given(
+    compiled: Compiled,
+    values: tuple[Values, Values, InputsGiven],
+    outputs: Sequence[str] | None,
+    events: Sequence[Event],
+    span: tuple[float, float],
+    since: float,
+) -> _Given:
+    """Return what is given of a run: of ``values`` the initial ones, parameters and inputs.
+
+    Symbolic laws among inputs are compiled with the system. ``since``: the time at which its own is zero.
+    """
+    compiled, rest, functions = sampled.split(compiled, values[2])
+    initial, parameters, rest = _in_si(compiled, *values[:2], rest)
+    part = _part(compiled, outputs, events, rest, bool(functions))
+    laws = sampled.laws_of(part.compiled, functions)
+    sampled.check_laws(laws, span)
+    initial, rest = sampled.start_values(part.compiled, initial, rest)
+    if functions:
+        names = names_of(part.compiled.layout.inputs)
+        rest = {**{names[k]: 0.0 for law in laws if law.called for k in law.applied}, **rest}
+    return _Given(part, laws, *_numbers(part, initial, parameters, rest, span[0] + since))
 
 
 def _part(
@@ -353,12 +372,12 @@ def _part(
 
 
 def _numbers(
-    part: pruning.Part, initial: Values, parameters: Values, inputs: InputsGiven
+    part: pruning.Part, initial: Values, parameters: Values, inputs: InputsGiven, time: float
 ) -> tuple[Array, Array, Array, Inputs | None]:
     """Return initial state, parameters, held inputs, and the function of all if one is a function."""
     held, signals = _inputs(part.compiled, inputs)
     x0 = _start(part.compiled, part.start(initial))
-    return x0, _parameters(part.compiled, parameters, x0, held), held, signals
+    return x0, _parameters(part.compiled, parameters, x0, held, time), held, signals
 
 
 def _run(
@@ -452,8 +471,10 @@ def _inputs(compiled: Compiled, given: InputsGiven) -> tuple[Array, Inputs | Non
     return held, Inputs(held, names, functions, states) if functions else None
 
 
-def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) -> Array:
-    """Return the parameters in order; test all values against what the system assumes."""
+def _parameters(
+    compiled: Compiled, parameters: Values, x0: Array, held: Array, time: float
+) -> Array:
+    """Return the parameters in order; test all values, and the time, against what the system assumes."""
     layout = compiled.layout
     names = names_of(layout.parameters)
     given = completed(
@@ -467,7 +488,7 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
         compiled.guard.check(compiled.structure.completed({**known, **spoken}))
     values = to_array(kept if isinstance(given, Mapping) else given, names, "parameter")
     everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
-    compiled.guard.check(compiled.structure.completed(everything))
+    compiled.guard.check(compiled.structure.completed(everything), time)
     return values
 
 

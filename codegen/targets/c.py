@@ -22,7 +22,7 @@ from codegen.frontend.layout import Layout, names_of
 from codegen.ir.names import C_MATH, comment, identifier
 from codegen.ir.ops import TURNED
 from codegen.ir.passes import prune
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SAMPLES, Program
 from codegen.passes.pipeline import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets.c_helpers import HELPERS, circles, table_function
 from codegen.targets.render import (
@@ -157,6 +157,9 @@ def _prototypes(name: str, layout: Layout) -> list[str]:
     for group in layout.sizes:
         if group in layout.patterns:
             lines.append("/* The rates, then the entries of their Jacobian that are not zero. */")
+        if group == SAMPLES:
+            about = "of samples: what inputs become, which are held in between"
+            lines += _index_comment("y", about, layout.described[SAMPLES])
         lines += [f"{_signature(name, group)};", f"{_batch_signature(name, group)};"]
     return lines
 

@@ -1,4 +1,4 @@
-"""Pictures and pages that a page of the documentation makes: its commands are run before the site is built.
+"""Pictures and pages that pages of the documentation make: their blocks are run before the site is built.
 
 What they write goes to the folder ``_made`` beside the pages; figures are taken from there, and pages of
 their own stand in ``made`` of the site.
@@ -13,21 +13,32 @@ from pathlib import Path
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
-PAGE = "howto/pictures.md"
+PAGES = (
+    "howto/pictures.md",
+    "howto/control.md",
+    "howto/rotary-pendulum.md",
+    "howto/reaction-wheels.md",
+)
 FOLDER = "_made"
 
 
 def make(app: Sphinx) -> None:
-    """Run the page, in a process of its own. What it shows is compared with what it prints."""
+    """Run the pages, each in a process of its own. What they show is compared with what they print."""
     folder = Path(app.srcdir) / FOLDER
     folder.mkdir(exist_ok=True)
-    command = [sys.executable, "-m", "tests.pages", str(Path(app.srcdir) / PAGE)]
-    path = {"PYTHONPATH": ":".join(p for p in sys.path if p)}
-    done = subprocess.run(  # noqa: S603 - the page is ours
-        command, cwd=folder, env={**os.environ, **path}, capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        raise ExtensionError(f"{PAGE}: {done.stderr}")
+    path = {"PYTHONPATH": ":".join(p for p in sys.path if p), "MPLBACKEND": "agg"}
+    for page in PAGES:
+        command = [sys.executable, "-m", "tests.pages", str(Path(app.srcdir) / page)]
+        done = subprocess.run(  # noqa: S603 - the pages are ours
+            command,
+            cwd=folder,
+            env={**os.environ, **path},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if done.returncode:
+            raise ExtensionError(f"{page}: {done.stderr}")
 
 
 def publish(app: Sphinx, error: Exception | None) -> None:

@@ -8,7 +8,7 @@ nothing can decide, raises `DerivationError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence, Sized
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -171,7 +171,7 @@ class Derivation:
     own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
     letters: dict[Any, str] = field(default_factory=dict, init=False)
-    _drawn: tuple[tuple[int, ...], Furnished] | None = field(default=None, init=False, repr=False)
+    _drawn: tuple[tuple[Any, ...], Furnished] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         self.only(*self.assumed)
@@ -322,8 +322,8 @@ class Derivation:
     def _worlds(self) -> Furnished:
         """Return worlds with what stands so far: the same as long as nothing new is said."""
         own = self.own
-        parts: list[Sized] = [self.scalars, own.frames, own.points, own.bodies, own.laws]
-        key = tuple(map(len, parts))
+        named = (self.scalars, own.frames, own.points, own.bodies)
+        key = (*(tuple(part.items()) for part in named), tuple(own.laws))
         if self._drawn is None or self._drawn[0] != key:
             scalars = {s: self._carry(t) for s, t in self.scalars.items()}
             self._drawn = key, Furnished(own, scalars)

@@ -47,6 +47,7 @@ Mass = Annotated[PositiveFloat, _in("kg")]
 Acceleration = Annotated[PositiveFloat, _in("m/s^2")]
 Rate = Annotated[PositiveFloat, _in("rad/s")]
 Step = Annotated[PositiveFloat, _in("s")]
+Delay = Annotated[FiniteFloat, Field(ge=0), _in("s")]
 Triple = tuple[Number, Number, Number]
 Row = tuple[Inertia, Inertia, Inertia]
 MEASURED: tuple[tuple[Any, str, str], ...] = (
@@ -59,6 +60,7 @@ MEASURED: tuple[tuple[Any, str, str], ...] = (
     (Acceleration, "positive number", "m/s^2"),
     (Rate, "positive number", "rad/s"),
     (Step, "positive number", "s"),
+    (Delay, "number", "s"),
 )
 """Numbers that may be written with units: what they are, and the unit where none is written."""
 
@@ -240,9 +242,13 @@ def _as_rate(value: Any) -> Any:
 
 
 class StateOfControl(Part):
-    """A state of a control by its ``rate``, a formula; ``unit`` of SI, ``meaning``: a text for pages."""
+    """A state of a control, a formula each, with ``unit`` of SI and ``meaning``, a text for pages.
 
-    rate: Formula
+    ``rate``: of one that is continuous; ``next``: the next value of one that changes at samples.
+    """
+
+    rate: Formula | None = None
+    next: Formula | None = None
     unit: str = ""
     meaning: str = ""
 
@@ -265,17 +271,45 @@ class Control(Part):
     of its rate; they start at zero unless ``initial`` says otherwise. ``definitions``: formulas that others
     share, by name. All are over parameters, inputs, states, outputs, t, what the scene defines, and each
     other, in any order. Laws and definitions can be asked for as outputs.
+
+    With a ``period`` (s) the laws are sampled, the first time at t = 0, and their inputs held in between;
+    values take effect ``delay`` (s) later. States with a ``next`` value then change at the samples.
     """
 
+    period: Step | None = None
+    delay: Delay = 0.0
     laws: dict[str, Formula] = Field(default_factory=dict)
     states: Rates = Field(default_factory=dict)
     definitions: dict[str, Formula] = Field(default_factory=dict)
 
+    @pydantic.model_validator(mode="after")
+    def _check(self) -> Control:
+        """Check what one field alone cannot show."""
+        if self.delay and self.period is None:
+            raise InputError("a delay of laws that are not sampled", where="[control] delay",
+                             got=self.delay, hint="give the period of the samples, too")  # fmt: skip
+        if self.period is not None and not self.laws:
+            raise InputError("samples of no law", where="[control] period", got=self.period,
+                             expected="a law in [control.laws]")  # fmt: skip
+        for name, state in self.states.items():
+            where = f"[control.states] {name}"
+            one_of(state, ("rate", "next"), "a state of the control", where)
+            if state.next is not None and self.period is None:
+                raise InputError("a next value without samples", where=where, got=state.next,
+                                 hint="give a rate, or a period in [control]")  # fmt: skip
+        return self
+
+    @property
+    def stepped(self) -> tuple[str, ...]:
+        """Names of the states that change at samples."""
+        return tuple(n for n, s in self.states.items() if s.next is not None)
+
     @property
     def formulas(self) -> dict[str, dict[str, str | float]]:
         """All formulas, by section and name."""
-        rates = {n: s.rate for n, s in self.states.items()}
-        return {"laws": self.laws, "states": rates, "definitions": self.definitions}
+        states = {n: s.rate if s.next is None else s.next for n, s in self.states.items()}
+        known = {n: e for n, e in states.items() if e is not None}
+        return {"laws": self.laws, "states": known, "definitions": self.definitions}
 
     @property
     def words(self) -> set[str]:

@@ -164,11 +164,15 @@ class BaseScene(Request):
             Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the control")
             for n, v in self.parameters.items()
         )
+        stepped = self.control.stepped
         return system.closed_loop(
             read["laws"],
-            {own[n]: rate for n, rate in read["states"].items()},
+            {own[n]: e for n, e in read["states"].items() if n in stepped},
             definitions=read["definitions"],
             parameters=gains,
+            period=self.control.period,
+            delay=self.control.delay,
+            rates={own[n]: e for n, e in read["states"].items() if n not in stepped},
         )
 
     def _control_over(self, names: Mapping[str, Expr]) -> dict[str, dict[str, Expr]]:
@@ -193,7 +197,7 @@ class BaseScene(Request):
     def _unit_of(self, section: str, name: str) -> str:
         """Return the unit of a formula of the control, as far as it is known here."""
         unit = self.control.states[name].unit if section == "states" else ""
-        return f"({unit})/s" if unit else ""
+        return f"({unit})/s" if unit and name not in self.control.stepped else unit
 
     def _check_control(self, system: System) -> None:
         """Raise `InputError` for a formula of the control of another dimension than it is to have."""
@@ -274,9 +278,15 @@ class BaseScene(Request):
         return pick(self.start | self.numbers, names, "parameter", "[parameters] or [initial]")
 
     def input_values(self) -> dict[str, float]:
-        """Return the value at which each input of `derive` is held, by name; 0 where none is given."""
+        """Return the value at which each input of `derive` is held, by name; 0 where none is given.
+
+        Where laws are sampled, what is held before the first sample: states of the control at the start.
+        """
+        names = self.derive().input_names
         given = {n: v.value for n, v in self.inputs.items()}
-        return {n: given.get(n, 0.0) for n in self.derive().input_names}
+        if any(n in names for n in self.control.stepped):
+            given |= {n: v for n, v in self.start.items() if n in self.control.stepped}
+        return {n: given.get(n, 0.0) for n in names}
 
     @property
     def attitudes(self) -> tuple[tuple[str, ...], ...]:

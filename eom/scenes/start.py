@@ -110,14 +110,14 @@ def states(scene: Description, full: System) -> dict[str, float]:
     _check_units(scene, full)
     states, given = full.state_names, initial(scene)
     values = dict.fromkeys(scene.control.states, 0.0)
-    values |= {n: v for n, v in given.items() if n in states}
+    values |= {n: v for n, v in given.items() if n in states or n in scene.control.stepped}
     for name, value in {**_turned(scene), **_initial_attitude(scene)}.items():
         if name in values:
             raise InputError(
                 f"{name} is given twice", where="[initial] and [initial_attitude]", got=name
             )
         values[name] = value
-    angles = {n for a in full.angles for n in a.names}
+    angles = {n for a in full.angles for n in a.names} | {*scene.control.stepped}
     for output in full.outputs:
         if output.name in given and output.name not in angles:
             name, value = _state_of_output(scene, full, output, values)

@@ -434,12 +434,12 @@ body {{ max-width: 60rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 Geo
 h1, h2, h3 {{ line-height: 1.2; }}
 table {{ border-collapse: collapse; }}
 th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }}
-.aligned {{ display: block; overflow-x: auto; }}
+.aligned {{ display: block; overflow-x: auto; overflow-y: hidden; }}
 .aligned th, .aligned td {{ border-top: 1px solid var(--line); vertical-align: top; }}
 .chain {{ border-top: 1px solid var(--line); padding: .3rem 0; }}
 .why {{ margin: .5rem 0 .2rem; }}
 .assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}
-.formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; padding: .2rem 0; }}
+.formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; overflow-y: hidden; padding: .3rem 0; }}
 math {{ font-size: 1.1rem; }}
 small {{ color: var(--soft); }}
 </style>

@@ -7,14 +7,14 @@ Where an output or a constant of the motion holds the right side of a definition
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
 from eom.errors import typed, unknown_name
-from eom.quantities import Definition, Quantity
+from eom.quantities import Definition, Quantity, Sampling
 from eom.system import System
 from eom.typeset import pages
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line
@@ -41,7 +41,8 @@ def blocks(system: System, *, primes: bool = False) -> list[Block]:
         *_variables("Inputs", system.inputs, names),
         *_section("Definitions", _definitions(system.definitions, names)),
         *_section(*_equations(system, names, primes)),
-        *_section("Outputs", _definitions(system.outputs, names, _named_parts(system))),
+        *(block for s in system.sampled for block in _section(*_samples(s, names))),
+        *_section("Outputs", _definitions(_others(system.outputs), names, _named_parts(system))),
         *_section(
             "Constants of the motion",
             _definitions(system.invariants, names, _named_parts(system)),
@@ -103,6 +104,25 @@ def _section(heading: str, lines: Iterable[Line]) -> list[Block]:
 
 def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
     return Line(left, EQUALS, expression_pieces(right, names), words)
+
+
+def _samples(sampling: Sampling, names: Names) -> tuple[str, list[Line]]:
+    """Return heading and lines of laws that are sampled: what each input becomes."""
+    late = f"in effect {sampling.delay!r} s later" if sampling.delay else ""
+    lines = [
+        _line(Formula(d.symbol, names), d.expression, names, words)
+        for group, words in ((sampling.laws, late), (sampling.states, ""))
+        for d in group
+    ]
+    heading = (
+        f"Held between samples; every {sampling.period!r} s they become, from what is there before"
+    )
+    return heading, lines
+
+
+def _others(definitions: Iterable[Definition]) -> Iterator[Definition]:
+    """Yield what is not defined as itself: what is held, or defined before, may be an output."""
+    return (d for d in definitions if d.expression != d.symbol)
 
 
 def _definitions(

@@ -287,8 +287,8 @@ def test_long_meanings_are_cut_where_strings_of_c_end():
 
 
 def test_outputs_of_a_layout_have_units():
-    speed = Definition(Quantity(sp.Symbol("v", real=True), "m/s", "speed"), x**2)
-    layout = Layout.of(System("s", (Quantity(x, "m"),), (-x,), outputs=(speed,)))
+    speed = Definition(Quantity(sp.Symbol("v", real=True), "m/s", "speed"), 1.0 * x)
+    layout = Layout.of(System("s", (Quantity(x, "m"),), (-1.0 * x,), outputs=(speed,)))
     assert [q.unit for q in layout.quantities()["output"]] == ["m/s"]
     assert layout.quantities()["invariant"] == ()
     assert replace(layout, results={**layout.results, "outputs": ()}).quantities()["output"] == ()

@@ -13,6 +13,7 @@ import codegen
 import eom
 from codegen.native.trajectory import Law
 from eom.errors import InputError
+from eom.typeset import printing
 
 X, V, U, K, D, Z = sp.symbols("x v u k d z", real=True)
 PENDULUM = eom.System.from_rates("pendulum", {X: V, V: U - sp.sin(X)}, inputs=[U])
@@ -204,6 +205,14 @@ def test_a_sampled_function_beside_a_continuous_one_and_one_for_all():
     assert run.y[:, -1] == pytest.approx([0.9**10, math.exp(-1)])
 
 
+def test_a_delay_beyond_the_end_has_no_effect_and_takes_no_room():
+    law = {"u": codegen.Sampled(called, 1e-3, 1e9)}
+    run = codegen.simulate(OPEN, START, (0, 1), inputs=law, **TIGHT)
+    free = codegen.simulate(OPEN, START, (0, 1), inputs={"u": 0.0}, **TIGHT)
+    assert np.all(run["u"] == 0)
+    assert run.y[:, -1] == pytest.approx(free.y[:, -1], abs=1e-11)
+
+
 # -- events, late starts, attitudes ----------------------------------------------------------------
 
 
@@ -292,6 +301,21 @@ def test_the_invariants_that_any_input_keeps_stay():
     run = codegen.simulate(closed, scene.initial_values(), (0, 5), scene.parameter_values(),
                            inputs=inputs, project=True)  # fmt: skip
     assert run.drift["q_norm"].relative < 1e-14
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_a_run_that_becomes_stiff_is_made_anew_by_an_implicit_method(target):
+    """Van der Pol's oscillator: stiff only after a while, with an input that is held."""
+    mu = 3000
+    system = eom.System.from_rates("oscillator", {X: V, V: mu * (1 - X**2) * V - X + U}, inputs=[U])
+    system = codegen.compile(system.with_control({"u": -X / 100}, period=400.0), target)
+    auto = codegen.simulate(system, [2, 0], (0, 2000), rtol=1e-6)
+    radau = codegen.simulate(system, [2, 0], (0, 2000), method="scipy:Radau", rtol=1e-8)
+    assert auto.success
+    assert "explicit" not in auto.method
+    assert auto.steps < 3000
+    assert "stiff" in auto.why
+    assert auto.y[:, -1] == pytest.approx(radau.y[:, -1], rel=1e-4)
 
 
 # -- what is refused ---------------------------------------------------------------------------------
@@ -439,3 +463,134 @@ def test_an_ensemble_takes_symbolic_sampled_inputs_and_refuses_functions():
         with pytest.raises(InputError, match="a function in Python") as caught:
             codegen.ensemble(OPEN, START, (0, 2), inputs=wrong)
         assert "with_control" in str(caught.value)
+
+
+# -- scenes ------------------------------------------------------------------------------------------
+
+SCENE = {
+    "body": {"moments": (12, 14, 8)}, "attitude": "quaternion", "outputs": ("q1", "u_1", "raw", "z"),
+    "torque": {"components": ("u_1", "-d*omega_2", "-d*omega_3")},
+    "parameters": {"k": 1, "d": {"value": 4, "unit": "N m s"}, "M": 0.3},
+    "control": {"period": 0.1, "delay": 0.05, "laws": {"u_1": "saturate(raw, -M, M)"},
+                "definitions": {"raw": "-k*q0*q1 - d*w - 0.1*z"},
+                "states": {"z": {"next": "z + 0.1*q0*q1", "unit": "s"}, "w": "5*(omega_1 - w)"}},
+    "initial": {"omega_1": 0.1, "omega_2": 0, "omega_3": 0, "z": 0.2},
+    "initial_attitude": {"sequence": "3-2-1", "degrees": (0, 0, 60)},
+}  # fmt: skip
+
+
+def test_a_scene_with_a_sampled_law_a_state_and_a_filter_is_that_of_python():
+    scene = eom.Scene(**SCENE)
+    system = scene.derive()
+    assert "w" in system.state_names
+    assert system.held == ("u_1", "z")
+    assert scene.initial_values()["w"] == 0.0
+    assert scene.input_values() == {"u_1": 0.0, "z": 0.2}
+    run = codegen.simulate(system, scene.initial_values(), (0, 20), scene.parameter_values(),
+                           inputs=scene.input_values(), **TIGHT)  # fmt: skip
+    limit, z = 0.3, 0.2
+
+    def law(t, x, z):
+        raw = -x["q0"] * x["q1"] - 4 * x["w"] - 0.1 * z
+        return min(limit, max(-limit, raw)), z + 0.1 * x["q0"] * x["q1"]
+
+    start = {n: v for n, v in SCENE["initial"].items() if n != "z"}
+    bare = {"control": {}, "parameters": {"d": 4}, "outputs": ("q1",), "initial": start}
+    plain = scene.changed(**bare, inputs={"u_1": 0}).full_system
+    plain = plain.with_control({}, {"w": 5 * (sp.Symbol("omega_1") - sp.Symbol("w"))})
+    values = {**scene.parameter_values(), **scene.initial_values()}
+    by_hand = codegen.simulate(
+        plain, {n: values.get(n, 0.0) for n in plain.state_names}, (0, 20),
+        {n: values[n] for n in plain.parameter_names},
+        inputs={"u_1": codegen.Sampled(law, 0.1, 0.05, memory=z)}, **TIGHT,
+    )  # fmt: skip
+    assert run["q1"][-1] == pytest.approx(by_hand["q1"][-1], abs=1e-10)
+    assert run["u_1"][-1] == pytest.approx(by_hand["u_1"][-1], abs=1e-10)
+    assert np.abs(run["u_1"]).max() == 0.3
+
+
+def test_times_of_samples_may_be_written_with_units():
+    control = {**SCENE["control"], "period": "100 ms", "delay": "0.05 s"}
+    (sampling,) = eom.Scene(**{**SCENE, "control": control}).derive().sampled
+    assert (sampling.period, sampling.delay) == (0.1, 0.05)
+    with pytest.raises(InputError, match="period"):
+        eom.Scene(**{**SCENE, "control": {**control, "period": "100 mm"}})
+
+
+def test_what_a_sampled_law_reads_is_kept_and_one_that_nobody_needs_is_left_out():
+    scene = eom.Scene(**SCENE)
+    assert scene.changed(outputs=("q1",)).derive().held == ("u_1", "z")
+    body = {"body": {"moments": (1, 2, 3)}, "torque": {"components": ("u", "0", "v")}}
+    two = {"laws": {"u": "-omega_3", "v": "-omega_1"}, "period": 0.1}
+    whole = eom.Scene(**body, control=two, outputs=("omega_1",)).derive()
+    assert whole.held == ("u", "v")
+
+
+@pytest.mark.parametrize(("control", "message"), [
+    ({"period": 0}, "period"),
+    ({"period": -0.1}, "period"),
+    ({"period": "0.1"}, "period"),
+    ({"period": None, "delay": 0.1}, "delay of laws that are not sampled"),
+    ({"delay": -0.1}, "delay"),
+    ({"period": None, "delay": 0}, "next value without samples"),
+    ({"laws": {}}, "no law"),
+    ({"states": {"z": {"unit": "s"}, "w": "1"}}, "exactly one"),
+    ({"states": {"z": {"next": "z", "rate": "z"}, "w": "1"}}, "exactly one"),
+])  # fmt: skip
+def test_what_a_file_may_not_say_of_samples_is_refused(control, message):
+    with pytest.raises(InputError, match=message):
+        eom.Scene(**{**SCENE, "control": {**SCENE["control"], **control}})
+
+
+def test_what_takes_inputs_for_held_refuses_sampled_laws():
+    system = codegen.compile(INTEGRAL, "numpy")
+    point = codegen.equilibrium(SLOW, START, inputs={"u": 0.0})
+    for call in (
+        lambda: codegen.linearise(system, [0, 0], GAINS, [0, 0]),
+        lambda: codegen.linearise_about(system, point),
+        lambda: codegen.equilibrium(system, START, GAINS),
+        lambda: codegen.equilibria(system, START, GAINS),
+        lambda: codegen.sensitivities(system, ["k"]),
+    ):
+        with pytest.raises(InputError, match="sampled laws change"):
+            call()
+    with pytest.raises(InputError, match="set by a sampled law"):
+        codegen.compile(INTEGRAL, "numpy", inputs={"u": 0.0})
+
+
+def test_exported_code_says_when_its_inputs_change():
+    files = codegen.compile(PENDULUM.with_control({"u": LAW}, period=0.1, delay=0.02)).files
+    assert "evaluated every 0.1 s, in effect 0.02 s later" in files["pendulum.h"]
+    assert "void pendulum_samples(" in files["pendulum.h"]
+
+
+def test_a_system_with_samples_is_checked_and_pickled():
+    import pickle
+
+    again = pickle.loads(pickle.dumps(codegen.compile(INTEGRAL, "numpy")))
+    assert again.system == INTEGRAL
+    law = eom.system.Definition(INTEGRAL.inputs[0], X)
+    sampling = eom.system.Sampling((law,), (), 0.1)
+    for wrong in (
+        {"sampled": (sampling, sampling)},
+        {"sampled": (sampling,), "inputs": ()},
+        {"sampled": (sampling,), "invariants": {"e": U}},
+        {"sampled": (1,)},
+    ):
+        with pytest.raises(InputError):
+            eom.System(**{**vars_of(PENDULUM), **wrong})
+
+
+def vars_of(system):
+    return {"name": system.name, "states": system.states, "rates": system.rates,
+            "inputs": system.inputs}  # fmt: skip
+
+
+def test_a_system_that_is_shown_says_what_is_held_and_when():
+    text = printing.text(
+        PENDULUM.with_control({"u": LAW - Z}, {"z": Z + X}, period=0.1, delay=0.02)
+    )
+    assert "Held between samples; every 0.1 s they become" in text
+    assert "u = -d*v - k*x - z  # in effect 0.02 s later" in text
+    assert "z = x + z" in text
+    assert "u = u" not in text

@@ -531,7 +531,12 @@ MOMENTS = {"I1": 1.0, "I2": 1.2, "I3": 1.5}
         ({**START, "omega_4": 1.0}, MOMENTS, InputError, ["omega_4", "did you mean omega_"]),
         ({**START, "omega_1": math.nan}, MOMENTS, InputError, ["omega_1 is not finite", "nan"]),
         ({**START, "omega_1": math.inf}, MOMENTS, InputError, ["omega_1 is not finite"]),
-        ({**START, "omega_1": "fast"}, MOMENTS, InputError, ["not a number", "value of omega_1", "'fast'"]),
+        (
+            {**START, "omega_1": "fast"},
+            MOMENTS,
+            InputError,
+            ["not a number", "value of omega_1", "'fast'"],
+        ),
         ([1.0, 2.0], MOMENTS, InputError, ["wrong number", "omega_1, omega_2, omega_3"]),
         ([[1.0, 2.0, 3.0]], MOMENTS, InputError, ["initial is", "[[1.0", "Sequence[float]"]),
         (None, MOMENTS, InputError, ["omega_1"]),

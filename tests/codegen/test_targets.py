@@ -264,10 +264,10 @@ def hostile_system():
     around = zip(states, states[1:] + states[:1], gains, strict=True)
     rates = [sp.sin(b) * g + sp.sign(a) for a, b, g in around]
     outputs = tuple(
-        Definition(Quantity(sp.Symbol(f"{n}*", real=True), n, n), sp.Min(s, 1) ** 2 + s)
+        Definition(Quantity(sp.Symbol(f"{n}*", real=True), "", n), sp.Min(s, 1) ** 2 + s)
         for n, s in zip(reversed(names), states, strict=True)
     )
-    quantities = tuple(Quantity(s, "*/", 'unit "*/ \\ \n #error') for s in states)
+    quantities = tuple(Quantity(s, "", 'unit "*/ \\ \n #error') for s in states)
     return System(
         "evil */ name\n", quantities, tuple(rates), tuple(Quantity(g) for g in gains),
         outputs=outputs, title='title """ */ \\\n#error "no"',

@@ -214,6 +214,19 @@ def test_a_law_at_odds_with_another_is_refused(plane):
     d.state(Equation(u_ddot, 0), "the first law stands")
 
 
+def test_what_was_refused_leaves_nothing_behind(plane):
+    """A law that is refused, and another in its place: the worlds are those of the second."""
+    d, *_, u, u_dot, u_ddot = plane
+    with pytest.raises(eom.InputError):
+        d.determine(Equation(u_dot**2, 1), u)
+    d.determine(Equation(u_dot, 1), u)
+    d.state(Equation(u_ddot, 0), "of the second")
+    with pytest.raises(eom.InputError):
+        d.point("G", symbol("zz") * unit("I", 1))
+    d.point("G", 2 * unit("I", 1))
+    d.state(Equation(position("G"), 2 * unit("I", 1)), "of the second")
+
+
 WRONG = {
     "a frame of a name that is taken": lambda d: d.frame("K", 1),
     "a frame about no axis": lambda d: d.frame("G", 1, axis=4),

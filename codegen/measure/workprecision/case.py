@@ -11,6 +11,7 @@ import numpy as np
 
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
+from codegen.compiling.sampled import refuse
 from codegen.frontend.layout import names_of
 from codegen.native.trajectory import Array
 from codegen.precision import extended
@@ -51,7 +52,9 @@ class Case:
 
         Raises `InputError` as `codegen.compile` does.
         """
-        return compile_system(self.system, parameters=self.parameters)
+        compiled = compile_system(self.system, parameters=self.parameters)
+        refuse(compiled, "a comparison of methods")
+        return compiled
 
 
 @dataclass(frozen=True)

@@ -311,6 +311,8 @@ _NOUN = re.compile(
 """What letters stand for, in general."""
 SHARE = 0.4
 """Of the places of symbols in displays, how many a system has to know."""
+MOST = 0.7
+"""The same, where no words name the system of several lines."""
 HEAD = 60
 """Characters of what is said of a letter in which the noun stands that it is."""
 
@@ -426,20 +428,26 @@ def candidates(
     looks: Counter[Look],
     lines: Mapping[Look, int],
     dotted: Container[Look] = frozenset(),
+    *,
+    several: bool = False,
 ) -> list[tuple[Row, tuple[Tie, ...], str]]:
-    """Return the rows that words name, with letters, those first that know most places of a note."""
+    """Return the rows that words name, with letters, those first that know most places of a note.
+
+    Without words those whose letters a formula has; ``several``: most of those of several formulas.
+    """
     found = []
     for number, row in enumerate(rows()):
         match = row.named(words) if words.strip() else None
-        if match is None and (words.strip() or not row.bare):
+        if match is None and (words.strip() or not (row.bare or several)):
             continue
         tied = ties(row, said, lines, dotted)
         known = {t.look for t in tied}
-        if match is None and not row.needs <= {t.means for t in tied}:
+        if match is None and not several and not row.needs <= {t.means for t in tied}:
             continue
         share = sum(n for k, n in looks.items() if k in known) / max(1, sum(looks.values()))
-        if share >= (SHARE if words.strip() else 1):
-            order = (-share, number) if match is not None else (_size(row, tied), number)
+        if share >= (SHARE if words.strip() else MOST if several else 1):
+            by_share = match is not None or several
+            order = (-share, number) if by_share else (_size(row, tied), number)
             found.append((order, row, tied, "" if match is None else match[0]))
     return [(row, tied, name) for _, row, tied, name in sorted(found, key=lambda f: f[0])]
 

@@ -41,6 +41,8 @@ from eom.errors import InputError
 
 ENOUGH = 2
 """Lines that have to hold for a system to be taken; one, where fewer fail."""
+UNNAMED = 3
+"""Lines that have to hold for a system that no words name."""
 SILENT = frozenset({"t", "pi", "infty"})
 """Letters that mean the same everywhere."""
 
@@ -153,13 +155,19 @@ class Trials:
     lexicon: Lexicon
     done: dict[str, Trial] = field(default_factory=dict)
 
-    def best(self) -> Trial | None:
+    def best(self, *, named: bool = True) -> Trial | None:
         """Return the trial in which most lines hold; None where none holds in any.
 
-        Once most lines hold under a system no other is tried.
+        ``named``: of the systems that words name, else of those that have most letters of the part. Once
+        most lines hold under a system no other is tried.
         """
-        count, lines = self.part.looks
-        found = self._candidates(count, lines) if count else []
+        part, (count, lines) = self.part, self.part.looks
+        words = part.words if named else ""
+        found = (
+            candidates(words, part.said, count, lines, part.dotted, several=not named)
+            if count and (words.strip() or not named)
+            else []
+        )
         best: Trial | None = None
         for row, tied, name in found[:MAX_ROWS]:
             new = self._of_row(row, tied, name)
@@ -173,12 +181,6 @@ class Trials:
         whole = (t for t in self.done.values() if t.lines is None and t.guess != best.guess)
         rivals = tuple(t.guess for t in whole if t.held >= best.held)
         return replace(best, guess=replace(best.guess, rivals=rivals))
-
-    def _candidates(
-        self, count: Counter[Look], lines: Mapping[Look, int]
-    ) -> list[tuple[Row, tuple[Tie, ...], str]]:
-        part = self.part
-        return candidates(part.words, part.said, count, lines, part.dotted)
 
     def alone(self) -> Trial | None:
         """Return the system under which lines without words hold, by letters that are usual for it.
@@ -302,11 +304,13 @@ def _of_energy(claim: Claim) -> bool:
 def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
     """Return the systems that a note is about: of the whole, then of parts that are about another."""
     whole = Trials(Part((), document), lexicon)
-    if not whole.part.words.strip():
+    if not whole.part.words.strip() and len(whole.part.lines) < ENOUGH:
         alone = whole.alone()
         return (alone.guess,) if alone is not None else ()
-    first = whole.best()
-    found = [first.guess] if first is not None and _enough(first) else []
+    found = [t.guess for t in (whole.best(),) if t is not None and _enough(t)]
+    if not found:
+        by_letters = whole.best(named=False)
+        found += [by_letters.guess] if by_letters and by_letters.held >= UNNAMED else []
     for part in parts(document):
         if len(part.document.pieces) < len(document.pieces) - 1:
             own = Trials(part, lexicon)

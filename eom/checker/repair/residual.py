@@ -184,8 +184,9 @@ def _products(atoms: list[_Atom], kind: Signature) -> Iterator[Node]:
                         yield _joined([n for n, _ in numbers], join([n for n, _ in rest]))
 
 
-_Exponents = tuple[int, ...]
-_Sized = tuple[Node, _Exponents | None]
+_Sized = tuple[Node, int | None]
+_BITS = 16
+"""Between the twelfths of one base unit and the next: more than those of a product take."""
 
 
 def _row(atoms: list[_Atom], shapes: frozenset[str]) -> list[_Sized]:
@@ -193,19 +194,21 @@ def _row(atoms: list[_Atom], shapes: frozenset[str]) -> list[_Sized]:
     return [(n, _exponents(v.dimension)) for n, v in atoms if v.shape in shapes]
 
 
-def _exponents(dimension: Dimension | None) -> _Exponents | None:
-    """Return a dimension in twelfths, which whole numbers hold; None where it is not known."""
+def _exponents(dimension: Dimension | None) -> int | None:
+    """Return the twelfths of a dimension in one number, of a product their sum; None where not known."""
     if dimension is None:
         return None
-    return tuple(int(12 * e) for e in dimension)
+    return sum(int(12 * e) << (_BITS * k) for k, e in enumerate(dimension))
 
 
-def _fitting(parts: Iterable[_Sized], wanted: _Exponents | None) -> bool:
+def _fitting(parts: Iterable[_Sized], wanted: int | None) -> bool:
     """Return whether a product may have a dimension: what has none that is known fits every one."""
-    known = [exponents for _, exponents in parts]
-    if wanted is None or None in known:
-        return True
-    return tuple(map(sum, zip(*(e for e in known if e), strict=True))) == wanted
+    found = 0
+    for _, exponents in parts:
+        if exponents is None:
+            return True
+        found += exponents
+    return wanted is None or found == wanted
 
 
 def _joined(numbers: list[Node], rest: Node | None) -> Node:

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Candidate:
-    """A meaning that a symbol may have, as an entry of a lexicon: its pattern, the meaning, and why."""
+    """A meaning that a symbol may have, as an entry of a lexicon.
+
+    ``latex``: its pattern; ``meaning``: in words of a lexicon; ``why``: what speaks for it.
+    """
 
     latex: str
     meaning: str
@@ -20,9 +23,10 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Question:
-    """A symbol whose meaning is open, in LaTeX, the lines that hang on it, and what it may mean.
+    """A symbol whose meaning is open.
 
-    ``guess``: what it was taken to mean, unconfirmed; "" for nothing.
+    ``latex``: the symbol; ``lines``: numbers of the lines that hang on it, from 1; ``candidates``: what it
+    may mean, the likeliest first; ``guess``: what it was taken to mean, unconfirmed; "" for nothing.
     """
 
     latex: str

@@ -23,7 +23,7 @@ from eom.derivations.verification import DerivationError
 from eom.errors import InputError, shown, typed
 from eom.exact.identity import vanishes
 from eom.fields import RESIDUES, Echelon
-from eom.multibody.analysis.energies import Equations, Lagrangian, equations_of
+from eom.multibody.analysis.energies import Equations, Lagrangian, depends, equations_of
 from eom.multibody.analysis.tidy import determinant, stand_ins, tidy
 from eom.multibody.closed.forms import ClosedForm
 
@@ -54,10 +54,11 @@ def conserved_quantities(
 
     ``source``: a closed form, a Lagrangian or equations. ``rates``: largest degree in the speeds;
     ``harmonics``: in sines and cosines of coordinates; ``powers``: in coordinates that stand in no sine or
-    cosine. Over the coordinates that occur in the equations and their rates. Products and sums of those
-    found are left out. Raises `InputError` for degrees that are no whole numbers from 0 to 12, an ansatz
-    too large, and equations that are no quotients of polynomials; `DerivationError` if a proof failed.
-    Units are those that follow from the source. Source: Whittaker, Analytical Dynamics (1937), ch. XII.
+    cosine. Over the coordinates that occur in the equations or the Lagrangian, and rates. Products and
+    sums of those found are left out. Raises `InputError` for degrees that are no whole numbers from 0 to
+    12, an ansatz too large, and equations that are no quotients of polynomials; `DerivationError` if a
+    proof failed. Units are those that follow from the source. Source: Whittaker, Analytical Dynamics
+    (1937), ch. XII.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
@@ -66,13 +67,8 @@ def conserved_quantities(
     [k*q**2 + m*u**2]
     """
     given = equations_of(source)
-    sizes = {"rates": rates, "harmonics": harmonics, "powers": powers}
-    for name, n in sizes.items():
-        if isinstance(n, bool) or not isinstance(n, int) or not 0 <= n <= LARGEST:
-            raise InputError(
-                f"{name} is no whole number from 0 to {LARGEST}", where=given.name, got=shown(n)
-            )
-    ring = _Ring(given)
+    check_degrees(given.name, rates=rates, harmonics=harmonics, powers=powers)
+    ring = _Ring(given, _further(source))
     ansatz = [list(islice(ring.functions(n, harmonics, powers), MOST)) for n in range(rates + 1)]
     if sum(map(len, ansatz)) > MOST:
         raise InputError(
@@ -85,8 +81,26 @@ def conserved_quantities(
         columns += [(f, *ring.rate(f)) for f in new]
         known = [ring.coordinates_of(c, columns) for c in _products(found, degree)]
         beyond = ring.solve(columns, [k for k in known if k is not None])
-        found += [Conserved(_proved(given, F), degree) for F in beyond]
+        back = {x: sp.sin(a) / (1 + sp.cos(a)) for a, x in ring.halves.items()}
+        found += [Conserved(_proved(given, F.xreplace(back)), degree) for F in beyond]
     return tuple(found)
+
+
+def check_degrees(where: str, **degrees: Any) -> None:
+    """Raise `InputError` for degrees of an ansatz that are no whole numbers up to `LARGEST`."""
+    for name, n in degrees.items():
+        if isinstance(n, bool) or not isinstance(n, int) or not 0 <= n <= LARGEST:
+            raise InputError(
+                f"{name} is no whole number from 0 to {LARGEST}", where=where, got=shown(n)
+            )
+
+
+def _further(source: Any) -> list[Expr]:
+    """Return coordinates that a Lagrangian depends on, though its equations do not: as one that falls."""
+    if not isinstance(source, Lagrangian):
+        return []
+    known = source.equations.occurring
+    return [q for q in source.rates if q not in known and depends(source.expression, q)]
 
 
 def _products(found: Sequence[Conserved], degree: int) -> Iterator[Expr]:
@@ -100,11 +114,12 @@ def _products(found: Sequence[Conserved], degree: int) -> Iterator[Expr]:
 class _Ring:
     """Polynomials in speeds, sines and cosines, powers of coordinates, over rationals in parameters."""
 
-    def __init__(self, given: Equations) -> None:
-        self.given = given = _expanded(given)
+    def __init__(self, given: Equations, further: Sequence[Expr] = ()) -> None:
+        self.halves = _halves(given)
+        self.given = given = _expanded(given, self.halves)
         parts = (*given.mass, *given.rest, *(given.rate(q) for q in given.occurring))
         self.angles = sorted({f.args[0] for e in parts for f in e.atoms(sp.sin, sp.cos)}, key=str)
-        self.plain = [q for q in given.occurring if q not in self.angles]
+        self.plain = [*(q for q in given.occurring if q not in self.angles), *further]
         self._refuse(parts)
         trigonometric = [f(a) for a in self.angles for f in (sp.sin, sp.cos)]
         self.names = {f: sp.Dummy(str(f)) for f in trigonometric}
@@ -127,8 +142,8 @@ class _Ring:
                 e.xreplace({sp.sin(a): sp.Dummy(), sp.cos(a): sp.Dummy()}).has(a) for e in parts
             ):
                 raise InputError(
-                    "no ansatz: a coordinate stands in a sine and beside it, or a sum of coordinates "
-                    "in one",
+                    "no ansatz: a coordinate stands in a sine and beside it, or something else than a "
+                    "coordinate in one",
                     where=self.given.name,
                     got=str(a),
                 )
@@ -146,7 +161,7 @@ class _Ring:
         rates = {
             u: sp.expand_trig(tidy(x / whole)) for u, x in zip(given.speeds, above, strict=True)
         }
-        rates |= {q: given.rate(q) for q in given.occurring}
+        rates |= {q: given.rate(q) for q in (*self.angles, *self.plain)}
         pieces = {s: sp.fraction(sp.together(x)) for s, x in rates.items()}
         below = self.lift(sp.S.One)
         for _, d in pieces.values():
@@ -254,9 +269,23 @@ class _Ring:
         return int(RESIDUES.reduce(above * RESIDUES.inverse(below)))
 
 
-def _expanded(given: Equations) -> Equations:
-    """Return equations in which no sum stands in a sine."""
-    put = sp.expand_trig
+def _halves(given: Equations) -> dict[Expr, Expr]:
+    """Return the tangents of half of each angle that is constant: its sine and cosine are quotients."""
+    parts = (*given.mass, *given.rest, *given.kinematics)
+    moving = {*given.coordinates, *given.speeds}
+    atoms = set().union(*(sp.expand_trig(e).atoms(sp.sin, sp.cos) for e in parts))
+    angles = sorted({f.args[0] for f in atoms if not f.free_symbols & moving}, key=str)
+    return {a: sp.Dummy("h", dummy_index=k) for k, a in enumerate(angles)}
+
+
+def _expanded(given: Equations, halves: Mapping[Expr, Expr]) -> Equations:
+    """Return equations in which no sum stands in a sine, and no constant."""
+    known = {sp.sin(a): 2 * x / (1 + x**2) for a, x in halves.items()}
+    known |= {sp.cos(a): (1 - x**2) / (1 + x**2) for a, x in halves.items()}
+
+    def put(e: Expr) -> Expr:
+        return sp.expand_trig(e).xreplace(known)
+
     return replace(
         given,
         mass=sp.ImmutableMatrix(given.mass.applyfunc(put)),
@@ -293,9 +322,12 @@ def _primitive(F: Expr, moving: set[Expr], speeds: set[Expr]) -> Expr:
 
 def _proved(given: Equations, F: Expr) -> Expr:
     """Return a constant without denominators. Raises `DerivationError` if it is none."""
-    F = _primitive(
-        tidy(sp.fraction(sp.together(F))[0]), {*given.coordinates, *given.speeds}, {*given.speeds}
+    moving, speeds = {*given.coordinates, *given.speeds}, {*given.speeds}
+    leading = (
+        c for c in sp.Poly(sp.expand(F), *given.speeds).coeffs() if not c.free_symbols & moving
     )
+    first = next((c for c in leading if c.has(sp.sin, sp.cos)), sp.S.One)
+    F = _primitive(tidy(sp.fraction(sp.together(tidy(F / first)))[0]), moving, speeds)
     rates: Mapping[Expr, Expr] = dict(zip(given.coordinates, given.kinematics, strict=True))
     moved = sum(sp.diff(F, q) * v for q, v in rates.items() if q in F.free_symbols)
     by_speed = sp.Matrix([sp.diff(F, u) for u in given.speeds])

@@ -3,7 +3,7 @@
 A coordinate is cyclic where L does not depend on it; its momentum is constant where no damper and no other
 force acts along it. Routh: with R = L - sum of p q' over those, at constant p, the other coordinates move
 as by the Lagrangian R. Source: Goldstein, Classical Mechanics (2002), sec. 2.6, 8.3; Greenwood, Advanced
-Dynamics (2003), sec. 1.7.
+Dynamics (2003), ch. 2.
 """
 
 from __future__ import annotations

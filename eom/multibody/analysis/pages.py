@@ -11,7 +11,7 @@ import sympy as sp
 from eom.derivations.derived import FORMATS
 from eom.errors import InputError, typed, unknown_name
 from eom.expressions import as_expression
-from eom.multibody.analysis.conserved import conserved_quantities
+from eom.multibody.analysis.conserved import check_degrees, conserved_quantities
 from eom.multibody.analysis.cyclic import cyclic_coordinates, routh
 from eom.multibody.analysis.energies import Equations, Lagrangian, equations_of, lagrangian
 from eom.multibody.analysis.steady import (
@@ -22,6 +22,7 @@ from eom.multibody.analysis.steady import (
     steady_motion,
 )
 from eom.multibody.closed.forms import closed_form
+from eom.multibody.closed.mechanism import dotted
 from eom.multibody.model.model import Tree
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line, Paragraph
 from eom.typeset.boxes import Box, Formula, Grid, Sign, row, symbol
@@ -62,8 +63,8 @@ def analysis_page(
         raise unknown_name("format", style, FORMATS)
     if isinstance(order, bool) or order < 0:
         raise InputError("the order is below zero", where="analysis", got=order)
+    check_degrees("analysis", rates=rates, harmonics=harmonics)
     shown: list[Block] = [Heading(f"{source.name.replace('_', ' ')}: analysis", 1)]
-    pen = _Pen(isinstance(source, Tree) and source.numbers == "decimals")
     made, why = _source(source, names)
     if why:
         shown.append(Paragraph(f"No Lagrangian: {why}."))
@@ -71,13 +72,15 @@ def analysis_page(
     if taken:
         shown.append(Paragraph(f"Taken to be positive: {', '.join(map(str, taken.values()))}."))
     made = made.with_symbols(taken)
-    shown += _energies(pen, made) if isinstance(made, Lagrangian) else ()
     equations = equations_of(made)
+    decimals = isinstance(source, Tree) and source.numbers == "decimals"
+    pen = _Pen(decimals, _dotted(equations))
+    shown += _energies(pen, made) if isinstance(made, Lagrangian) else ()
     chosen = {n: as_expression(x).xreplace(taken) for n, x in dict(values or {}).items()}
     shown += _equations(pen, equations)
     shown += _steady(pen, equations, chosen, solve)
     shown += _small(pen, equations, order, chosen) if order else ()
-    shown += _conserved(pen, equations, rates, harmonics)
+    shown += _conserved(pen, made, rates, harmonics)
     return FORMATS[style](shown)
 
 
@@ -102,14 +105,27 @@ def _taken(of: Lagrangian | Equations, positive: Sequence[str]) -> dict[Expr, Ex
     return {s: sp.Symbol(s.name, positive=True) for s in chosen if not s.is_positive}
 
 
+def _dotted(of: Equations) -> dict[Expr, Expr]:
+    """Return how speeds and their rates are shown that are rates of coordinates."""
+    found: dict[Expr, Expr] = {}
+    for u, a in zip(of.speeds, of.accelerations, strict=True):
+        q = next((q for q in of.coordinates if of.rate(q) == u), None)
+        if q is not None:
+            rate = dotted(q.name)
+            found |= {u: sp.Symbol(rate, real=True), a: sp.Symbol(dotted(rate), real=True)}
+    return found
+
+
 @dataclass(frozen=True)
 class _Pen:
-    """Writes lines; ``decimals``: whether numbers of a scene that says so stay decimals."""
+    """Writes lines; ``decimals``: whether numbers stay decimals; ``names``: of speeds that are rates."""
 
     decimals: bool
+    names: Mapping[Expr, Expr]
 
     def put(self, e: Expr) -> Expr:
-        return in_decimals(e) if self.decimals else e
+        found = e.xreplace(dict(self.names))
+        return in_decimals(found) if self.decimals else found
 
     def line(self, left: Box, e: Expr, words: str = "") -> Line:
         return Line(left, EQUALS, expression_pieces(self.put(e)), words)
@@ -151,7 +167,7 @@ def _reduced(pen: _Pen, of: Lagrangian) -> Iterator[Block]:
     left = routh(of)
     yield Heading("Routh's reduction")
     yield Paragraph("At constant momenta, the rates of the cyclic coordinates are")
-    yield Display(tuple(pen.line(Formula(of.rates[q]), x) for q, x in left.rates.items()))
+    yield Display(tuple(pen.line(Formula(pen.put(of.rates[q])), x) for q, x in left.rates.items()))
     yield Paragraph("and the others move as by the Lagrangian R = L - sum of p times rate, with")
     yield Display(
         (
@@ -181,7 +197,7 @@ def _steady(
         found = found.solved(name)
     known = [(q, x) for q, x in found.values.items() if q != x]
     if known:
-        yield Display(tuple(pen.line(Formula(q), x) for q, x in known))
+        yield Display(tuple(pen.line(Formula(pen.put(q)), x) for q, x in known))
     if found.conditions:
         yield Paragraph(
             "Linear motion needs values that are steady, or conditions that are solved."
@@ -199,7 +215,8 @@ def _linear(pen: _Pen, about: SteadyMotion) -> Iterator[Block]:
     )
     parts = (("M", found.mass), ("D", found.damping), ("K", found.stiffness))
     yield Display(tuple(Line(symbol(n), EQUALS, (pen.grid(x),)) for n, x in parts))
-    yield Paragraph(f"Characteristic polynomial, without its {found.zeros} zero roots:")
+    apart = f", {found.zeros} zero roots put aside" if found.zeros else ""
+    yield Paragraph(f"Characteristic polynomial{apart}:")
     yield Display((pen.line(symbol("p"), found.polynomial),))
     yield Heading("Stability")
     yield from _verdict(pen, verdict.conditions, verdict.asymptotic, verdict.never)
@@ -228,11 +245,13 @@ def _small(pen: _Pen, of: Equations, order: int, values: Mapping[str, Any]) -> I
     found = small_motion(of, order, values)
     about = [(q, x) for q, x in found.about.items() if x != 0]
     if about:
-        yield Display(tuple(pen.line(Formula(q), x, "near which it is") for q, x in about))
+        yield Display(tuple(pen.line(Formula(pen.put(q)), x, "near which it is") for q, x in about))
     yield Display(tuple(map(pen.zero, found.equations)))
 
 
-def _conserved(pen: _Pen, of: Equations, rates: int, harmonics: int) -> Iterator[Block]:
+def _conserved(
+    pen: _Pen, of: Lagrangian | Equations, rates: int, harmonics: int
+) -> Iterator[Block]:
     yield Heading("Conserved quantities")
     yield Paragraph(f"Of degree {rates} at most in the rates, {harmonics} in sines and cosines:")
     try:

@@ -6,8 +6,8 @@ steady motion nearby (or for what a constant of the motion keeps), and is put as
 are Hurwitz's determinants. A polynomial in s^2, as of conservative systems, has no roots with negative
 real parts alone; its roots are imaginary and simple if those of p(x), x = s^2, are negative and
 simple, which is so if p(s^2) + s p'(s^2) is Hurwitz's (theorem of Hermite and Biehler).
-Source: Gantmacher, The Theory of Matrices, vol. II (1959), ch. XV, sec. 6 and 14; Greenwood, Advanced
-Dynamics (2003), sec. 1.8 for linear motion about steady motion.
+Source: Gantmacher, The Theory of Matrices, vol. II (1959), ch. XV; Greenwood, Advanced Dynamics (2003),
+ch. 2, for linear motion about steady motion.
 """
 
 from __future__ import annotations
@@ -56,6 +56,8 @@ class SteadyMotion:
                 if slope == 0 or symbol in slope.free_symbols:
                     continue
                 value = tidy(-c.xreplace({symbol: sp.S.Zero}) / slope)
+                if value == 0 and symbol.is_nonzero:
+                    continue
                 put = {symbol: value}
                 rest = tuple(tidy(x.xreplace(put)) for n, x in enumerate(self.conditions) if n != k)
                 values = {q: as_expression(x).xreplace(put) for q, x in self.values.items()}
@@ -76,7 +78,7 @@ def steady_motion(
     ``values``: numbers or expressions by name of coordinates or speeds; a speed that is the rate of a
     coordinate that occurs is zero. Conditions that hold by themselves are left out. Raises `InputError`
     for unknown names and where no values are steady. Units and signs are those of the source.
-    Source: Greenwood, Advanced Dynamics (2003), sec. 1.8.
+    Source: Greenwood, Advanced Dynamics (2003), ch. 2.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> g, w, R = sp.symbols("g w R", positive=True)
@@ -161,7 +163,7 @@ def linearised(about: SteadyMotion) -> Linearised:
     Conditions of the steady motion that are not solved (`SteadyMotion.solved`) are left as they are: the
     formulas hold where they do. Raises `InputError` where the mass matrix is singular there,
     `DerivationError` if a formula were not written equal. SI units, or those of the source; signs are
-    those of the source. Source: Greenwood, Advanced Dynamics (2003), sec. 1.8.
+    those of the source. Source: Greenwood, Advanced Dynamics (2003), ch. 2.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)

@@ -28,7 +28,7 @@ def tidy(given: Expr) -> Expr:
 
     >>> x, I = sp.symbols("x I", positive=True)
     >>> tidy((I * sp.sin(x) ** 2 + I * sp.cos(x) ** 2 - I * sp.cos(x)) / (2 * I * sp.sin(x) ** 2))
-    1/(2*cos(x) + 2)
+    1/(2*(cos(x) + 1))
     """
     given = sp.sympify(given)
     if vanishes(given):

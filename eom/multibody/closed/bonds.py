@@ -8,7 +8,7 @@ By Kane's method and by balances the mechanism is described by its independent s
 partial velocities are the nonholonomic ones. Lagrange's equations hold with every speed free: they get
 multipliers, and are then combined so that these drop out (Maggi).
 Source: Kane and Levinson, Dynamics: Theory and Applications (1985), sec. 2.13, 4.4, 4.11; Greenwood,
-Advanced Dynamics (2003), sec. 2.2 (multipliers), 4.1 (Maggi).
+Advanced Dynamics (2003), ch. 2 (multipliers) and ch. 4 (Maggi).
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from eom.multibody.closed.lagrange import Lagrange
 from eom.multibody.closed.mechanism import Mechanism, Pull, Trigonometry, followed
 from eom.multibody.closed.polynomials import Polynomial, Scalar
 from eom.multibody.closed.readable import Contribution
+from eom.multibody.constrained.dependence import examine
 from eom.multibody.constrained.equations import Component, components
 from eom.multibody.constrained.relations import Arithmetic, scene
 from eom.multibody.recursion.lumped_tree import lumped_tree
@@ -164,9 +165,28 @@ def bonds(
     solver = _Solver(given, found, _stay(given, independent), write)
     solver.run()
     made = solver.bonds(tuple(rooted.positive))
+    _regular(made)
     if given.free and not made.independent:
         raise InputError("the constraints leave no motion", where=given.algebra.where)
     return made
+
+
+def _regular(made: Bonds) -> None:
+    """Raise `InputError` where equations that are independent in general depend where they hold.
+
+    Numbers decide, as for `derive`; constraints that no drawn numbers meet are left to it.
+    """
+    try:
+        count = len(examine(made.whole.tree).kept)
+    except InputError:
+        return
+    if count < len(made.kept):
+        raise InputError(
+            "constraints depend on each other where they hold, and not elsewhere: no closed form",
+            where=made.whole.algebra.where,
+            got=f"{len(made.kept)} equations, {count} of them independent",
+            hint="leave out what others hold, or use derive(tree)",
+        )
 
 
 def _stay(given: Mechanism, names: Sequence[str]) -> set[int]:

@@ -117,7 +117,7 @@ _SLACK = 1e-12
 def assumptions(tree: Tree) -> tuple[Assumption, ...]:
     """Return that masses are not negative, and that moments of inertia obey the triangle inequality.
 
-    Of what changes in time, that holds at t = 0.
+    What changes in time is tested where a run starts.
 
     One for each body, and each rotor, of which parameters decide that; numbers were tested when the tree
     was made. A guard tests them on values (`codegen.frontend.structure`), those of ensembles, too.
@@ -135,13 +135,8 @@ def assumptions(tree: Tree) -> tuple[Assumption, ...]:
 def _not_negative(given: Any, where: str, what: str) -> list[Assumption]:
     if is_number(given) or not isinstance(given, sp.Expr):
         return []
-    given = _at_start(given)
     meaning = f"{what} of {where} is not negative"
     return [Assumption(f"{what}_not_negative", meaning, nonnegative=(given,), tolerance=0.0)]
-
-
-def _at_start(given: Any) -> Expr:
-    return sp.sympify(given, strict=True).subs(TIME, 0)
 
 
 def _of_body(body: Body) -> list[Assumption]:
@@ -149,7 +144,9 @@ def _of_body(body: Body) -> list[Assumption]:
     J = body.central_inertia
     if all(is_number(x) for row in J for x in row):
         return found
-    conditions = physical(sp.ImmutableMatrix([[_at_start(x) for x in row] for row in J]))
+    conditions = physical(
+        sp.ImmutableMatrix([[sp.sympify(x, strict=True) for x in row] for row in J])
+    )
     meaning = (
         f"no moment of inertia of body {body.name} about its centre of mass exceeds the sum of the "
         "other two (triangle inequality)"

@@ -289,6 +289,11 @@ def test_a_negative_mass_is_refused_and_a_run_ends_where_it_is_used_up():
     assert run.t_stop == pytest.approx(20, rel=1e-3)
     assert "of body rocket is used up" in run.message
     with pytest.raises(InputError, match="mass of body rocket is not negative"):
+        codegen.simulate(compiled, scene.initial_values(), (21, 22), values)
+    many = {**values, "m0": np.array([90.0, 106.0])}
+    with pytest.raises(InputError, match="mass of body rocket is not negative"):
+        codegen.ensemble(compiled, scene.initial_values(), (21, 22), many)
+    with pytest.raises(InputError, match="mass of body rocket is not negative"):
         codegen.simulate(compiled, scene.initial_values(), (0, 1), {**values, "m0": -1.0})
 
 

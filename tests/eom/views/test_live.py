@@ -304,7 +304,7 @@ def test_hostile_words_stay_words():
         name=EVIL, title=EVIL, description=EVIL, body={"moments": (1.0, 2.0, 2.5)},
         torque={"components": ("-c*omega_1", "k*omega_3", 0)},
         parameters={
-            "c": {"value": 0.1, "unit": EVIL, "meaning": EVIL},
+            "c": {"value": 0.1, "unit": "N m s", "meaning": EVIL},
             "k": {"value": 1.0, "meaning": "'\"><b>"},
         },
         initial={"omega_1": 1.0, "omega_2": 0.0, "omega_3": 0.1},

@@ -1,0 +1,90 @@
+"""`eom analyse`: what is cyclic, steady, stable and conserved, from a scene file."""
+
+import pytest
+from click.testing import CliRunner
+
+from eom.__main__ import main
+
+HOOP = """
+model = "tree"
+title = "Bead on a hoop that turns"
+gravity = [0, 0, "-g"]
+
+[parameters]
+m = { value = 0.1, unit = "kg" }
+R = { value = 0.5, unit = "m" }
+g = { value = 9.81, unit = "m/s^2" }
+Omega = { value = 6.0, unit = "rad/s" }
+
+[bodies.hoop]
+
+[bodies.bead]
+mass = "m"
+centre = [0, 0, "-R"]
+
+[joints.hoop]
+kind = "revolute"
+parent = "ground"
+child = "hoop"
+motion = { position = "Omega*t" }
+
+[joints.swing]
+kind = "revolute"
+parent = "hoop"
+child = "bead"
+axis = "y"
+
+[initial]
+q_swing = 0.1
+"""
+
+
+@pytest.fixture
+def analyse(tmp_path):
+    file = tmp_path / "hoop.toml"
+    file.write_text(HOOP, encoding="utf-8")
+    runner = CliRunner()
+    return lambda *words: runner.invoke(
+        main, ["analyse", str(file), *words], catch_exceptions=False
+    )
+
+
+def test_the_lowest_place_is_stable_where_the_hoop_is_slow(analyse):
+    done = analyse("--name", "q_swing=theta", "--at", "theta=0")
+    assert done.exit_code == 0
+    assert "Taken to be positive: Omega, R, g, m." in done.output
+    assert "−Ω² R + g > 0" in done.output
+    assert "C₁ = Ω² R cos(θ)² + R θ̇² − 2 g cos(θ)" in done.output
+
+
+def test_values_are_formulas_and_conditions_are_solved(analyse):
+    assert "Never stable" in analyse("--at", "q_swing=pi", "--small", "0").output
+    solved = analyse("--solve", "g", "--small", "0", "--rates", "0", "--as", "latex")
+    assert solved.exit_code == 0
+    assert r"\Omega^{2} R" in solved.output
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--at", "q_swing"], "NAME=VALUE"),
+        (["--at", "q_what=1"], "no such coordinate or speed"),
+        (["--at", "q_swing=__import__"], "error"),
+        (["--solve", "m"], "no condition is linear"),
+        (["--small", "-1"], "below zero"),
+        (["--rates", "99"], "from 0 to 12"),
+        (["--as", "paper"], "unknown format"),
+        (["--name", "q_swing"], "OLD=NEW"),
+        (["--attitude", "3-1-3"], "no joint has an attitude"),
+    ],
+)
+def test_a_mistake_is_one_message(analyse, words, told):
+    done = analyse(*words)
+    assert done.exit_code == 2
+    assert told in done.stderr
+
+
+def test_scenes_of_one_body_are_refused():
+    done = CliRunner().invoke(main, ["analyse", "heavy-top"])
+    assert done.exit_code == 2
+    assert "eom analyse is for scenes of many bodies" in done.stderr
