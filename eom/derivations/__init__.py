@@ -4,7 +4,8 @@ Titles are read without SymPy; a derivation is made, and each of its steps verif
 for.
 
 Imports: `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.kinematics`, `eom.mass`,
-`eom.mechanics`, `eom.quantities`, `eom.system`, `eom.terms`, `eom.typeset`, `eom.worlds`.
+`eom.mechanics`, `eom.quantities`, `eom.system`, `eom.terms`, `eom.terms.rules`, `eom.typeset`,
+`eom.worlds`.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ _MAKERS = {
         "Particles",
         "Dynamics of a system of point masses",
     ),
+    "variable-mass": ("variablemass", "variable_mass", "Particles", "A body whose mass changes"),
     "transport-theorem": (
         "rotation",
         "transport_theorem",
@@ -132,6 +134,13 @@ def derive(name: str) -> Derived:
 
 @lru_cache(maxsize=64)
 def _derived(name: str) -> Derived:
+    """Make a derivation. Raises `DerivationError` for one that asserts a result."""
+    from eom.derivations.reached import refuse_asserted
+
+    return refuse_asserted(_made(name))
+
+
+def _made(name: str) -> Derived:
     solids = _solid_names()
     if name in solids:
         module = importlib.import_module("eom.derivations.solids")

@@ -15,13 +15,22 @@ from typing import Any
 import sympy as sp
 
 from eom.derivations.derived import Derived, Step
+from eom.derivations.reached import KINDS, RESULT, Path, is_tautology, meets, smallest
 from eom.derivations.refuted import disagreement
-from eom.derivations.verification import FALSE, DerivationError, verify
+from eom.derivations.verification import (
+    FALSE,
+    IDENTITY,
+    DerivationError,
+    decide,
+    has_meaning,
+    verify,
+)
 from eom.errors import InputError, typed, typed_fields
 from eom.expressions import as_expression
 from eom.terms import rules
 from eom.terms.own import Law, Own, OwnBody, OwnFrame
-from eom.terms.rules import Rule
+from eom.terms.rules import Rule, Trace
+from eom.terms.rules.inferences import Inference
 from eom.terms.terms import (
     INDICES,
     VECTOR,
@@ -64,13 +73,16 @@ class Chain:
         the line is recalled; ``states``: equations of a lecture that it is. Raises `DerivationError` if
         nothing changes, or the line is false or undecided.
         """
-        new = rules.apply(applied, self.equation.right)
+        with rules.traced() as trace:
+            new = rules.apply(applied, self.equation.right)
         if new == self.equation.right:
             raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
         relation = "=" if self.equation.relation == ":=" else self.equation.relation
-        return self.maker.state(
-            Equation(self.equation.left, new, relation), reason, label=label, states=states
-        )
+        line, path = Equation(self.equation.left, new, relation), self._path(trace)
+        return self.maker.state(line, reason, label=label, states=states, path=path)
+
+    def _path(self, trace: Trace, *others: Chain) -> Path:
+        return Path((self.step.label, *(o.step.label for o in others)), trace)
 
     def equals(
         self, right: Any, reason: str, *, label: str = "", states: Iterable[str] = ()
@@ -95,11 +107,35 @@ class Chain:
         ``reason``: why, in words; ``operation``: what is done, from a term to a term; ``applied``: rules
         for the new right side; ``label``, ``states``: see `then`. Raises `DerivationError` as `then` does.
         """
-        left = operation(self.equation.left)
-        right = rules.apply(applied, operation(self.equation.right))
+        with rules.traced() as trace:
+            rules.noted("the same on both sides")
+            left = operation(self.equation.left)
+            right = rules.apply(applied, operation(self.equation.right))
         if Equation(left, right) == self.equation:
             raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
-        return self.maker.state(Equation(left, right), reason, label=label, states=states)
+        line, path = Equation(left, right), self._path(trace)
+        return self.maker.state(line, reason, label=label, states=states, path=path)
+
+    def infer(
+        self,
+        reason: str,
+        inference: Inference,
+        *others: Chain,
+        label: str = "",
+        states: Iterable[str] = (),
+    ) -> Chain:
+        """State what follows from this line, and from ``others``, by an inference.
+
+        ``reason``: why, in words; ``inference``: a row of `eom.terms.rules.inferences`; ``label``,
+        ``states``: see `then`. Raises `InputError` where it does not apply, and as `then` does.
+        """
+        with rules.traced() as trace:
+            rules.noted(inference.words)
+            line = inference.conclude(self.equation, *(o.equation for o in others))
+        if line == self.equation:
+            raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
+        path = self._path(trace, *others)
+        return self.maker.state(line, reason, label=label, states=states, path=path)
 
     def turned(self, reason: str, *, label: str = "", states: Iterable[str] = ()) -> Chain:
         """State ``right = left``.
@@ -107,7 +143,10 @@ class Chain:
         ``reason``: why, in words; ``label``, ``states``: see `then`.
         """
         sides = Equation(self.equation.right, self.equation.left)
-        return self.maker.state(sides, reason, label=label, states=states)
+        with rules.traced() as trace:
+            rules.noted("sides exchanged")
+        path = self._path(trace)
+        return self.maker.state(sides, reason, label=label, states=states, path=path)
 
 
 @typed_fields
@@ -117,9 +156,10 @@ class Derivation:
 
     ``name``, ``title``, ``group``: how it is called; ``assumed``: names of assumptions
     (`eom.worlds.worlds.ASSUMPTIONS`) to begin with. Quantities are in SI units. What stands so far:
-    ``scalars``, what symbols stand for, as terms; ``steps``; ``own``, its frames, points and laws. A line
-    that is false or undecided raises `eom.derivations.verification.DerivationError` and is not kept; so
-    do arguments of other types raise `InputError`, and assumptions that are unknown or at odds.
+    ``scalars``, what symbols stand for, as terms; ``steps``; ``own``, its frames, points and laws;
+    ``stated``, the labels of steps by what they state; ``letters``, what other symbols are. A line that
+    is false or undecided raises `eom.derivations.verification.DerivationError` and is not kept; so do
+    arguments of other types raise `InputError`, and assumptions that are unknown or at odds.
     """
 
     name: str
@@ -129,6 +169,8 @@ class Derivation:
     scalars: dict[Any, Term] = field(default_factory=dict, init=False)
     steps: list[Step] = field(default_factory=list, init=False)
     own: Own = field(default_factory=Own, init=False)
+    stated: dict[Equation, str] = field(default_factory=dict, init=False)
+    letters: dict[Any, str] = field(default_factory=dict, init=False)
     _drawn: tuple[tuple[Any, ...], Furnished] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -289,22 +331,38 @@ class Derivation:
 
     def _verified(self, equation: Equation, reason: str) -> str:
         where = f"{self.name}: {reason}"
+        try:
+            return self._decided(equation, self.assumed, where)
+        except DerivationError as error:
+            if error.what != FALSE:
+                raise
+            why = disagreement(self._carried(equation), self._worlds(), self.assumed)
+            raise DerivationError(
+                FALSE, where=where, got=error.got, expected=error.expected, hint=why
+            ) from None
+
+    def _decided(self, equation: Equation, assumed: Iterable[str], where: str) -> str:
+        """Return how a line holds under assumptions. Raises `InputError` where it does not."""
         if equation.relation == ":=" and self.own.meaning(equation.left) == equation.right:
             return "definition"
         defines = equation.relation == ":="
         shown = equation if defines else self._carried(equation)
         drawn = self._worlds()
         known = self.scalars if defines else drawn.scalars
-        try:
-            with_own = drawn if self.own else worlds
-            return verify(shown, self.assumed, known, where=where, drawn=with_own)
-        except DerivationError as error:
-            if error.what != FALSE:
-                raise
-            why = disagreement(shown, drawn, self.assumed)
-            raise DerivationError(
-                FALSE, where=where, got=error.got, expected=error.expected, hint=why
-            ) from None
+        with_own = drawn if self.own else worlds
+        return verify(shown, assumed, known, where=where, drawn=with_own)
+
+    def _needed(self, equation: Equation, reason: str) -> tuple[str, ...]:
+        """Return a smallest set of the assumptions made so far under which a line holds."""
+        relation = "=" if equation.relation == ":=" else equation.relation
+        line = Equation(equation.left, equation.right, relation)
+
+        def holds(names: Iterable[str]) -> None:
+            evidence = self._decided(line, names, f"{self.name}: {reason}")
+            if evidence == IDENTITY and has_meaning(line, self.scalars):
+                decide(line, names, self.scalars, count=1)
+
+        return smallest(self.assumed, holds)
 
     @typed
     def assume(self, *names: str) -> None:
@@ -352,13 +410,38 @@ class Derivation:
         self.scalars[symbol] = meaning
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
+    def letter(self, symbol: Any, words: str) -> None:
+        """Say what a symbol is that stands for no term: ``symbol``, a SymPy symbol, and ``words``."""
+        self.letters[symbol] = words
+
     @typed
     def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
-        """State a law or the meaning of an assumption; it, too, has to hold in the worlds.
+        """State a law; it, too, has to hold in the worlds.
 
         ``equation``: the law; ``reason``: in words; ``options``: see `state`. Raises `DerivationError`.
         """
         return self.state(equation, reason, "law", **options)
+
+    def given(self, equation: Equation, reason: str, **options: Any) -> Chain:
+        """State what an assumption means as a formula; it has to hold in the worlds.
+
+        ``equation``: the meaning; ``reason``: in words; ``options``: see `state`. Raises `DerivationError`.
+        """
+        return self.state(equation, reason, "assumption", **options)
+
+    def show(self, equation: Equation, reason: str, *applied: Rule, **options: Any) -> Chain:
+        """State an equation, both sides of which rules lead to the same.
+
+        ``equation``: the line; ``reason``: why, in words; ``applied``: the rules, in order, for both
+        sides; ``options``: see `state`. Raises `DerivationError` where they do not lead there.
+        """
+        with rules.traced() as trace:
+            reached = meets(equation, applied)
+        if not reached:
+            raise DerivationError("the rules do not lead here", where=self.name, got=reason)
+        if not trace.words:
+            trace.words["algebra"] = None
+        return self.state(equation, reason, path=Path((), trace), **options)
 
     @typed
     def state(
@@ -369,27 +452,46 @@ class Derivation:
         *,
         label: str = "",
         states: Iterable[str] = (),
+        path: Path | None = None,
     ) -> Chain:
         """Verify a statement and add it.
 
-        ``equation``: the line; ``reason``: why it holds, in words; ``kind``: "result", "law", "definition";
-        ``label``: by which it is recalled; ``states``: equations of a lecture that it is. Raises
-        `DerivationError` for a line that is false or undecided, and for a label that is taken.
+        ``equation``: the line; ``reason``: why it holds, in words; ``kind``: "law", "definition",
+        "assumption", or "result"; ``label``: by which it is recalled; ``states``: equations of a lecture
+        that it is; ``path``: how a result was reached. Raises `DerivationError` for a line that is false,
+        undecided, trivial or stated before, for a label that is taken and for other kinds.
         """
         evidence = self._verified(equation, reason)
+        name = label or f"s{len(self.steps) + 1}"
+        self._check_new(equation, name, kind)
+        follows = path.sources(self.stated, f"{self.name}: {reason}") if path else ()
         step = Step(
-            label or f"s{len(self.steps) + 1}",
+            name,
             equation,
             reason,
             kind,
             tuple(states),
-            self.assumed,
+            self._needed(equation, reason),
             evidence,
+            follows,
+            tuple(path.trace.words) if path else (),
         )
-        if any(step.label == s.label for s in self.steps):
-            raise DerivationError("two steps with one label", where=self.name, got=step.label)
         self.steps.append(step)
+        self.stated[equation] = name
         return Chain(self, step)
+
+    def _check_new(self, equation: Equation, name: str, kind: str) -> None:
+        """Refuse a label that is taken, an unknown kind, a tautology, and what stands there already."""
+        if name in self.stated.values():
+            raise DerivationError("two steps with one label", where=self.name, got=name)
+        if kind not in KINDS:
+            expected = ", ".join(KINDS)
+            raise DerivationError("unknown kind", where=self.name, got=kind, expected=expected)
+        if is_tautology(equation):
+            raise DerivationError("a step says nothing", where=self.name, got=name)
+        if kind == RESULT and equation in self.stated:
+            known = self.stated[equation]
+            raise DerivationError("a step changes nothing", where=self.name, got=f"as {known}")
 
     @typed
     def start(self, term: Term) -> Chain:
@@ -432,4 +534,5 @@ class Derivation:
             dict(self.scalars),
             result,
             self.own.copy(),
+            dict(self.letters),
         )

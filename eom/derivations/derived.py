@@ -19,6 +19,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.corrections import NOTES
 from eom.derivations.verification import Scalars
 from eom.errors import unknown_name
 from eom.system import System
@@ -75,8 +76,9 @@ class Step:
     """A verified statement: its reason, where the lectures state it, and what it rests on.
 
     ``label``: by which `Derived` finds it. ``statement``: two sides and a relation. ``reason``: in
-    words. ``kind``: definition, law or result; ``states``: the equations of the lectures that it states;
-    ``assumptions``: names of those that it needs; ``evidence``: how it was verified.
+    words. ``kind``: law, definition, assumption or result; ``states``: the equations of the lectures that
+    it states; ``assumptions``: a smallest set under which it holds; ``evidence``: how it was verified;
+    ``follows``: labels of the lines from which it was reached, ``by``: the names of the rules.
     """
 
     label: str
@@ -86,6 +88,8 @@ class Step:
     states: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
     evidence: str = ""
+    follows: tuple[str, ...] = ()
+    by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,8 @@ class Derived:
 
     ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
     mechanics. ``result``: expressions, matrices and systems by name, in SI units. ``own``: frames, points,
-    bodies and laws that it defines. In a notebook it shows itself as a page.
+    bodies and laws that it defines. ``letters``: what other symbols are, in words. In a notebook it shows
+    itself as a page.
     """
 
     name: str
@@ -104,6 +109,7 @@ class Derived:
     scalars: Scalars
     result: Mapping[str, Any]
     own: Own = field(default_factory=Own, repr=False)
+    letters: Mapping[Any, str] = field(default_factory=dict)
 
     def __getitem__(self, label: str) -> Step:
         """Return the step with a ``label``. Raises `KeyError`."""
@@ -243,7 +249,7 @@ def blocks(derivation: Derived, notation: Notation, steps: bool = True) -> Itera
     """Yield what there is to show, in reading order."""
     yield Heading(derivation.title, 1)
     yield Paragraph(_summary(derivation, notation))
-    assumptions = tuple((None, meaning_of(a)) for a in derivation.assumptions)
+    assumptions = tuple((f"A{k}", meaning_of(a)) for a, k in _letters(derivation).items())
     yield from _listed("Assumptions", assumptions)
     yield from _listed("Symbols", tuple(symbols(derivation, notation)))
     yield Heading("Derivation" if steps else "Statements")
@@ -274,6 +280,9 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
     own = {t for t in derivation.scalars.values() if t.data and t.data[0] in _ANY}
     items = [_quantity(n, notation) for n in found if n.head == "atom" and n not in own]
     items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
+    shown = {render(box, "text") for box, _ in items}
+    letters = ((symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found))
+    items += [(box, meaning) for box, meaning in letters if render(box, "text") not in shown]
     items += list(_operations(found, notation))
     for box, meaning in items:
         key = (render(box, "text"), meaning)
@@ -284,6 +293,17 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
 
 _ANY = frozenset({"scalar", "coordinate"})
 """Quantities that are any: of those with a symbol it is said what this is."""
+
+
+def _letters_of(derivation: Derived, found: Iterable[Term]) -> Iterator[tuple[Any, str]]:
+    """Yield the symbols that stand for no term, with what they are in words."""
+    systems = [r for r in derivation.result.values() if isinstance(r, System)]
+    told = {q.symbol: q.meaning for s in systems for q in (*s.parameters, *s.states, *s.inputs)}
+    told |= derivation.letters
+    used = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
+    for s in sorted(used - set(derivation.scalars), key=sp.default_sort_key):
+        if s in told:
+            yield s, told[s]
 
 
 def _quantity(term: Term, notation: Notation) -> tuple[Box, str]:
@@ -342,33 +362,35 @@ def _derived(
     derivation: Derived, notation: Notation, chosen: Collection[str] | None = None
 ) -> Iterator[Block]:
     """Yield one block a chain, of the chosen steps; of all where none are chosen."""
-    before: tuple[str, ...] = ()
-    number = 0
+    notes_of = _Notes(derivation, numbers(derivation, notation))
     spoken = (s for s in derivation.steps if not only_names(s, notation))
     for chain in chains(spoken):
         lines: list[tuple[Line, ...]] = []
         notes: list[Note] = []
         for step in chain:
-            number += 1
             if chosen is not None and step.label not in chosen:
                 continue
             lines.append(_lines(step.statement, notation, first=not lines))
-            notes.append(_note(step, number, before))
-            before = step.assumptions
+            notes.append(notes_of(step))
         if lines:
             yield Steps(tuple(notes), tuple(lines))
 
 
+def numbers(derivation: Derived, notation: Notation) -> dict[str, int]:
+    """Return the number of each step that is shown, by its label; what only names has none."""
+    spoken = (s for s in derivation.steps if not only_names(s, notation))
+    return {step.label: k for k, step in enumerate(spoken, 1)}
+
+
 def separate(derivation: Derived, notation: Notation) -> Iterator[Steps]:
     """Yield one block a step, each an equation of its own with its whole left side on one line."""
-    before: tuple[str, ...] = ()
-    for number, step in enumerate(derivation.steps, 1):
+    notes_of = _Notes(derivation, {s.label: k for k, s in enumerate(derivation.steps, 1)})
+    for step in derivation.steps:
         left, relation, right = equation_parts(step.statement, notation)
         lines = _lines(step.statement, notation)
         if len(lines) == 1 and not is_wide(row(*left)):
             lines = (Line(row(*left), relation, right),)
-        yield Steps((_note(step, number, before),), (lines,))
-        before = step.assumptions
+        yield Steps((notes_of(step),), (lines,))
 
 
 def only_names(step: Step, notation: Notation) -> bool:
@@ -441,11 +463,57 @@ def _place(k: int, count: int) -> Symbol:
     return Symbol(f"{k // size + 1}{k % size + 1}" if size > 1 else str(k + 1))
 
 
-def _note(step: Step, number: int, before: tuple[str, ...]) -> Note:
-    parts = [step.kind if step.kind not in {"result", step.evidence} else "", *step.states]
-    parts += [step.evidence]
-    remarks = ", ".join(p for p in parts if p)
-    return Note(number, _sentence(step.reason), remarks, _assumed(step.assumptions, before))
+MUNDANE = frozenset(
+    {
+        "the same on both sides",
+        "linearity",
+        "like terms",
+        "order of factors",
+        "algebra",
+        "substitution",
+    }
+)
+"""Rules that are named where no other one is applied."""
+
+
+@dataclass
+class _Notes:
+    """What stands beside each step; an assumption is put into words where it first counts.
+
+    ``numbers``: of the steps by label; ``told``: the assumptions that stand in words already.
+    """
+
+    derivation: Derived
+    numbers: Mapping[str, int]
+    told: set[str] = field(default_factory=set)
+
+    def __call__(self, step: Step) -> Note:
+        kind = step.kind if step.kind not in {"result", step.evidence} else ""
+        letters = _letters(self.derivation)
+        new = [a for a in letters if a in step.assumptions and a not in self.told]
+        self.told.update(new)
+        under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
+        evidence = "" if step.by and step.evidence.startswith("held") else step.evidence
+        states = (f"{s} ({NOTES[s]})" if s in NOTES else s for s in step.states)
+        parts = [kind, *states, self._origin(step), f"under {under}" if under else "", evidence]
+        remarks = "; ".join(p for p in parts if p)
+        assumed = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in new)
+        told = f"Assumed: {assumed}." if assumed else ""
+        return Note(self.numbers[step.label], _sentence(step.reason), remarks, told)
+
+    def _origin(self, step: Step) -> str:
+        """Say from which lines a step follows, and by which rules."""
+        lines = ", ".join(str(self.numbers[f]) for f in step.follows if f in self.numbers)
+        telling = [b for b in step.by if b not in MUNDANE]
+        by = ", ".join(telling or step.by[:1])
+        return " ".join(
+            p for p in (f"from {lines}" if lines else "", f"by {by}" if by else "") if p
+        )
+
+
+def _letters(derivation: Derived) -> dict[str, int]:
+    """Return the numbers by which assumptions are called."""
+    return {a: k for k, a in enumerate(derivation.assumptions, 1)}
 
 
 _FIRST_WORD = re.compile(r"(a )?([a-z]{2,})(?![\w/.(])")
@@ -456,18 +524,6 @@ def _sentence(reason: str) -> str:
     found = _FIRST_WORD.match(reason)
     starts = found is not None and found[2] not in GREEK
     return reason[:1].upper() + reason[1:] if starts else reason or "Statement"
-
-
-def _assumed(now: tuple[str, ...], before: tuple[str, ...]) -> str:
-    """Say what is assumed anew, or all that is assumed where something is assumed no longer."""
-    if set(now) == set(before):
-        return ""
-    if not now:
-        return "From here on nothing is assumed."
-    dropped = set(before) - set(now)
-    named = [meaning_of(a) for a in now if dropped or a not in before]
-    start = "Assumed from here on, and nothing else" if dropped else "Assumed from here on"
-    return f"{start}: {'; '.join(named)}."
 
 
 def _statements(derivation: Derived, notation: Notation) -> Block:

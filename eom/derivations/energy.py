@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.rigid import BODY_MASS, FORCE, RHO, R, W
 from eom.terms.rules import (
@@ -12,13 +12,13 @@ from eom.terms.rules import (
     components,
     differentiate,
     differentiate_in,
+    differentiate_terms,
     differentiate_under,
     distribute,
     fold_into,
     inside,
     linear_in,
     order_dots,
-    put,
     regroup,
     scalar_triple,
     scalars_in,
@@ -27,7 +27,6 @@ from eom.terms.rules import (
     transport,
     triple_zero,
     use,
-    vanish,
 )
 from eom.terms.terms import Equation, Term, add, cross, der, dot, integral, mul, number, zero
 from eom.terms.vocabulary import position, quantity, velocity
@@ -92,10 +91,13 @@ def _koenig(d: Derivation) -> None:
 
 def _rotation(d: Derivation) -> None:
     d.only("body_frame")
+    fixed = d.given(
+        Equation(der(R, "B"), zero("vector")), "B is fixed in the rigid body", label="rigid"
+    )
     seen = d.start(der(R)).then(
         "the transport theorem", transport("B"), label="r-rate-terms", states=["000:E29"]
     )
-    moved = seen.then("r is fixed in B", vanish(der(R, "B")), distribute, label="r-rate")
+    moved = seen.then("r is fixed in B", use(fixed.equation), distribute, label="r-rate")
     crossed = d.recall("T-rot-half").then(
         "r' = omega x r", use(moved.equation), label="T-crossed", states=["000:E30"]
     )
@@ -106,9 +108,7 @@ def _rotation(d: Derivation) -> None:
         label="T-triple",
         states=["000:E32"],
     )
-    spin = d.state(Equation(integral(cross(R, cross(W, R))), H), "the angular momentum", label="h")
-    half = outside.then("the integral is h", use(spin.equation), label="T-h", states=["000:E33"])
-    dyadic = half.then("h = J.omega", put(H, dot(J, W)), label="T-J")
+    dyadic = _by_inertia(d, outside, moved)
     dyadic.then(
         "components in B", scalars_in("B"), components("B"), label="T-matrix", states=["000:E33"]
     )
@@ -123,6 +123,28 @@ def _rotation(d: Derivation) -> None:
     )
 
 
+def _by_inertia(d: Derivation, outside: Chain, moved: Chain) -> Chain:
+    """Write the energy of rotation by the inertia dyadic."""
+    spin = d.define(H, "angular momentum about the centre of mass", label="h-definition").then(
+        "r' = omega x r", use(moved.equation), label="h"
+    )
+    half = outside.then(
+        "the integral is h",
+        use(spin.equation, backwards=True),
+        label="T-h",
+        states=["000:E33"],
+    )
+    momentum = spin.then(
+        "r x (omega x r) = omega (r.r) - r (r.omega)", bac_cab, label="h-parted"
+    ).then(
+        "linear in omega: the integral is the inertia dyadic",
+        linear_in(W),
+        fold_into(J),
+        label="h-J",
+    )
+    return half.then("h = J.omega", use(momentum.equation), label="T-J")
+
+
 def _only_omega(term: Term) -> Term:
     """Take components of omega.J.omega, and leave other products alone."""
     return scalars_in("B")(term) if term.args[0] == W else term
@@ -133,39 +155,56 @@ def _rate(d: Derivation) -> None:
     motion = Equation(mul(BODY_MASS, der(velocity("C"))), FORCE)
     d.law(motion, "motion of the centre of mass", label="motion")
     translation = mul(number(1, 2), BODY_MASS, dot(velocity("C"), velocity("C")))
-    d.start(der(translation)).then(
-        "product rule; the mass is constant",
+    constant = d.define(BODY_MASS, "mass of the body", label="mass").both(
+        "it is constant, as the mass of each element is",
+        der,
+        differentiate_under,
         differentiate,
-        vanish(der(BODY_MASS)),
-        commute,
-        combine,
-    ).then(
-        "the power of the force at the centre of mass",
-        regroup(BODY_MASS),
-        use(motion),
-        label="power-translation",
+        label="mass-constant",
     )
-    _rate_of_rotation(d)
-    d.state(
-        Equation(der(T), add(dot(FORCE, velocity("C")), dot(W, TORQUE))),
+    translated = (
+        d.start(der(translation))
+        .then(
+            "product rule; the mass is constant",
+            differentiate,
+            use(constant.equation),
+            commute,
+            combine,
+        )
+        .then(
+            "the power of the force at the centre of mass",
+            regroup(BODY_MASS),
+            use(motion),
+            label="power-translation",
+        )
+    )
+    turning = _rate_of_rotation(d)
+    d.recall("T-rigid").both(
         "the energy changes at the power of force and torque; internal forces do no work",
+        der,
+        differentiate_terms,
+        use(translated.equation),
+        use(turning.equation),
         label="power",
     )
 
 
-def _rate_of_rotation(d: Derivation) -> None:
+def _rate_of_rotation(d: Derivation) -> Chain:
+    constant = d.given(
+        Equation(der(J, "B"), zero("dyadic")), "J does not change in B", label="J-constant"
+    )
     local = d.start(der(mul(number(1, 2), dot(W, dot(J, W))))).then(
         "product rule in B, where J is constant; J is symmetric",
         differentiate_in("B"),
-        vanish(der(J, "B")),
+        use(constant.equation),
         distribute,
         symmetric(J),
         combine,
         label="rotation-rate",
     )
     euler = Equation(dot(J, der(W, "B")), add(TORQUE, -cross(W, dot(J, W))))
-    d.law(euler, "Euler's equation", label="euler")
-    local.then(
+    d.law(euler, "Euler's equation, derived in its own chapter", label="euler")
+    return local.then(
         "Euler's equation; omega.(omega x h) = 0",
         use(euler),
         distribute,
@@ -177,11 +216,29 @@ def _rate_of_rotation(d: Derivation) -> None:
 
 def _pivot(d: Derivation) -> None:
     d.only("body_frame", "O_fixed_in_body", "O_fixed_in_space")
-    turned = d.law(
-        Equation(velocity("dm"), cross(W, RHO)),
-        "about a pivot every element turns with omega",
-        label="pivot-velocity",
-    )
+    turned = _velocity_about_pivot(d)
     d.recall("T-half").then("r' = omega x rho", use(turned.equation), label="T-pivot-crossed").then(
         "(a x b).c = a.(b x c); omega comes out of the integral", scalar_triple, take_out
     ).then("the integral is J_O.omega", bac_cab, linear_in(W), fold_into(PIVOT_J), label="T-pivot")
+
+
+def _velocity_about_pivot(d: Derivation) -> Chain:
+    """Derive the velocity of every element of a body that turns about a fixed point."""
+    split = d.law(
+        Equation(position("dm"), add(position("O"), RHO)), "position by way of the pivot O"
+    )
+    still = d.given(Equation(velocity("O"), zero("vector")), "the pivot is fixed in space")
+    fixed = d.given(Equation(der(RHO, "B"), zero("vector")), "and in the body, as B is")
+    return (
+        d.start(velocity("dm"))
+        .then(
+            "r = r_O + rho, and O is at rest", use(split.equation), distribute, use(still.equation)
+        )
+        .then(
+            "the transport theorem; rho does not change in B, every element turns about the pivot",
+            transport("B"),
+            use(fixed.equation),
+            distribute,
+            label="pivot-velocity",
+        )
+    )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.rotation import explicit
+from eom.derivations.rotation import explicit, principal_matrix
 from eom.exact.algebra import gather
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body
@@ -15,15 +15,17 @@ from eom.quantities import Quantity
 from eom.system import System
 from eom.terms.rules import (
     apply,
+    at,
     compute,
     differentiate,
     distribute,
+    entrywise,
     parallel,
-    put,
     transport,
     use,
     vanish,
 )
+from eom.terms.rules.inferences import entry, solved
 from eom.terms.terms import (
     Equation,
     add,
@@ -31,13 +33,11 @@ from eom.terms.terms import (
     cross,
     der,
     dot,
-    entries,
     expr,
     matmul,
-    tilde,
     zero,
 )
-from eom.terms.vocabulary import omega, quantity, unit
+from eom.terms.vocabulary import omega, quantity, velocity
 
 W = omega()
 J = quantity("inertia", "C")
@@ -86,10 +86,17 @@ def _dyadic(d: Derivation) -> None:
     seen.both(
         "which is the torque", use(law.equation), label="torque-transport", states=["002:E27"]
     )
-    momentum = d.state(
-        Equation(H, dot(J, W)), "momentum of a rigid body", label="momentum", states=["000:E20"]
+    momentum = d.law(
+        Equation(H, dot(J, W)),
+        "momentum of a rigid body, derived in its own chapter",
+        label="momentum",
+        states=["000:E20"],
     )
-    d.law(Equation(der(J, "B"), zero("dyadic")), "J does not change in B", label="J-constant")
+    _euler(d, seen, momentum, law)
+
+
+def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
+    d.given(Equation(der(J, "B"), zero("dyadic")), "J does not change in B", label="J-constant")
     local = momentum.both(
         "differentiate in B",
         lambda t: der(t, "B"),
@@ -102,7 +109,7 @@ def _dyadic(d: Derivation) -> None:
     d.start(der(W)).then(
         "the transport theorem", transport("B"), label="omega-rate", states=["000:E22"]
     ).then("omega x omega = 0", parallel, distribute, label="omega-rates-equal")
-    d.state(seen.equation, "dh/dt by the transport theorem").then(
+    seen.then(
         "with h = J.omega",
         use(local.equation),
         use(momentum.equation),
@@ -121,11 +128,9 @@ def _matrix(d: Derivation) -> None:
         "components in B",
         label="euler-matrix",
         states=["001:E2", "002:E28"],
-    )
-    rotation = matmul(tilde(W_B), matmul(J_B, W_B))
-    d.state(
-        Equation(matmul(J_B, der(W_B)), add(-rotation, TORQUE_B)),
+    ).infer(
         "solved for the rates",
+        solved(matmul(J_B, der(W_B))),
         label="euler-rates",
         states=["000:E23", "000:E24"],
     )
@@ -133,58 +138,106 @@ def _matrix(d: Derivation) -> None:
 
 def _principal(d: Derivation) -> None:
     d.only(*FREE, "principal_axes")
-    matrix, moments = principal_inertia()
-    for k, q in enumerate(moments, 1):
-        axis = unit("B", k)
-        d.name_scalar(q.symbol, dot(axis, dot(J, axis)), q.meaning)
-    diagonal = Equation(J_B, entries(matrix))
-    d.state(diagonal, "in principal axes J is diagonal", label="J-principal", states=["000:E18"])
+    diagonal = principal_matrix(d, J, label="J-principal", states=["000:E18"]).equation
     rates = explicit(d, W, "omega", "B", "component of omega along b{k}")
     torque = explicit(d, TORQUE, "tau", "B", "component of the torque along b{k}")
     known = dict(zip(OMEGA.components, OMEGA_DOT, strict=True))
     for symbol, rate in known.items():
         d.name_scalar(rate, der(expr(symbol)), f"rate of {symbol}")
-    by_components = (put(J_B, entries(matrix)), use(rates), use(torque), compute(known))
+    rate_column = d.start(der(W_B)).then(
+        "rates of the components of omega",
+        use(rates),
+        compute(known),
+        label="rate-column",
+    )
+    by_components = (
+        use(diagonal),
+        use(rate_column.equation),
+        use(rates),
+        use(torque),
+        compute(),
+    )
     written = d.recall("euler-matrix").both(
         "by components", lambda t: apply(by_components, t), label="euler-principal"
     )
+    _rows(d, written)
+
+
+def _rows(d: Derivation, written: Chain) -> None:
+    """State each row, and its rate."""
     ids = (
         ("000:E25", "001:E3", "002:E37"),
         ("000:E25", "001:E4", "002:E38"),
         ("000:E25", "001:E5", "002:E39"),
     )
     system = principal_system()
-    for k, (entry, states) in enumerate(zip(written.equation.left.args, ids, strict=True)):
-        tidy = gather(entry.data[0], (*OMEGA.components, *OMEGA_DOT))
-        d.state(
-            Equation(expr(tidy), expr(TAU[k])),
-            f"row {k + 1}",
-            label=f"euler-{k + 1}",
+    for k, states in enumerate(ids, 1):
+        variables = (*OMEGA.components, *OMEGA_DOT)
+        row = written.infer(
+            f"row {k}",
+            entry(k, entrywise(lambda e: gather(e, variables))),  # noqa: B023 - applied at once
+            label=f"euler-{k}",
             states=states,
         )
-        d.state(
-            Equation(expr(OMEGA_DOT[k]), expr(system.rates[k])),
-            "solved for the rate: the equations of motion",
-            label=f"rate-{k + 1}",
+        rate = row.infer(
+            "solved for the rate: the equation of motion",
+            solved(expr(OMEGA_DOT[k - 1])),
+            label=f"rate-{k}",
         )
+        d.check(Equation(rate.equation.left, expr(system.rates[k - 1])), "the system has the same")
 
 
 def _where_valid(d: Derivation) -> None:
-    """The same about a point that is fixed both in the body and in space: a pivot."""
-    pivot = ("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body", "O_fixed_in_space")
-    d.only(*pivot)
-    inertia, torque = quantity("inertia", "O"), quantity("torque", "body", "O")
-    d.state(
-        Equation(add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W))), torque),
-        "the same about a pivot, fixed in the body and in space",
+    """The same about any point O of the body, and about one that is fixed in space: a pivot."""
+    d.only("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body")
+    any_point = _about_any_point(d)
+    d.assume("O_fixed_in_space")
+    still = d.given(
+        Equation(ACCELERATION, zero("vector")), "O does not accelerate", label="O-fixed"
+    )
+    any_point.both(
+        "about a pivot, fixed in the body and in space, Euler's equation has the form it has about "
+        "the centre of mass; fixed in space alone would not do, as J_O would change in B",
+        use(still.equation),
         label="euler-pivot",
         states=["000:C1"],
     )
-    d.only("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body")
-    first = quantity("first_moment", "body", "O")
-    carried = cross(first, der(quantity("position", "O", "OI"), times=2))
-    d.state(
-        Equation(add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W)), carried), torque),
+
+
+ACCELERATION = der(velocity("O"))
+
+
+def _about_any_point(d: Derivation) -> Chain:
+    inertia, torque = quantity("inertia", "O"), quantity("torque", "body", "O")
+    h, first = (quantity(n, "body", "O") for n in ("angular_momentum", "first_moment"))
+    law = d.law(
+        Equation(torque, add(der(h), cross(first, ACCELERATION))),
+        "the law of angular momentum about any point, derived in the chapter on the rigid body",
+        label="law-any-point",
+    )
+    momentum = d.law(
+        Equation(h, dot(inertia, W)), "momentum about a point of the body", label="momentum-O"
+    )
+    constant = d.given(
+        Equation(der(inertia, "B"), zero("dyadic")),
+        "O and B are fixed in the body: J_O does not change in B",
+        label="J-O-constant",
+    )
+    local = momentum.both(
+        "differentiate in B",
+        lambda t: der(t, "B"),
+        differentiate,
+        use(constant.equation),
+        distribute,
+        label="local-O",
+    )
+    return law.then(
+        "the transport theorem, with h = J.omega",
+        at(der(h), transport("B")),
+        use(local.equation),
+        use(momentum.equation),
+        label="law-any-point-dyadic",
+    ).turned(
         "about any point of the body, its acceleration counts",
         label="euler-any-point",
         states=["000:C1"],

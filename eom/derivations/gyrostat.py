@@ -2,33 +2,45 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.rotation import name_spin
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import OMEGA
+from eom.mechanics.steady import ROOT, SPIN_RATE
 from eom.system import System
 from eom.terms.rules import (
+    combine,
     differentiate,
+    differentiate_in,
     differentiate_under,
     distribute,
+    entrywise,
     inside,
     into_sums,
+    put_in,
     transport,
+    triple_in_order,
     use,
     vanish,
 )
+from eom.terms.rules.inferences import characteristic, equal, solved, summed
 from eom.terms.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
 from eom.terms.vocabulary import omega, quantity
 
 W = omega()
 J, H = quantity("inertia", "C"), quantity("angular_momentum", "body", "C")
 TORQUE = quantity("torque", "body", "C")
+Expr = Any
 AXIS, SPEED, INERTIA, MOMENTUM = (
     quantity(n, "k") for n in ("rotor_axis", "rotor_speed", "rotor_inertia", "rotor_momentum")
 )
+ALONG = sp.Symbol("h", real=True)
 ROTORS = total(mul(INERTIA, SPEED, AXIS), "k", "rotors")
 
 
@@ -39,6 +51,7 @@ def gyrostat_momentum() -> Derived:
     _rotor(d)
     system = gyrostat(2)
     _check_equations(d, system)
+    _dual_spin(d)
     return d.finish(equations=system)
 
 
@@ -59,15 +72,30 @@ def _check_equations(d: Derivation, system: System) -> None:
 
 def _body(d: Derivation) -> None:
     d.only("rotors")
-    d.law(Equation(der(AXIS, "B"), zero("vector")), "the axes are fixed in the body", label="axis")
-    d.law(
+    d.given(
+        Equation(der(AXIS, "B"), zero("vector")), "the axes are fixed in the body", label="axis"
+    )
+    d.given(Equation(der(INERTIA), number(0)), "rotors are rigid", label="rotor-inertia-constant")
+    d.given(
         Equation(der(J, "B"), zero("dyadic")),
         "rotors are symmetric about their axes: the inertia of the whole is constant in B",
         label="J-constant",
     )
-    momentum = d.state(
+    rate = _rate(d)
+    d.assume("newton_2", "third_law_strong")
+    law = d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
+    rate.both(
+        "dh/dt is the torque: the equation of the whole",
+        use(law.equation),
+        into_sums,
+        label="equation",
+    )
+
+
+def _rate(d: Derivation) -> Chain:
+    momentum = d.law(
         Equation(H, add(dot(J, W), ROTORS)),
-        "all turn with the body; each rotor adds its own spin",
+        "momentum of a gyrostat: all turn with the body, and each rotor about its axis besides",
         label="momentum",
     )
     local = momentum.both(
@@ -80,7 +108,7 @@ def _body(d: Derivation) -> None:
         distribute,
         label="local-rate",
     )
-    rate = d.start(der(H)).then(
+    return d.start(der(H)).then(
         "the transport theorem, with h inserted",
         transport("B"),
         use(local.equation),
@@ -88,37 +116,139 @@ def _body(d: Derivation) -> None:
         distribute,
         label="rate",
     )
-    d.assume("newton_2", "third_law_strong")
-    d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
-    rate.both(
-        "dh/dt is the torque: the equation of the whole",
-        use(Equation(der(H), TORQUE)),
-        into_sums,
-        label="equation",
-    )
 
 
 def _rotor(d: Derivation) -> None:
+    """Derive the equation of a rotor: its motor's torque is the rate of its axial momentum."""
     d.only("rotors")
-    axial = dot(AXIS, MOMENTUM)
-    d.state(
-        Equation(axial, mul(INERTIA, add(SPEED, dot(AXIS, W)))),
-        "the axial momentum of a rotor, about its own centre of mass",
+    turning = d.start(der(AXIS)).then(
+        "the axis turns with the body",
+        transport("B"),
+        use(d.recall("axis").equation),
+        distribute,
+        label="axis-turns",
+    )
+    plane = d.given(
+        Equation(triple_in_order(dot(cross(W, AXIS), MOMENTUM)), number(0)),
+        "a rotor is symmetric about its axis: its momentum, about its own centre of mass, lies in the "
+        "plane of omega and the axis",
+        label="rotor-plane",
+    )
+    axial = d.law(
+        Equation(dot(AXIS, MOMENTUM), mul(INERTIA, add(SPEED, dot(AXIS, W)))),
+        "its axial momentum: its moment times its own rate and that of the body",
         label="axial-momentum",
     )
-    d.state(
-        Equation(dot(AXIS, der(MOMENTUM)), der(axial)),
-        "its rate is that of the whole momentum along the axis, as the rotor is symmetric",
-        label="axial-rate",
-    )
-    written = add(mul(INERTIA, der(SPEED)), mul(INERTIA, dot(AXIS, der(W, "B"))))
-    d.state(
-        Equation(dot(AXIS, der(MOMENTUM)), written),
-        "this is the torque of the motor: the equation of each rotor",
-        label="rotor-equation",
-    )
-    d.state(
+    d.show(
         Equation(dot(AXIS, cross(W, MOMENTUM)), number(0)),
         "no gyroscopic term acts along the axis",
+        triple_in_order,
+        use(plane.equation),
         label="no-axial-term",
+    )
+    _motor(d, axial, turning, plane)
+    _with_motors(d)
+
+
+def _motor(d: Derivation, axial: Chain, turning: Chain, plane: Chain) -> None:
+    """Derive that the motor's torque is the rate of the axial momentum."""
+    d.define(quantity("rotor_torque", "k"), "torque of the motor", label="motor")
+    rate = d.start(der(axial.equation.left)).then(
+        "the axial rate is that of the whole momentum along the axis: the motor's torque",
+        differentiate,
+        use(turning.equation),
+        triple_in_order,
+        use(plane.equation),
+        use(d.recall("motor").equation, backwards=True),
+        label="axial-rate",
+    )
+    axial.both(
+        "differentiate; the axis is fixed in B",
+        der,
+        distribute,
+        differentiate_in("B"),
+        use(d.recall("rotor-inertia-constant").equation),
+        use(d.recall("axis").equation),
+        distribute,
+        label="axial-momentum-rate",
+    ).infer("both are the same rate", equal(), rate, label="rotor-balance").turned(
+        "the equation of each rotor: its motor changes its rate and that of the body along the axis",
+        label="rotor-equation",
+    )
+
+
+def _with_motors(d: Derivation) -> None:
+    """Put the motors' torques into the equation of the whole."""
+    d.only("rotors", "newton_2", "third_law_strong")
+    motors = d.recall("rotor-equation").both(
+        "along the axes, for all rotors together",
+        lambda t: distribute(total(mul(t, AXIS), "k", "rotors")),
+        label="all-rotors",
+    )
+    d.recall("equation").infer(
+        "less that of the rotors: the body feels the opposite torques of the motors, and its inertia "
+        "is less what the rotors have about their axes",
+        summed(number(1), number(-1), applied=(distribute, combine)),
+        motors,
+        label="equation-motors",
+    )
+
+
+def _by_powers(e: Expr) -> Expr:
+    """Write a polynomial in lambda by its powers, with factored coefficients."""
+    polynomial = sp.Poly(sp.expand(e), ROOT)
+    return sp.Add(*(sp.factor(c) * ROOT**n for (n,), c in polynomial.terms()))
+
+
+def _dual_spin(d: Derivation) -> None:
+    """One rotor about b1: when a spin about its axis is stable, whatever the moments."""
+    d.only()
+    system = gyrostat(1)
+    for q in (*system.parameters, *system.states):
+        d.letter(q.symbol, q.meaning)
+    name_spin(d)
+    states = [q.symbol for q in system.states]
+    named = _rates_with_rotor(d, system)
+    spin = {states[0]: SPIN_RATE, states[1]: sp.Integer(0), states[2]: sp.Integer(0)}
+    across = named[1].infer(
+        "linearised at a spin nu of the body about the rotor's axis: characteristic polynomial",
+        characteristic(states[1:3], spin, ROOT),
+        named[2],
+        label="dual-spin",
+    )
+    _by_axial_momentum(d, system, across)
+
+
+def _rates_with_rotor(d: Derivation, system: System) -> list[Chain]:
+    quiet = {q.symbol: sp.Integer(0) for q in system.inputs}
+    rates = [system.expand(r).xreplace(quiet) for r in system.rates]
+    return [
+        d.name_scalar(
+            sp.Symbol(f"{w}_dot", real=True),
+            expr(rate),
+            f"rate of {w}, with a rotor about b1 whose motor gives no torque, in principal axes",
+            label=f"{w}-rate",
+        )
+        for w, rate in zip(OMEGA.components, rates, strict=False)
+    ]
+
+
+def _by_axial_momentum(d: Derivation, system: System, across: Chain) -> None:
+    """Write the polynomial by the momentum along the axis, which decides about stability."""
+    rotor = system.states[3].symbol
+    I1, Js = (q.symbol for q in system.parameters if str(q.symbol) in {"I1", "Js_1"})
+    h = d.name_scalar(
+        ALONG,
+        expr((I1 - Js) * SPIN_RATE + rotor),
+        "angular momentum of body and rotor along the axis",
+        label="axial",
+    )
+    momentum = h.infer("solved for the rotor's part", solved(expr(rotor)), label="rotor-part")
+    across.then(
+        "by the momentum along the axis: stable where it exceeds both I2 nu and I3 nu, or is less "
+        "than both. A rotor that is fast enough steadies a spin about any principal axis, even the "
+        "intermediate one",
+        put_in(momentum.equation),
+        entrywise(_by_powers),
+        label="dual-spin-stability",
     )

@@ -2,37 +2,59 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.mass.inertia import principal_conditions
+from eom.derivations.rigid import inertia_by_definition, inertia_by_tildes
+from eom.derivations.rotation import principal_matrix, turned_tilde
 from eom.terms.rules import (
     associate,
+    at,
     bac_cab,
+    by_way_of,
+    combine,
+    components,
     distribute,
     everywhere,
     fold_into,
+    inside,
     linear_in,
-    put,
+    orthonormal,
+    resolved,
+    reversed_rotation,
+    rotations_in_turn,
     scalar_triple,
+    scalars_in,
     take_out,
+    through_sums,
+    to_the_right,
+    transposed,
+    unfold,
     use,
+)
+from eom.terms.rules.inferences import (
+    cancelled,
+    equal,
+    instance,
+    renamed,
+    solved,
+    squares,
+    squares_right,
+    summed,
 )
 from eom.terms.terms import (
     Equation,
-    Term,
     add,
     column,
     cross,
     dot,
-    entries,
-    expr,
     integral,
     inverse,
     make,
     matmul,
-    mul,
     number,
     tilde,
     transpose,
@@ -40,82 +62,123 @@ from eom.terms.terms import (
 )
 from eom.terms.vocabulary import position, quantity, unit
 
-RHO = position("dm", "O")
+RHO, PLACE = position("dm", "O"), position("i", "O")
+X, V = quantity("vector", "x"), quantity("vector", "v")
 J = quantity("inertia", "O")
 J_A, J_B = column(J, "A"), column(J, "B")
 C_BA, C_AB = quantity("rotation", "B", "A"), quantity("rotation", "A", "B")
 MASS = quantity("total_mass", "body")
 
 
-def by_tildes(about: str, frame: str) -> Equation:
-    """Return the inertia matrix as minus the integral of the squared tilde (002: 3.24)."""
-    r = column(position("dm", about), frame)
-    J_frame = column(quantity("inertia", about), frame)
-    return Equation(J_frame, -integral(matmul(tilde(r), tilde(r))))
-
-
 def inertia_properties() -> Derived:
     """Derive what holds for the inertia matrix of every body, and how it changes with axes and point."""
     d = Derivation("inertia-properties", "Properties of the inertia matrix", "Inertia")
-    _sign(d)
-    _triangle(d)
+    form = _sign(d)
+    _thin_rod(d)
+    _triangle(d, form)
     _rotation(d)
     _shift(d)
     _principal(d)
     return d.finish()
 
 
-def _sign(d: Derivation) -> None:
+def _sign(d: Derivation) -> Chain:
     d.only()
-    d.law(
+    d.define(J, "inertia dyadic about O", label="inertia")
+    d.show(
         Equation(transpose(J_B), J_B),
-        "symmetric, as each integrand is",
+        "symmetric, as each term of the integrand is its own transpose",
+        unfold("inertia"),
+        components("B"),
+        scalars_in("B"),
+        through_sums,
+        transposed,
         label="symmetric",
         states=["002:C1"],
     )
-    x = quantity("vector", "x")
-    square = integral(dot(cross(x, RHO), cross(x, RHO)))
-    d.start(square).then(
-        "(a x b).c = a.(b x c); x comes out of the integral", scalar_triple, take_out
-    ).then(
-        "r x (x x r) = x (r.r) - r (r.x), linear in x",
-        bac_cab,
-        linear_in(x),
-        fold_into(J),
-        label="quadratic-form",
+    square = integral(dot(cross(X, RHO), cross(X, RHO)))
+    form = (
+        d.start(square)
+        .then("(a x b).c = a.(b x c); x comes out of the integral", scalar_triple, take_out)
+        .then(
+            "r x (x x r) = x (r.r) - r (r.x), linear in x",
+            bac_cab,
+            linear_in(X),
+            fold_into(J),
+            label="quadratic-form",
+        )
     )
-    d.state(
-        Equation(square, number(0), ">="),
+    form.infer(
         "so x.J.x is not negative: zero only where all mass lies on the line of x through O",
+        squares,
         label="semi-definite",
         states=["002:C1"],
     )
+    return form
+
+
+def _thin_rod(d: Derivation) -> None:
+    """The exception: a thin rod through O has no moment about its own line."""
+    product = d.start(dot(J, V)).then(
+        "the definition, with any vector v", unfold("inertia"), label="J-of-v"
+    )
+    double = d.start(integral(cross(RHO, cross(V, RHO)))).then(
+        "r x (v x r) = v (r.r) - r (r.v), linear in v",
+        bac_cab,
+        linear_in(V),
+        label="double-of-v",
+    )
+    applied = d.show(
+        Equation(product.equation.left, double.equation.left),
+        "both are the same: J.v sums up r x (v x r)",
+        use(product.equation),
+        use(double.equation),
+        label="J-double",
+    )
     d.only("thin_rod", "about_centre")
-    d.state(
-        Equation(dot(J, RHO), zero("vector")),
+    line = d.given(
+        Equation(cross(PLACE, RHO), zero("vector")),
+        "all mass lies on one line through O: places are parallel",
+        label="on-a-line",
+    )
+    applied.infer("for a place on the rod itself", instance({V: PLACE}), label="J-of-place").then(
         "the exception: along a thin rod through O the matrix is singular",
+        use(line.equation),
         label="thin-rod",
         states=["002:C1"],
     )
 
 
-def _triangle(d: Derivation) -> None:
+def _triangle(d: Derivation, form: Chain) -> None:
     """No moment exceeds the sum of the two others."""
     d.only()
-    moments = []
-    for k in (1, 2, 3):
-        symbol = sp.Symbol(f"J_{k}{k}", positive=True)
-        d.name_scalar(symbol, dot(unit("B", k), dot(J, unit("B", k))), f"moment about b{k}")
-        moments.append(symbol)
-    along = [dot(unit("B", k), RHO) for k in (1, 2, 3)]
-    for k, condition in enumerate(principal_conditions(moments)):
-        square = integral(number(2) * along[k] * along[k])
-        d.state(
-            Equation(expr(condition), square),
+    quadratic = form.turned("the quadratic form, turned round", label="quadratic-form-turned")
+    lines = [_moment(d, quadratic, k) for k in (1, 2, 3)]
+    for k in range(3):
+        signs = [number(-1 if j == k else 1) for j in range(3)]
+        lines[0].infer(
             "the two others less one moment is a sum of squares",
+            summed(*signs, applied=(distribute, combine)),
+            *lines[1:],
             label=f"triangle-{k + 1}",
-        )
-        d.state(Equation(square, number(0), ">="), "the triangle inequality")
+        ).infer("the triangle inequality: it is not negative", squares_right)
+
+
+def _moment(d: Derivation, quadratic: Chain, k: int) -> Chain:
+    """Write the moment about b_k by squared distances from this axis."""
+    b = unit("B", k)
+    name = d.name_scalar(
+        sp.Symbol(f"J_{k}{k}", positive=True), dot(b, dot(J, b)), f"moment about b{k}"
+    )
+    along = quadratic.infer(f"where the vector x is b{k}", instance({X: b}))
+    return along.both(
+        f"with r by its components: squared distances from the axis b{k}",
+        use(name.equation, backwards=True),
+        inside("cross", everywhere(resolved(RHO, "B"))),
+        *2 * (distribute, orthonormal("B")),
+        distribute,
+        label=f"moment-{k}",
+    )
 
 
 def _rotation(d: Derivation) -> None:
@@ -127,97 +190,100 @@ def _rotation(d: Derivation) -> None:
         label="turn",
         states=["002:E29"],
     )
-    start = d.state(by_tildes("O", "B"), "the inertia matrix in B", label="J-B", states=["002:E30"])
+    written = inertia_by_definition(d, "O", "J-B-definition")
+    start = inertia_by_tildes(d, written, "O", label="J-B", states=["002:E30"])
     inserted = start.then(
         "by components in A", use(turn.equation), label="J-B-inserted", states=["002:E30"]
     )
-    identity = d.state(
-        Equation(tilde(matmul(C_BA, in_A)), matmul(matmul(C_BA, tilde(in_A)), C_AB)),
-        "a cross product may be formed in either frame",
-        label="turned-tilde",
-    )
-    inserted.then(
+    identity = turned_tilde(d, RHO, turn.equation)
+    turned = inserted.then(
         "for both factors", use(identity.equation), label="J-B-turned", states=["002:E31"]
     )
-    _rotations_out(d, in_A)
-
-
-def _rotations_out(d: Derivation, in_A: Term) -> None:
-    d.law(
-        Equation(matmul(C_AB, C_BA), quantity("identity_matrix")),
-        "orthonormal",
-        label="orthonormal",
-    )
-    outside = d.recall("J-B-turned").then(
+    outside = turned.then(
         "C_AB C_BA = 1; the rotations come out of the integral",
-        associate,
-        put(matmul(matmul(matmul(C_BA, tilde(in_A)), C_AB), C_BA), matmul(C_BA, tilde(in_A))),
         to_the_right,
+        rotations_in_turn,
         take_out,
         associate,
         take_out,
         label="J-B-outside",
         states=["002:E31"],
     )
+    in_frame_A = inertia_by_definition(d, "O", "J-A-definition", "A")
+    by_A = inertia_by_tildes(d, in_frame_A, "O", "A", label="J-A").infer(
+        "solved for the integral", solved(integral(matmul(tilde(in_A), tilde(in_A))))
+    )
     outside.then(
         "the integral is minus the matrix in A",
-        put(integral(matmul(tilde(in_A), tilde(in_A))), -J_A),
+        use(by_A.equation),
         distribute,
-        associate,
         label="J-rotated",
         states=["002:E32"],
     )
+    _every_dyadic(d)
+
+
+def _every_dyadic(d: Derivation) -> None:
+    """The same for every dyadic, from its product with any vector."""
     dyadic = quantity("dyadic", "D")
-    d.state(
-        Equation(column(dyadic, "B"), matmul(matmul(C_BA, column(dyadic, "A")), C_AB)),
-        "as for every dyadic",
+    product, any_column = column(dot(dyadic, V), "B"), column(V, "B")
+    in_B = d.start(product).then("any dyadic times any vector, in B", components("B"))
+    in_A = d.start(product).then(
+        "the same formed in A, v taken there and the product back",
+        by_way_of("A", "B"),
+        components("A"),
+        at(column(V, "A"), by_way_of("B", "A")),
+        associate,
+    )
+    in_B.infer("both are the same product", equal(), in_A).infer(
+        "as v is any vector: so every dyadic is turned",
+        cancelled(any_column),
         label="dyadic-rotated",
     )
-
-
-def _to_the_right(node: Term) -> Term:
-    if node.head == "matmul" and node.args[0].head == "matmul":
-        (a, b), c = node.args[0].args, node.args[1]
-        return matmul(a, matmul(b, c))
-    return node
-
-
-def to_the_right(term: Term) -> Term:
-    """Write (A B) C as A (B C), so that the first factor can come out of an integral."""
-    return everywhere(_to_the_right)(everywhere(_to_the_right)(term))
 
 
 def _shift(d: Derivation) -> None:
     d.only("rigid")
     a, b, step = position("dm", "OA"), position("dm", "OB"), position("OB", "OA")
-    d.law(Equation(b, add(a, -step)), "the point O_B lies at r_BA from O_A", label="arm")
-    start = d.state(by_tildes("OB", "B"), "the inertia matrix about O_B")
-    columns = Equation(column(b, "B"), add(column(a, "B"), -column(step, "B")))
-    d.state(columns, "in components", label="arm-columns")
+    arm = d.law(Equation(b, add(a, -step)), "the point O_B lies at r_BA from O_A", label="arm")
+    written = inertia_by_definition(d, "OB", "J-OB-definition")
+    start = inertia_by_tildes(d, written, "OB", label="J-OB")
+    columns = d.in_components(arm, "B", "in components", distribute, label="arm-columns")
     expanded = start.then(
-        "multiplied out", use(columns), distribute, label="J-expanded", states=["002:E33"]
+        "multiplied out", use(columns.equation), distribute, label="J-expanded", states=["002:E33"]
     )
     moment = quantity("first_moment", "body", "OA")
-    first = d.state(
-        Equation(integral(tilde(column(a, "B"))), tilde(column(moment, "B"))),
-        "the first moment about O_A",
+    first = d.start(tilde(column(moment, "B"))).then(
+        "the first moment about O_A; the tilde is linear",
+        unfold("first_moment"),
+        components("B"),
+        through_sums,
+        label="first-moment-tilde",
     )
-    second = by_tildes("OA", "B")
-    expanded.then(
+    about_A = inertia_by_tildes(d, inertia_by_definition(d, "OA", "J-OA-definition"), "OA")
+    shifted = expanded.then(
         "what is the same for all elements comes out",
         take_out,
-        use(first.equation),
-        put(second.right.args[-1], -second.left),
+        use(first.equation, backwards=True),
+        use(about_A.equation, backwards=True),
         fold_into(MASS),
         distribute,
         label="J-shifted",
         states=["002:E34"],
     )
-    from_C = tilde(column(position("OB", "C"), "B"))
-    I_C, J_new = (column(quantity("inertia", p), "B") for p in ("C", "OB"))
-    d.state(
-        Equation(J_new, add(I_C, -mul(MASS, matmul(from_C, from_C)))),
-        "from the centre of mass, whose first moment is zero: the parallel-axis theorem",
+    _from_centre(d, shifted)
+
+
+def _from_centre(d: Derivation, shifted: Chain) -> None:
+    of_centre = d.law(
+        Equation(quantity("first_moment", "body", "C"), zero("vector")),
+        "the first moment about the centre of mass is zero",
+        label="first-moment-of-centre",
+    )
+    shifted.infer("O_A may be any point: from the centre of mass", renamed({"OA": "C"})).then(
+        "whose first moment is zero: the parallel-axis theorem",
+        use(of_centre.equation),
+        distribute,
         label="J-parallel-axes",
         states=["002:E35"],
     )
@@ -225,34 +291,46 @@ def _shift(d: Derivation) -> None:
 
 def _principal(d: Derivation) -> None:
     d.only("principal_axes", "A_fixed_in_body")
-    I_C = quantity("inertia", "C")
-    symbols = sp.symbols("lambda_1:4", positive=True)
-    for k, symbol in enumerate(symbols, 1):
-        axis = unit("B", k)
-        d.name_scalar(symbol, dot(axis, dot(I_C, axis)), f"principal moment about b{k}")
-        column_of = column(axis, "A")
-        d.law(
-            Equation(matmul(column(I_C, "A"), column_of), expr(symbol) * column_of),
-            "a principal axis is an eigenvector, the moment its eigenvalue",
-            label=f"eigenvector-{k}",
-        )
-    d.state(
+    d.law(
         Equation(C_BA, make("rows", [column(unit("B", k), "A") for k in (1, 2, 3)])),
         "unit eigenvectors in right-handed order are the rows of the rotation matrix",
         label="rows",
         states=["000:E17", "002:C2"],
     )
-    diagonal = entries(sp.diag(*symbols))
-    d.state(
-        Equation(matmul(matmul(C_BA, column(I_C, "A")), C_AB), diagonal),
-        "which takes the matrix to its diagonal form",
-        label="diagonal",
-        states=["000:E17", "000:E18"],
+    _principal_about(d, "C", sp.symbols("lambda_1:4", positive=True), ("000:E17", "000:E18"))
+    d.only("principal_at_O", "principal_axes", "A_fixed_in_body")
+    _principal_about(d, "O", sp.symbols("mu_1:4", positive=True), ())
+
+
+def _principal_about(
+    d: Derivation, point: str, moments: tuple[Any, ...], states: tuple[str, ...]
+) -> None:
+    """Derive the diagonal form about a point along whose principal axes b1, b2, b3 are."""
+    I_P, end = quantity("inertia", point), "" if point == "C" else f"-{point}"
+    principal = principal_matrix(d, I_P, moments, end=end, label=f"principal{end}")
+    for k in (1, 2, 3):
+        d.in_components(
+            d.recall(f"principal-axis-{k}{end}"),
+            "A",
+            "in components along any axes: a principal axis is an eigenvector, the moment its "
+            "eigenvalue",
+            distribute,
+            label=f"eigenvector-{k}{end}",
+        )
+    turned = d.recall("dyadic-rotated").infer(
+        f"for the inertia about {point}", instance({quantity("dyadic", "D"): I_P})
     )
-    d.state(Equation(column(I_C, "B"), diagonal), "the principal inertia matrix", label="principal")
-    d.state(
-        Equation(matmul(matmul(inverse(C_AB), column(I_C, "A")), C_AB), diagonal),
-        "with the eigenvectors as columns of E = C_AP",
-        label="diagonalised",
+    diagonal = turned.turned("turned round").then(
+        "which takes the matrix to its diagonal form",
+        use(principal.equation),
+        label=f"diagonal{end}",
+        states=states,
+    )
+    d.show(
+        Equation(matmul(matmul(inverse(C_AB), column(I_P, "A")), C_AB), diagonal.equation.right),
+        "with the eigenvectors as columns of E = C_AP, whose inverse is the reverse rotation",
+        reversed_rotation,
+        use(diagonal.equation),
+        label=f"diagonalised{end}",
         states=["002:E36", "002:C2"],
     )

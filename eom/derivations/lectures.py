@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eom.derivations import derive, names
+from eom.derivations.corrections import NOTES
 
 DISPLAYS = {"000": 39, "001": 14, "002": 39}
 """How many equations each lecture displays."""
@@ -24,36 +25,6 @@ NUMBERS = {
 
 NO_EQUATION = {"001:E9": "a remark that the missing term is no slip, not an equation"}
 """Displays that state nothing."""
-
-NOTES = {
-    "000:E1": "the momentum of an element is its velocity times dm: a dot is missing over R",
-    "000:E3": "the second factor needs a dot; as written, a vector is crossed with itself",
-    "000:E4": "four dots are missing, over R_C twice and over r twice",
-    "000:E6": "dots are missing over the second R_C and the second r",
-    "000:E14": "the tildes over both r are missing: a column times a column has no meaning",
-    "000:E19": "the left side is the rate of H_C; the frames of both derivatives stand on the line",
-    "000:E21": "the factor omega at the end needs a dot",
-    "000:E22": "both derivatives lack their d: those of omega in I and in B",
-    "000:E23": "the first omega needs a dot: J times the rate",
-    "000:E24": "the dot belongs to omega on the left, a tilde to it on the right; and the remark "
-    "beside it needs a point that is fixed in the body too",
-    "000:E29": "frames I and B are missing at the derivatives",
-    "000:E35": "the rate of H_C is zero, not H_C",
-    "001:E2": "the derivative is that of omega of B in I",
-    "001:E7": "three equations on three lines, set in one",
-    "001:E11": "row 2 lacks I2 dOmega/dt; as written it holds for a constant spin rate only",
-    "002:E6": "the double sum is struck out in the original: internal forces cancel in pairs",
-    "002:E9": "the rate of the momentum equals the force, not the momentum itself",
-    "002:E22": "the bullets are superscripts: the second inertial derivative",
-    "002:E23": "the circle and the bullet stand as a dot product and a number",
-    "002:E24": "both crosses are superscripts: rho^x rho^x omega, read from the right",
-    "002:E25": "both crosses are superscripts",
-    "002:E26": "the bullets are superscripts: inertial derivatives",
-    "002:E27": "the subscript is the centre of mass, and the left side its inertial rate",
-    "002:E28": "the cross is a superscript, the subscript the centre of mass",
-    "002:E31": "the factor C_BA between C_AB and the second rho is missing",
-}
-"""What was corrected, or read through."""
 
 CLAIMS = {
     "000:C1": "Euler's equation about an inertially fixed point: it must be fixed in the body, too",

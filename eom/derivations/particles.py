@@ -10,7 +10,9 @@ from eom.terms.rules import (
     differentiate,
     differentiate_under,
     distribute,
+    factor_scalar,
     fold_into,
+    from_itself,
     inside,
     into_sums,
     parallel,
@@ -24,7 +26,8 @@ from eom.terms.rules import (
     use,
     vanish,
 )
-from eom.terms.terms import Equation, Term, add, cross, der, mul, relabel, total, zero
+from eom.terms.rules.inferences import renamed, solved
+from eom.terms.terms import Equation, Term, add, cross, der, mul, number, relabel, total, zero
 from eom.terms.vocabulary import mass, position, quantity, velocity
 
 EXTERNAL = quantity("external_force", "system")
@@ -54,6 +57,7 @@ def _newton(d: Derivation) -> None:
     d.only("newton_2", "constant_mass")
     one = Equation(RESULTANT, mul(mass("i"), der(velocity("i"))))
     law = d.law(one, "Newton's second law for each mass", label="newton", states=["002:E6"])
+    d.given(Equation(der(mass("i")), number(0)), "each mass is constant", label="constant-masses")
     law.both(
         "sum over all masses", lambda t: distribute(total(t)), label="newton-sum", states=["002:E6"]
     )
@@ -77,7 +81,9 @@ def _newton(d: Derivation) -> None:
 
 def _centre_of_mass(d: Derivation) -> None:
     d.only("constant_mass")
-    d.define(TOTAL_MASS, "total mass", label="total-mass")
+    d.define(TOTAL_MASS, "total mass", label="total-mass").both(
+        "it is constant, as each mass is", der, differentiate_constant, label="total-mass-constant"
+    )
     weighted = total(mul(mass("i"), position("i")))
     centre = d.law(
         Equation(mul(TOTAL_MASS, position("C")), weighted),
@@ -148,7 +154,7 @@ def _absolute_momentum(d: Derivation) -> None:
         "name both sums", fold_into(FIRST, h), label="H-and-h", states=["002:E12"]
     )
     d.only("about_centre")
-    d.law(Equation(FIRST, zero("vector")), "O is the centre of mass", label="first-moment-zero")
+    d.given(Equation(FIRST, zero("vector")), "O is the centre of mass", label="first-moment-zero")
     named.then("no distinction about the centre of mass", vanish(FIRST), label="H-is-h")
 
 
@@ -156,16 +162,35 @@ def _first_moment(d: Derivation) -> None:
     first = d.define(
         FIRST, "first moment of mass about O", label="first-moment", states=["002:E11"]
     )
-    d.state(
-        Equation(first.equation.right, mul(TOTAL_MASS, position("C", "O"))),
-        "the centre of mass relative to O",
+    d.law(
+        Equation(position("i", "O"), add(position("i"), -position("O"))),
+        "rho_i = r_i - r_O",
+        label="relative",
+    )
+    d.law(
+        Equation(position("C", "O"), add(position("C"), -position("O"))),
+        "and the same for the centre of mass",
+        label="relative-centre",
+    )
+    parted = first.then(
+        "rho_i = r_i - r_O; the position of O comes out of the sum",
+        use(d.recall("relative").equation),
+        distribute,
+        take_out,
+        fold_into(TOTAL_MASS),
+        label="first-moment-parted",
+    )
+    of_centre = parted.then(
+        "the sum is that of the centre of mass; M comes out",
+        use(d.recall("centre").equation, backwards=True),
+        factor_scalar(TOTAL_MASS),
+        use(d.recall("relative-centre").equation, backwards=True),
         label="first-moment-of-centre",
         states=["002:E11"],
     )
-    about_centre = quantity("first_moment", "system", "C")
-    d.state(
-        Equation(about_centre, zero("vector")),
-        "the centre of mass relative to itself",
+    of_centre.infer(
+        "about the centre of mass, which is at no distance from itself",
+        renamed({"O": "C"}, from_itself),
         label="first-moment-vanishes",
     )
 
@@ -193,19 +218,14 @@ def _torque(d: Derivation) -> None:
         use(torque.equation, backwards=True),
         label="h-rate-torque",
     )
-    d.state(
-        Equation(TORQUE, add(quiet.equation.left, cross(FIRST, der(velocity("O"))))),
-        "solve for the torque",
-        label="torque-law",
-        states=["002:E16"],
-    )
-    centre = quantity("torque", "system", "C")
-    d.state(
-        Equation(der(quantity("angular_momentum", "system", "C")), centre),
-        "about the centre of mass, whose first moment is zero",
-        label="torque-law-centre",
-        states=["002:E17", "002:C4"],
-    )
+    quiet.infer(
+        "solve for the torque", solved(TORQUE), label="torque-law", states=["002:E16"]
+    ).infer("about the centre of mass", renamed({"O": "C"}), label="torque-law-any").then(
+        "whose first moment about itself is zero",
+        use(d.recall("first-moment-vanishes").equation),
+        distribute,
+        label="torque-law-of-centre",
+    ).turned("so no second term is left", label="torque-law-centre", states=["002:E17", "002:C4"])
 
 
 def _momentum_rate(d: Derivation) -> Chain:
@@ -218,8 +238,7 @@ def _momentum_rate(d: Derivation) -> Chain:
         states=["002:E13"],
     )
     crossed = rate.then("a vector crossed with itself is zero", parallel, distribute)
-    relative = Equation(position("i", "O"), add(position("i"), -position("O")))
-    d.law(relative, "rho_i = r_i - r_O", label="relative")
+    relative = d.recall("relative").equation
     return crossed.then(
         "rho_i = r_i - r_O; the acceleration of O comes out of the sum",
         inside("der", use(relative)),
@@ -258,11 +277,9 @@ def _strong_law(d: Derivation) -> None:
 
 def _rotating_frame(d: Derivation) -> None:
     d.only("newton_2", "third_law_weak", "constant_mass")
-    law = d.state(Equation(EXTERNAL, der(MOMENTUM)), "the law of momentum", label="momentum-law")
+    law = d.recall("momentum-rate").turned("the law of momentum", label="momentum-law")
     law.then("as seen from B", transport("B"), label="momentum-law-B", states=["002:E18"])
-    moved = d.state(
-        Equation(EXTERNAL, mul(TOTAL_MASS, der(position("C"), times=2))), "motion of the centre"
-    )
+    moved = d.recall("motion-of-centre").turned("motion of the centre", label="centre-law")
     seen = moved.then(
         "the transport theorem, twice",
         seen_from("B"),

@@ -21,7 +21,7 @@ from eom.terms.rules import (
     use,
     vanish,
 )
-from eom.terms.terms import Equation, add, column, der, mul, zero
+from eom.terms.terms import Equation, add, column, der, mul, number, zero
 from eom.terms.vocabulary import mass, position, quantity, velocity
 
 M, FORCE = mass("P"), quantity("force", "P")
@@ -43,6 +43,7 @@ def point_mass() -> Derived:
 def _momentum(d: Derivation) -> None:
     d.only("one_particle", "newton_2", "constant_mass")
     law = d.law(NEWTON, "Newton's second law", label="newton", states=["002:E1"])
+    d.given(Equation(der(M), number(0)), "the mass is constant", label="constant-mass")
     momentum = d.define(
         quantity("linear_momentum", "P"), "linear momentum", label="momentum", states=["002:E2"]
     )
@@ -82,7 +83,7 @@ def _angular_momentum(d: Derivation) -> None:
     known = use(relative.equation, backwards=True)
     expanded.then("name the second term", known, label="H-and-h", states=["002:E4"])
     d.assume("O_fixed_in_space")
-    d.law(Equation(velocity("O"), zero("vector")), "O is inertially fixed")
+    d.given(Equation(velocity("O"), zero("vector")), "O is inertially fixed", label="O-fixed")
     expanded.then(
         "no distinction about a fixed point", vanish(velocity("O")), known, label="H-is-h"
     )
@@ -114,7 +115,7 @@ def _components(d: Derivation) -> None:
 
     state(d.recall("newton"), "newton-I")
     state(d.recall("momentum"), "momentum-I")
-    same = d.law(Equation(position("P", "O"), position("P")), "O is the origin").equation
+    same = d.given(Equation(position("P", "O"), position("P")), "O is the origin").equation
     state(d.recall("h-definition").then("O is the origin", inside("der", use(same))), "h-I")
     d.recall("energy").then(
         "components in I", scalars_in("I"), components("I"), label="energy-I", states=["002:E5"]

@@ -14,17 +14,24 @@ from eom.mass.inertia import inertia_of_second_moments
 from eom.terms.rules import (
     associate,
     bac_cab,
+    combine,
     components,
     compute,
+    differentiate,
     differentiate_under,
     distribute,
+    double_tilde,
+    factor_scalar,
     fold_into,
     linear_in,
-    put,
+    ordered,
+    parallel,
     scalars_in,
     swap,
     take_out,
     transport,
+    unfold,
+    unit_entries,
     use,
     vanish,
 )
@@ -34,19 +41,20 @@ from eom.terms.terms import (
     column,
     cross,
     der,
-    entries,
     integral,
     matmul,
     mul,
     tilde,
     zero,
 )
-from eom.terms.vocabulary import omega, position, quantity, velocity
+from eom.terms.vocabulary import definition, omega, position, quantity, velocity
 
 W = omega()
 R = position("dm", "C")
 RHO = position("dm", "O")
 BODY_MASS = quantity("total_mass", "body")
+FIRST = quantity("first_moment", "body", "O")
+ACCELERATION_O = der(velocity("O"))
 FORCE, MOMENTUM = (quantity(n, "body") for n in ("external_force", "linear_momentum"))
 
 
@@ -64,7 +72,13 @@ def rigid_momentum() -> Derived:
 
 def _linear(d: Derivation) -> None:
     d.only("rigid", "newton_2", "third_law_weak")
-    d.define(BODY_MASS, "mass of the body", label="mass")
+    d.define(BODY_MASS, "mass of the body", label="mass").both(
+        "it is constant, as the mass of each element is",
+        der,
+        differentiate_under,
+        differentiate,
+        label="mass-constant",
+    )
     centre = d.law(
         Equation(mul(BODY_MASS, position("C")), integral(position("dm"))),
         "the centre of mass",
@@ -78,10 +92,9 @@ def _linear(d: Derivation) -> None:
         label="momentum-rate",
         states=["002:E19"],
     )
-    force = d.state(
+    force = d.law(
         Equation(FORCE, rate.equation.right),
         "Newton's laws for every element: internal forces cancel",
-        "law",
         label="force",
         states=["002:E19"],
     )
@@ -155,7 +168,7 @@ def _two_parts(d: Derivation, parted: Chain) -> None:
 
 def _about_centre(d: Derivation) -> None:
     d.only("body_frame")
-    rigid = d.law(
+    rigid = d.given(
         Equation(der(R, "B"), zero("vector")),
         "the body is rigid, and B and C are fixed in it",
         label="rigid",
@@ -196,37 +209,47 @@ def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = 
     )
 
 
-def _by_definition(d: Derivation, about: str, label: str, **options: Any) -> Chain:
-    """Write the inertia matrix in B by the definition of the dyadic."""
+def inertia_by_definition(
+    d: Derivation, about: str, label: str, frame: str = "B", **options: Any
+) -> Chain:
+    """Write the inertia matrix in a frame by the definition of the dyadic."""
     dyadic = quantity("inertia", about)
-    meaning = d.define(dyadic, "inertia dyadic").equation.right
-    return d.start(column(dyadic, "B")).then(
-        "components in B of the definition",
-        put(column(dyadic, "B"), column(meaning, "B")),
-        components("B"),
-        scalars_in("B"),
+    if Equation(dyadic, definition(dyadic) or dyadic, ":=") not in d.stated:
+        d.define(dyadic, "inertia dyadic")
+    return d.start(column(dyadic, frame)).then(
+        f"components in {frame} of the definition",
+        unfold("inertia"),
+        components(frame),
+        scalars_in(frame),
         label=label,
+        **options,
+    )
+
+
+def inertia_by_tildes(
+    d: Derivation, written: Chain, about: str, frame: str = "B", **options: Any
+) -> Chain:
+    """Write the inertia matrix as minus the integral of the squared tilde."""
+    r = column(position("dm", about), frame)
+    return d.show(
+        Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
+        "the product of two tildes is r r^T - (r^T r) 1: minus the integrand",
+        use(written.equation),
+        double_tilde,
+        distribute,
         **options,
     )
 
 
 def _inertia_matrix(d: Derivation) -> sp.Matrix:
     d.only("body_frame")
-    written = _by_definition(d, "C", "J-matrix")
-    r = column(R, "B")
-    d.state(
-        Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
-        "the product of two tildes",
-        label="J-tilde",
-        states=["000:E15"],
-    )
+    written = inertia_by_definition(d, "C", "J-matrix")
+    inertia_by_tildes(d, written, "C", label="J-tilde", states=["000:E15"])
     known = explicit(d, R, "r", "B", "component of r along b{k}")
-    unit_matrix = quantity("identity_matrix")
-    d.state(Equation(unit_matrix, entries(sp.eye(3))), "the unit matrix")
     written.then(
         "by components",
         use(known),
-        put(unit_matrix, entries(sp.eye(3))),
+        unit_entries,
         compute(),
         label="J-entries",
         states=["000:E16"],
@@ -244,12 +267,7 @@ def _about_body_point(d: Derivation) -> None:
         label="first-moment",
         states=["002:E21"],
     )
-    d.state(
-        Equation(first.equation.right, mul(BODY_MASS, position("C", "O"))),
-        "the centre of mass relative to O",
-        label="first-moment-of-centre",
-        states=["002:E21"],
-    )
+    _first_moment_of_centre(d, first)
     momentum = d.define(
         quantity("angular_momentum", "body", "O"),
         "angular momentum about O",
@@ -262,9 +280,32 @@ def _about_body_point(d: Derivation) -> None:
     _inertia_about_body_point(d, seen)
 
 
+def _first_moment_of_centre(d: Derivation, first: Chain) -> None:
+    relative, centre = (
+        Equation(position(p, "O"), add(position(p), -position("O"))) for p in ("dm", "C")
+    )
+    d.law(relative, "rho = r - r_O for each element", label="relative")
+    d.law(centre, "and for the centre of mass", label="relative-centre")
+    first.then(
+        "rho = r - r_O; the position of O comes out of the integral",
+        use(relative),
+        distribute,
+        take_out,
+        fold_into(BODY_MASS),
+        label="first-moment-parted",
+    ).then(
+        "the integral is that of the centre of mass; the mass is a common factor",
+        use(d.recall("centre").equation, backwards=True),
+        factor_scalar(BODY_MASS),
+        use(centre, backwards=True),
+        label="first-moment-of-centre",
+        states=["002:E21"],
+    )
+
+
 def _inertia_about_body_point(d: Derivation, seen: Chain) -> None:
     d.assume("body_frame", "O_fixed_in_body")
-    fixed = d.law(
+    fixed = d.given(
         Equation(der(RHO, "B"), zero("vector")),
         "O and B are fixed in the rigid body",
         label="rho-fixed",
@@ -284,15 +325,8 @@ def _inertia_about_body_point(d: Derivation, seen: Chain) -> None:
         "omega comes out of the integral", associate, take_out, label="h-matrix", states=["002:E24"]
     )
     d.in_components(d.recall("h-J"), "B", "components in B", label="h-J-matrix", states=["002:E24"])
-    rho = column(RHO, "B")
-    J = column(quantity("inertia", "O"), "B")
-    d.state(
-        Equation(J, -integral(matmul(tilde(rho), tilde(rho)))),
-        "the product of two tildes",
-        label="J-tilde-O",
-        states=["002:E25"],
-    )
-    _by_definition(d, "O", "J-matrix-O", states=["002:E25"])
+    written = inertia_by_definition(d, "O", "J-matrix-O", states=["002:E25"])
+    inertia_by_tildes(d, written, "O", label="J-tilde-O", states=["002:E25"])
 
 
 def _torque(d: Derivation) -> None:
@@ -303,13 +337,68 @@ def _torque(d: Derivation) -> None:
         label="torque",
         states=["002:E26"],
     )
-    h, c = (quantity(n, "body", "O") for n in ("angular_momentum", "first_moment"))
-    law = d.state(
-        Equation(torque.equation.left, add(der(h), cross(c, der(velocity("O"))))),
-        "the law for particles, for elements of a body",
+    law = _law_about_any_point(d, torque)
+    c = quantity("first_moment", "body", "O")
+    d.assume("about_centre")
+    d.given(Equation(c, zero("vector")), "O is the centre of mass", label="c-zero")
+    law.then("no second term", vanish(c), distribute, label="torque-law-centre", states=["002:C4"])
+
+
+def _law_about_any_point(d: Derivation, torque: Chain) -> Chain:
+    """Derive the law of angular momentum about O from that about the inertial origin."""
+    origin = quantity("torque", "body", "OI")
+    H_origin = quantity("absolute_angular_momentum", "body", "OI")
+    law = d.law(
+        Equation(origin, der(H_origin)),
+        "the law of angular momentum about the inertial origin: Newton's laws for every element, "
+        "whose internal forces have no torque",
+        label="law-origin",
+    )
+    relative = d.recall("relative").equation
+    moved = torque.then(
+        "rho = r - r_O; the position of O comes out of the sum",
+        use(relative),
+        distribute,
+        take_out,
+        fold_into(FORCE, origin),
+        label="torque-moved",
+    )
+    h = d.recall("h").then(
+        "rho = r - r_O; position and velocity of O come out of the integrals",
+        use(relative),
+        distribute,
+        take_out,
+        fold_into(BODY_MASS, H_origin),
+        label="h-moved",
+    )
+    return _with_laws(d, torque, (moved, _rate_about_origin(d, h), law))
+
+
+def _rate_about_origin(d: Derivation, h: Chain) -> Chain:
+    return h.both(
+        "differentiate; what stands in opposite products cancels",
+        der,
+        differentiate,
+        differentiate_under,
+        use(d.recall("mass-constant").equation),
+        distribute,
+        parallel,
+        ordered,
+        combine,
+        label="h-moved-rate",
+    )
+
+
+def _with_laws(d: Derivation, torque: Chain, lines: tuple[Chain, ...]) -> Chain:
+    h = quantity("angular_momentum", "body", "O")
+    return d.show(
+        Equation(torque.equation.left, add(der(h), cross(FIRST, ACCELERATION_O))),
+        "the laws of momentum and of angular momentum about the origin put in: on both sides the "
+        "same terms are left",
+        *(use(line.equation) for line in lines),
+        use(d.recall("force").equation),
+        use(d.recall("first-moment-parted").equation),
+        distribute,
         label="torque-law",
         states=["002:E26"],
     )
-    d.assume("about_centre")
-    d.law(Equation(c, zero("vector")), "O is the centre of mass", label="c-zero")
-    law.then("no second term", vanish(c), distribute, label="torque-law-centre", states=["002:C4"])

@@ -5,13 +5,20 @@ Lectures 000, 001 (transport in components) and 002 (3.17 and the forms that it 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.mechanics.rigidbody import principal_inertia
+from eom.mechanics.steady import ROOT, SPIN_RATE
 from eom.terms.rules import (
-    Rule,
+    associate,
+    at,
     bac_cab,
+    by_axes,
     by_way_of,
     combine,
     components,
@@ -20,13 +27,21 @@ from eom.terms.rules import (
     distribute,
     factor_left,
     factor_right,
+    fold_sum,
     inside,
+    less,
+    linear_in,
+    no_turn_in_itself,
+    orthonormal,
     parallel,
     put,
     scalar_triple,
+    scalars_in,
     transport,
     use,
 )
+from eom.terms.rules import resolved as along_axes
+from eom.terms.rules.inferences import cancelled, equal, instance, renamed, solved
 from eom.terms.terms import (
     Equation,
     Term,
@@ -35,11 +50,9 @@ from eom.terms.terms import (
     cross,
     der,
     dot,
-    entries,
     expr,
     matmul,
     mul,
-    outer_column,
     tilde,
     transpose,
     zero,
@@ -78,7 +91,9 @@ def _axes(d: Derivation) -> list[Equation]:
     )
     return [
         d.law(
-            Equation(der(b), cross(W, b)), f"row {k} of it, as a vector", label=f"axis-{k}"
+            Equation(der(b), cross(W, b)),
+            f"the same for one axis: b{k} turns with omega",
+            label=f"axis-{k}",
         ).equation
         for k, b in enumerate(AXES, 1)
     ]
@@ -86,9 +101,10 @@ def _axes(d: Derivation) -> list[Equation]:
 
 def _first(d: Derivation, poisson: list[Equation]) -> None:
     symbols = name_components(d, V, "v", "B", "component of v along b{k}")
-    resolved = d.state(
-        Equation(V, add(*(mul(s, b) for s, b in zip(symbols, AXES, strict=True)))),
+    resolved = d.start(V).then(
         "a vector by its components in B",
+        along_axes(V, "B"),
+        *(use(name, backwards=True) for name in symbols),
         label="resolved",
     )
     rate = resolved.both("differentiate in I, term by term", der, differentiate, label="rate-terms")
@@ -110,31 +126,16 @@ def _first(d: Derivation, poisson: list[Equation]) -> None:
     )
     turned.then(
         "the first three terms are the derivative in B; the sum in the product is v",
-        _fold_sum(local.equation),
-        _fold_sum(resolved.equation),
+        fold_sum(local.equation),
+        fold_sum(resolved.equation),
         label="transport",
     )
-    position_r = position("dm", "C")
-    d.state(
-        Equation(der(position_r), add(der(position_r, "B"), cross(W, position_r))),
-        "for the position of an element of a body",
+    d.recall("transport").infer(
+        "v may be any vector: for the position of an element of a body",
+        instance({V: position("dm", "C")}),
         label="transport-r",
         states=["000:E8", "000:E29"],
     )
-
-
-def _fold_sum(named: Equation) -> Rule:
-    """Replace the terms of a named sum, where all of them occur, by its name."""
-    from eom.terms.terms import replace
-
-    wanted = named.right.args
-
-    def rule(node: Term) -> Term:
-        if node.head == "add" and all(t in node.args for t in wanted):
-            return add(named.left, *(t for t in node.args if t not in wanted))
-        return node
-
-    return lambda term: replace(term, rule)
 
 
 def _second(d: Derivation) -> None:
@@ -142,16 +143,21 @@ def _second(d: Derivation) -> None:
     twice = first.both(
         "differentiate in I once more", der, distribute, differentiate, label="again"
     )
+    of_rate = first.infer(
+        "v may be any vector: for the derivative in B",
+        instance({V: der(V, "B")}),
+        label="transport-rate",
+    )
     moved = twice.then(
         "the transport theorem for the derivative in B, and for v in the second product",
-        put(der(der(V, "B")), add(der(der(V, "B"), "B"), cross(W, der(V, "B")))),
-        inside("cross", put(der(V), first.equation.right)),
+        use(of_rate.equation),
+        inside("cross", use(first.equation)),
         distribute,
         label="second-terms",
     )
-    same = d.state(
-        Equation(der(W), add(der(W, "B"), cross(W, W))),
+    same = first.infer(
         "the same theorem for omega",
+        instance({V: W}),
         label="omega-rate-terms",
         states=["000:E22"],
     ).then("omega x omega = 0", parallel, distribute, label="omega-rate")
@@ -163,20 +169,26 @@ def _second(d: Derivation) -> None:
 
 
 def _addition(d: Derivation) -> None:
-    from_B = d.start(der(V)).then("seen from B", transport("B"), label="from-B")
+    from_B = d.recall("transport")
     inner = d.start(der(V, "A")).then("from A to B", transport("B", "A"), label="A-to-B")
-    d.start(der(V)).then("seen from A", transport("A"), label="from-A").then(
-        "by way of A", use(inner.equation), factor_right(V, "cross"), label="by-way-of-A"
+    by_way = (
+        d.start(der(V))
+        .then("seen from A", transport("A"), label="from-A")
+        .then("by way of A", use(inner.equation), factor_right(V, "cross"), label="by-way-of-A")
     )
-    d.state(
-        Equation(from_B.equation.right, d.recall("by-way-of-A").equation.right),
-        "both are the same derivative, for every v",
+    from_B.infer(
+        "both are the same derivative: the terms without the derivative in B are equal",
+        equal(less(der(V, "B"))),
+        by_way,
         label="addition-crossed",
-    )
-    total = add(omega("B", "A"), omega("A", "I"))
-    d.state(Equation(W, total), "as v is any vector, angular velocities add", label="addition")
-    d.state(
-        Equation(omega("I", "B"), -W), "the reverse rotation has the opposite one", label="reverse"
+    ).infer("as v is any vector, angular velocities add", cancelled(V), label="addition").infer(
+        "by way of I and back to B, which does not turn in itself",
+        renamed({"A": "I", "I": "B"}, no_turn_in_itself),
+        label="there-and-back",
+    ).infer(
+        "so the reverse rotation has the opposite angular velocity",
+        solved(omega("I", "B")),
+        label="reverse",
     )
 
 
@@ -184,8 +196,14 @@ def _referential(d: Derivation) -> None:
     first = d.recall("transport")
     d.in_components(first, "B", "components in B", label="transport-B")
     d.in_components(d.recall("second"), "B", "components in B", label="second-B")
-    in_I = d.state(
-        Equation(der(column(V, "I")), column(der(V), "I")), "the axes of I are fixed in I"
+    in_I = (
+        d.start(column(der(V), "I"))
+        .then(
+            "the axes of I are fixed in I: components of a rate are rates of components",
+            components("I"),
+            label="axes-of-I",
+        )
+        .turned("so the rates of components in I are those of the vector", label="axes-of-I-turned")
     )
     in_I.then(
         "by way of components in B",
@@ -216,7 +234,13 @@ def tilde_identities() -> Derived:
         "the cross product as a matrix product", components("B"), label="cross", states=["000:E13"]
     )
     product.then("carried out", use(known_a), use(known_b), compute(), label="cross-entries")
-    d.state(Equation(transpose(tilde(a)), -tilde(a)), "skew-symmetric", label="skew")
+    d.show(
+        Equation(transpose(tilde(a)), -tilde(a)),
+        "skew-symmetric: both sides have the same entries",
+        use(known_a),
+        compute(),
+        label="skew",
+    )
     d.start(matmul(tilde(a), a)).then("by the entries", use(known_a), compute(), label="kernel")
     _double_products(d, a, b)
     _turned(d, a)
@@ -229,21 +253,24 @@ def tilde_identities() -> Derived:
 
 def _double_products(d: Derivation, a: Term, b: Term) -> None:
     double = d.start(cross(A, cross(B, C))).then("a x (b x c)", bac_cab, label="bac-cab")
-    d.in_components(double, "B", "in components, for every c", label="bac-cab-B")
-    d.state(
-        Equation(
-            matmul(tilde(a), tilde(b)),
-            add(outer_column(b, a), -mul(dot(A, B), ONE)),
-        ),
-        "as c is any vector",
-        label="double-tilde",
-    )
-    d.state(
+    any_column = column(C, "B")
+    d.in_components(
+        double, "B", "in components, for every c", scalars_in("B"), label="bac-cab-B"
+    ).both(
+        "written as matrices times c",
+        associate,
+        linear_in(any_column),
+        label="double-tilde-of-c",
+    ).infer("as c is any vector", cancelled(any_column), label="double-tilde")
+    d.show(
         Equation(
             tilde(matmul(tilde(a), b)),
             add(matmul(tilde(a), tilde(b)), -matmul(tilde(b), tilde(a))),
         ),
-        "the tilde of a cross product, by the same identity twice",
+        "the tilde of a cross product: both sides have the same entries",
+        use(d.recall("column-of-a").equation),
+        use(d.recall("column-of-b").equation),
+        compute(),
         label="tilde-of-cross",
     )
 
@@ -252,11 +279,30 @@ def _turned(d: Derivation, a: Term) -> None:
     R = quantity("rotation", "B", "A")
     back = quantity("rotation", "A", "B")
     d.law(Equation(transpose(R), back), "the transpose is the reverse rotation", label="transpose")
-    in_A = column(A, "A")
-    d.law(Equation(a, matmul(R, in_A)), "components in B from those in A", label="turn")
-    d.state(
-        Equation(tilde(matmul(R, in_A)), matmul(matmul(R, tilde(in_A)), back)),
-        "a cross product may be formed in either frame",
+    turn = Equation(a, matmul(R, column(A, "A")))
+    d.law(turn, "components in B from those in A", label="turn")
+    turned_tilde(d, A, turn)
+
+
+def turned_tilde(d: Derivation, vector: Term, turn: Equation) -> Chain:
+    """Derive that a cross product may be formed in either frame, A or B.
+
+    ``turn``: the line that gives the components of ``vector`` in B by those in A.
+    """
+    product, any_column = column(cross(vector, C), "B"), column(C, "B")
+    in_B = d.start(product).then(
+        "a cross product with any vector c, formed in B", components("B"), use(turn)
+    )
+    in_A = d.start(product).then(
+        "the same formed in A, c taken there and the product back",
+        by_way_of("A", "B"),
+        components("A"),
+        at(column(C, "A"), by_way_of("B", "A")),
+        associate,
+    )
+    return in_B.infer("both are the same product", equal(), in_A).infer(
+        "as c is any vector, a cross product may be formed in either frame",
+        cancelled(any_column),
         label="turned-tilde",
     )
 
@@ -266,18 +312,58 @@ def _turned(d: Derivation, a: Term) -> None:
 
 def name_components(
     d: Derivation, vector: Term, letter: str, frame: str, meaning: str
-) -> tuple[Term, Term, Term]:
-    """Let letter_1, letter_2, letter_3 stand for the components of a vector."""
+) -> list[Equation]:
+    """Let letter_1, letter_2, letter_3 stand for the components of a vector; return the definitions."""
     named = []
     for k in (1, 2, 3):
         symbol = sp.Symbol(f"{letter}_{k}", real=True)
-        d.name_scalar(symbol, dot(unit(frame, k), vector), meaning.format(k=k))
-        named.append(expr(symbol))
-    return (named[0], named[1], named[2])
+        along = dot(unit(frame, k), vector)
+        made = d.name_scalar(symbol, along, meaning.format(k=k), label=symbol.name)
+        named.append(made.equation)
+    return named
+
+
+PRINCIPAL = tuple(q.symbol for q in principal_inertia()[1])
+
+
+def principal_matrix(
+    d: Derivation, inertia: Term, symbols: Sequence[Any] = PRINCIPAL, end: str = "", **options: Any
+) -> Chain:
+    """Name the principal moments of ``inertia`` along b1, b2, b3, and derive its matrix in B.
+
+    ``end``: of the labels of the lines that say so.
+    """
+    eigen = []
+    for k, symbol in enumerate(symbols, 1):
+        b = unit("B", k)
+        d.name_scalar(symbol, dot(b, dot(inertia, b)), f"principal moment of inertia about b{k}")
+        meaning = Equation(dot(inertia, b), mul(expr(symbol), b))
+        words = f"b{k} is a principal axis"
+        eigen.append(d.given(meaning, words, label=f"principal-axis-{k}{end}").equation)
+    return d.start(column(inertia, "B")).then(
+        "in principal axes J is diagonal",
+        by_axes("B"),
+        *(use(e) for e in eigen),
+        distribute,
+        orthonormal("B"),
+        compute(),
+        **options,
+    )
+
+
+def name_spin(d: Derivation) -> None:
+    """Say what the symbols of a steady spin and of deviations from it are."""
+    d.letter(SPIN_RATE, "rate of the steady spin")
+    d.letter(ROOT, "exponent of a deviation, which goes as exp(lambda t)")
 
 
 def explicit(d: Derivation, vector: Term, letter: str, frame: str, meaning: str) -> Equation:
     """Name the components of a vector and state its column."""
     named = name_components(d, vector, letter, frame, meaning)
-    column_of = entries([[c] for c in named])
-    return d.state(Equation(column(vector, frame), column_of), f"components in {frame}").equation
+    made = d.start(column(vector, frame)).then(
+        f"components in {frame}",
+        by_axes(frame),
+        *(use(name, backwards=True) for name in named),
+        label=f"column-of-{letter}",
+    )
+    return made.equation

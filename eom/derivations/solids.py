@@ -8,9 +8,11 @@ import sympy as sp
 
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.verification import carried_out
 from eom.mass.properties import MassProperties
 from eom.mass.regions import Region, X, properties
 from eom.mass.solids import CENTRE, MASS, SOLIDS, mass_properties
+from eom.terms.rules import Rule, determinants, entrywise, put_in
 from eom.terms.terms import Equation, entries, expr
 
 Expr = Any
@@ -19,6 +21,21 @@ FIRST = sp.Matrix([sp.Symbol(f"c_{k}", real=True) for k in (1, 2, 3)])
 SECOND = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S_{min(i, j) + 1}{max(i, j) + 1}", real=True))
 PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
 CONTENT = {1: "length", 2: "area", 3: "volume"}
+LETTERS = {
+    "mass": "m",
+    "radius": "R",
+    "inner_radius": "R_i",
+    "outer_radius": "R_o",
+    "base_radius": "R_b",
+    "top_radius": "R_t",
+    "ring_radius": "R",
+    "tube_radius": "r",
+    "height": "h",
+    "length": "L",
+    "angle": "phi",
+    "zenith": "theta",
+}
+"""The letters of mass, sizes and angles on a page."""
 
 
 def names() -> dict[str, str]:
@@ -26,14 +43,35 @@ def names() -> dict[str, str]:
     return {PREFIX + solid.replace(" ", "-"): solid for solid in SOLIDS}
 
 
+def in_letters(value: Expr) -> Expr:
+    """Return an expression or a matrix with a letter for each mass, size and angle."""
+    known = [s for s in value.atoms(sp.Symbol) if s.name in LETTERS]
+    return value.xreplace({s: sp.Symbol(LETTERS[s.name], **s.assumptions0) for s in known})
+
+
 def solid_inertia(solid: str) -> Derived:
     """Derive mass, centre of mass and inertia about every named point of a uniform solid."""
     name = PREFIX + solid.replace(" ", "-")
     d = Derivation(name, f"Inertia of the {solid}", "Inertia of solids")
     region = SOLIDS[solid].region
+    _letters(d, region)
     _element(d, region)
     whole = _moments(d, region)
     return d.finish(**_about_points(d, solid, whole))
+
+
+def _letters(d: Derivation, region: Region) -> None:
+    """Say what the symbols are: sizes by their names, coordinates, parameters."""
+    for k, x in enumerate(X, 1):
+        d.letter(x, f"coordinate along axis {k}")
+    for parameter in region.parameters:
+        d.letter(in_letters(parameter), "parameter of the points of the solid")
+    ends = {s for bound in region.bounds for e in bound[1:] for s in sp.sympify(e).free_symbols}
+    inside = {s for e in region.position for s in sp.sympify(e).free_symbols}
+    for size in (ends | inside) - set(region.parameters):
+        words = str(size).replace("_", " ")
+        d.letter(in_letters(size), words if size.name in LETTERS else "size along an axis")
+    d.letter(in_letters(MASS), "mass")
 
 
 def _moments(d: Derivation, region: Region) -> MassProperties:
@@ -41,10 +79,13 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
     body = properties(region)
     whole = body.of_mass(MASS)
     kind = CONTENT[region.dimension]
-    d.state(
-        Equation(expr(_integral(region, sp.Integer(1))), expr(body.mass)), f"the {kind}", label=kind
+    d.show(
+        Equation(expr(_integral(region, sp.Integer(1))), expr(in_letters(body.mass))),
+        f"the {kind}",
+        integrals,
+        label=kind,
     )
-    density = MASS / body.mass
+    density = in_letters(MASS / body.mass)
     for k, x in enumerate(X):
         integral, value = density * _integral(region, x), whole.first_moment[k]
         _name(d, FIRST[k], integral, value, f"first moment of the mass: integral of {x} dm")
@@ -56,52 +97,87 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
 
 
 def _name(d: Derivation, symbol: Expr, integral: Expr, value: Expr, words: str) -> None:
-    """Let ``symbol`` stand for a moment, and state its value; what vanishes by form needs no words."""
-    d.name_scalar(symbol, expr(integral), words, label=f"{symbol}-integral")
+    """Let ``symbol`` stand for a moment, and derive its value; what vanishes by form needs no words."""
+    value = in_letters(value)
+    name = d.name_scalar(symbol, expr(integral), words, label=f"{symbol}-integral")
     if integral != value:
-        d.state(Equation(expr(symbol), expr(value)), "carried out", label=str(symbol))
+        d.show(
+            Equation(expr(symbol), expr(value)),
+            "carried out",
+            put_in(name.equation),
+            integrals,
+            label=str(symbol),
+        )
+
+
+integrals: Rule = entrywise(carried_out, "integration")
+"""Integrals carried out; every antiderivative is differentiated again."""
 
 
 def _element(d: Derivation, region: Region) -> None:
-    place = sp.Matrix(region.position)
+    place = in_letters(sp.Matrix(region.position))
     d.state(
         Equation(entries(sp.Matrix(X)), entries(place), ":="),
         "coordinates of the points of the solid: " + ", ".join(map(_range, region.bounds)),
         "definition",
         label="coordinates",
     )
-    jacobian = place.jacobian(region.parameters)
-    gram = (jacobian.T * jacobian).det(method="berkowitz")
-    d.state(
-        Equation(expr(region.element**2), expr(gram)),
+    slopes = place.jacobian([in_letters(p) for p in region.parameters])
+    gram = (slopes.T * slopes).applyfunc(lambda e: sp.trigsimp(sp.expand(e)))
+    d.show(
+        Equation(
+            expr(_volume_element(region) ** 2), expr(sp.Determinant(sp.ImmutableMatrix(gram)))
+        ),
         f"the element of {CONTENT[region.dimension]}, squared: Gram's determinant of the coordinates",
+        determinants,
         label="element",
     )
 
 
 def _range(bound: tuple[Expr, Expr, Expr]) -> str:
-    parameter, start, end = bound
+    parameter, start, end = (str(in_letters(e)).replace("*", " ") for e in bound)
     return f"{parameter} from {start} to {end}"
+
+
+def _volume_element(region: Region) -> Expr:
+    """Return the element of volume, area or length in its short form."""
+    return sp.factor(in_letters(region.element))
 
 
 def _integral(region: Region, f: Expr) -> Expr:
     """Return the integral of ``f`` over the region, not carried out."""
-    integrand = region.at(f) * region.element
-    return sp.Integer(0) if integrand == 0 else sp.Integral(integrand, *region.bounds)
+    integrand = in_letters(region.at(f)) * _volume_element(region)
+    bounds = (tuple(map(in_letters, bound)) for bound in region.bounds)
+    return sp.Integer(0) if integrand == 0 else sp.Integral(integrand, *bounds)
+
+
+def _values(d: Derivation) -> Rule:
+    """Return the rule that puts in the values of all moments; zero integrals are their definitions."""
+    symbols = [*FIRST, *(SECOND[i, j] for i, j in PAIRS)]
+    labels = {step.label for step in d.steps}
+    known = (str(s) if str(s) in labels else f"{s}-integral" for s in symbols)
+    return put_in(*(d.recall(label).equation for label in known))
+
+
+def _place(r: Expr) -> str:
+    return "(" + ", ".join(str(c).replace("*", " ") for c in r) + ")"
 
 
 def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str, Expr]:
-    """State the inertia matrix about the centre of mass and each named point."""
+    """Derive the inertia matrix about the centre of mass and each named point."""
     found: dict[str, Expr] = {}
+    values = _values(d)
     for point in (CENTRE, *SOLIDS[solid].points):
         moved = mass_properties(solid, point)
-        r = whole.centre - moved.centre
-        shifted = MassProperties(MASS, FIRST, SECOND).shifted(r).inertia
+        r = in_letters(whole.centre - moved.centre)
+        inertia = in_letters(sp.ImmutableMatrix(moved.inertia))
+        shifted = MassProperties(in_letters(MASS), FIRST, SECOND).shifted(r).inertia
         where = "the centre of mass" if point == CENTRE else f"the point {point}"
-        d.state(
-            Equation(entries(shifted), entries(moved.inertia)),
-            f"inertia matrix about {where}, at {tuple(r)}: J = tr(S) 1 - S, moved there",
+        d.show(
+            Equation(entries(shifted), entries(sp.Matrix(inertia))),
+            f"inertia matrix about {where}, at {_place(r)}: J = tr(S) 1 - S, moved there",
+            values,
             label=f"inertia-{point.replace(' ', '-')}",
         )
-        found[f"J about {where}"] = moved.inertia
+        found[f"J about {where}"] = sp.Matrix(inertia)
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.mechanics import spinning
 from eom.mechanics.spinning import (
@@ -22,14 +22,26 @@ from eom.mechanics.spinning import (
     THETA_DOT,
     SpinningSymmetricBody,
 )
-from eom.terms.rules import components, compute, transport, use
-from eom.terms.terms import Equation, Term, add, column, cross, der, dot, entries, expr, number
+from eom.terms.rules import (
+    by_axes,
+    components,
+    compute,
+    distribute,
+    entrywise,
+    orthonormal,
+    put_in,
+    transport,
+    use,
+)
+from eom.terms.rules.inferences import along_axis, solved
+from eom.terms.terms import Equation, add, column, cross, der, dot, entries, expr, mul, number
 from eom.terms.vocabulary import omega, quantity, unit
 
 H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
 J = quantity("inertia", "C")
-B1, B2 = (unit("B", k) for k in (1, 2))
+B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
 A3 = unit("A", 3)
+ONE_FRACTION = entrywise(lambda e: sp.together(sp.expand(e)))
 
 
 def spinning_symmetric_body() -> Derived:
@@ -80,7 +92,7 @@ def _frames(d: Derivation, body: SpinningSymmetricBody) -> None:
     for left, right, reason, label in turns:
         states = ["001:E7"] if label == "omega-C" else []
         laws.append(d.law(Equation(left, right), reason, label=label, states=states).equation)
-    added = d.state(
+    added = d.law(
         Equation(omega("B"), add(omega("A", "I"), omega("B", "A"))), "angular velocities add"
     )
     named = added.then(
@@ -95,7 +107,7 @@ def _frames(d: Derivation, body: SpinningSymmetricBody) -> None:
         )
     ]
     _written(d, named.equation, in_B, body.omega_BI.column, "omega-BI-columns", ["001:E7"])
-    total = d.state(
+    total = d.law(
         Equation(omega("C"), add(omega("B"), omega("C", "B"))), "the body's own angular velocity"
     )
     both = total.then("by the turns", use(named.equation), use(laws[2]), label="omega-CI")
@@ -114,7 +126,7 @@ def _written(
     left = column(equation.left, "B")
     d.start(left).then(
         "components in B",
-        lambda _: column(equation.right, "B"),
+        use(equation),
         components("B"),
         *(use(a) for a in axes),
         compute(),
@@ -130,12 +142,26 @@ def _momentum(d: Derivation, body: SpinningSymmetricBody) -> None:
         (I2, B2, "moment of inertia about the axle b2"),
     ):
         d.name_scalar(symbol, dot(axis, dot(J, axis)), words)
-    J_B = d.state(
-        Equation(column(J, "B"), entries(body.inertia)),
+    eigen = [
+        d.given(
+            Equation(dot(J, b), mul(expr(moment), b)),
+            f"b{k} is a principal axis"
+            + ("; the moments across the axle are equal" if k == 3 else ""),
+            label=f"principal-axis-{k}",
+        ).equation
+        for k, (b, moment) in enumerate(((B1, I1), (B2, I2), (B3, I1)), 1)
+    ]
+    J_B = d.start(column(J, "B")).then(
         "the body is symmetric about b2: its inertia in B does not depend on the spin angle",
+        by_axes("B"),
+        *(use(e) for e in eigen),
+        distribute,
+        orthonormal("B"),
+        compute(),
         label="J",
     )
-    d.state(Equation(der(column(J, "B")), entries(sp.zeros(3, 3))), "and is constant there")
+    d.check(Equation(column(J, "B"), entries(body.inertia)), "the library has the same")
+    J_B.both("and is constant there", der, compute(), label="J-constant")
     momentum = d.law(Equation(H, dot(J, omega("C"))), "momentum of a rigid body", label="momentum")
     columns = d.in_components(
         momentum, "B", "components in B", label="h-columns", states=["001:E8"]
@@ -164,49 +190,91 @@ def _momentum_rate(d: Derivation, body: SpinningSymmetricBody) -> None:
         label="rate-raw",
     )
     total = body.momentum_rate.total.map(sp.expand)
-    d.state(
-        Equation(column(der(H), "B"), entries(total.column)),
+    d.recall("rate-raw").then(
         "multiplied out; row 2 holds I2 dOmega/dt, which the lecture leaves out",
+        entrywise(sp.expand),
         label="rate",
         states=["001:E11"],
     )
-    d.state(
-        Equation(dot(cross(omega("B"), H), B2), number(0)),
-        "omega x h has no component along the axle, as the body is symmetric",
+    d.check(Equation(column(der(H), "B"), entries(total.column)), "the library has the same")
+    d.start(column(cross(omega("B"), H), "B")).then(
+        "the product of omega with h, by components",
+        components("B"),
+        use(d.recall("h").equation),
+        use(d.recall("omega-BI-columns").equation),
+        compute(),
+        entrywise(sp.expand),
+        label="cross-columns",
+    ).infer(
+        "row 2: omega x h has no component along the axle, as the body is symmetric",
+        along_axis("B", 2),
         label="no-axle-term",
         states=["001:E12"],
     )
 
 
 def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
-    d.name_scalar(SPIN, expr(body.spin), "angular velocity of the body about its axle")
-    M1 = body.parameters[0].symbol
+    d.name_scalar(
+        SPIN, expr(body.spin), "angular velocity of the body about its axle", label="spin"
+    )
     d.only("spin_312", "newton_2", "third_law_strong")
-    d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
-    along: Term = dot(B2, TORQUE)
-    d.state(
-        Equation(along, expr(I2) * der(expr(SPIN))),
+    law = d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
+    rows = [
+        d.recall("rate")
+        .infer(f"row {k} of the rate of h", along_axis("B", k), label=f"rate-{k}")
+        .both(f"which is the torque about b{k}", use(law.equation), label=f"row-{k}-torque")
+        for k in (1, 2, 3)
+    ]
+    _axle(d, rows[1])
+    _solved(d, body, rows)
+
+
+def _axle(d: Derivation, row: Chain) -> None:
+    """Derive that the axle's own angular velocity is constant without torque about it."""
+    own = d.start(der(expr(SPIN))).then(
+        "the rate of the axle's own angular velocity",
+        put_in(d.recall("spin").equation),
+        compute(spinning.RATES),
+        label="spin-rate",
+    )
+    along = d.show(
+        Equation(dot(B2, TORQUE), expr(I2) * der(expr(SPIN))),
         "row 2: only the axle's own angular velocity counts",
+        use(row.equation),
+        use(own.equation),
         label="row-2",
     )
-    d.name_scalar(M1, -dot(B1, TORQUE), "torque about -b1")
     d.assume("no_torque_2")
-    d.state(
-        Equation(der(expr(SPIN)), number(0)),
-        "no torque about the axle: Omega + psi' sin theta is constant",
+    quiet = d.given(Equation(dot(B2, TORQUE), number(0)), "no torque about the axle")
+    along.both("no torque about the axle", use(quiet.equation), label="row-2-free").infer(
+        "divided by the moment: Omega + psi' sin theta is constant",
+        solved(der(expr(SPIN))),
         label="first-integral",
     )
+
+
+def _solved(d: Derivation, body: SpinningSymmetricBody, rows: list[Chain]) -> None:
+    """Solve both other rows for the accelerations of the angles."""
+    M1 = body.parameters[0].symbol
+    d.name_scalar(M1, -dot(B1, TORQUE), "torque about -b1", label="M1")
     theta, psi = body.accelerations
-    d.state(
-        Equation(expr(THETA_DDOT), expr(theta)),
+    own_spin = d.recall("spin").infer("solved for Omega", solved(expr(OMEGA)), label="Omega")
+    with_spin = put_in(own_spin.equation)
+    torque = d.recall("M1").infer("the torque about b1", solved(dot(B1, TORQUE)), label="torque-1")
+    first = rows[0].both("with the torque -M_1", use(torque.equation), with_spin, label="row-1")
+    first.infer(
         "row 1, solved for the tilt",
+        solved(expr(THETA_DDOT), ONE_FRACTION),
         label="theta-equation",
         states=["001:E13"],
     )
+    d.check(Equation(expr(THETA_DDOT), expr(theta)), "the library has the same")
     d.assume("no_torque_3")
-    d.state(
-        Equation(expr(PSI_DDOT), expr(psi)),
+    free = d.given(Equation(dot(B3, TORQUE), number(0)), "no torque about b3")
+    rows[2].both("no torque about b3", use(free.equation), with_spin, label="row-3").infer(
         "row 3, solved for the precession",
+        solved(expr(PSI_DDOT), ONE_FRACTION),
         label="psi-equation",
         states=["001:E14"],
     )
+    d.check(Equation(expr(PSI_DDOT), expr(psi)), "the library has the same")

@@ -27,6 +27,9 @@ WORLDS = 3
 SIGN_WORLDS = 30
 """Worlds in which a false sign may show: it is right by chance in half of them."""
 
+IDENTITY = "exact identity"
+"""The evidence of what holds whatever the symbols stand for."""
+
 FALSE = "the step is false"
 """What the error says of a statement that a world refutes."""
 
@@ -64,8 +67,8 @@ def verify(
         return _verify_sign(equation, scalars, tuple(assumptions), where, drawn)
     if is_plain(equation):
         if _is_identity(equation, scalars):
-            return "exact identity"
-        holds = _has_meaning(equation, scalars) and decide(
+            return IDENTITY
+        holds = has_meaning(equation, scalars) and decide(
             equation, assumptions, scalars, count, drawn
         )
     else:
@@ -110,7 +113,7 @@ def is_plain(equation: Equation) -> bool:
     )
 
 
-def _has_meaning(equation: Equation, scalars: Scalars) -> bool:
+def has_meaning(equation: Equation, scalars: Scalars) -> bool:
     """Return whether every symbol stands for a quantity of the worlds."""
     parts = (*nodes(equation.left), *nodes(equation.right))
     return all(n.data[0].free_symbols <= set(scalars) for n in parts if n.head == "expr")
@@ -121,7 +124,7 @@ def _is_identity(equation: Equation, scalars: Scalars) -> bool:
     known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
     return all(
-        vanishes(_resolved(a.xreplace(known)) - _resolved(b.xreplace(known))) for a, b in pairs
+        vanishes(carried_out(a.xreplace(known)) - carried_out(b.xreplace(known))) for a, b in pairs
     )
 
 
@@ -133,16 +136,17 @@ def _entries(term: Term) -> list[Any]:
     return [done.data[0]] if done.head == "expr" else [a.data[0] for a in done.args]
 
 
-def _resolved(expression: Any) -> Any:
-    """Carry out determinants and integrals; antiderivatives are checked by differentiating them."""
-    known = expression.replace(
+def carried_out(expression: Any) -> Any:
+    """Carry out derivatives, determinants and integrals; antiderivatives are differentiated again."""
+    slopes = expression.replace(lambda n: isinstance(n, sp.Derivative), lambda n: n.doit())
+    known = slopes.replace(
         lambda n: isinstance(n, sp.Determinant), lambda n: n.arg.det(method="berkowitz")
     )
     return known.replace(lambda n: isinstance(n, sp.Integral), _integrated)
 
 
 def _integrated(integral: Any) -> Any:
-    value = _resolved(integral.function)
+    value = carried_out(integral.function)
     for x, start, end in integral.limits:
         inside = antiderivative(sp.expand(value), x)
         if inside is None or not vanishes(inside.diff(x) - value):
@@ -173,7 +177,7 @@ def _verify_sign(
     if equation.left.kind == SCALAR and equation.right.is_zero:
         if not_negative(rules.ordered(equation.left), scalars):
             return "sum of squares"
-        if not _has_meaning(equation, scalars):
+        if not has_meaning(equation, scalars):
             raise DerivationError(
                 "the sign cannot be decided", where=where, got=plain(equation.left)
             )

@@ -14,6 +14,7 @@ from typing import Any
 from xml.dom.minidom import parseString
 
 import sympy as sp
+from sympy.printing.latex import LatexPrinter
 from sympy.printing.mathml import MathMLPresentationPrinter
 from sympy.printing.str import StrPrinter
 
@@ -277,12 +278,27 @@ def _latex_grid(box: Grid, inner: Render) -> str:
     return f"\\begin{{{name}}}{columns} {rows} \\end{{{name}}}" if name else rows
 
 
+class _PositiveFirst:
+    """A SymPy printer that begins a sum with a term that is added, if there is one."""
+
+    def _as_ordered_terms(self, expr: Expr, order: Any = None) -> list[Any]:
+        terms = list(super()._as_ordered_terms(expr, order=order))  # type: ignore[misc]
+        added = next((t for t in terms if not t.as_coeff_Mul()[0].is_negative), terms[0])
+        terms.remove(added)
+        return [added, *terms]
+
+
+class _Latex(_PositiveFirst, LatexPrinter):  # type: ignore[misc]
+    """SymPy's LaTeX."""
+
+
 def _latex_formula(box: Formula, _: Render) -> str:
     symbols: set[Expr] = box.value.atoms(sp.Symbol)
     names = {s: box.names.get(s) or symbol_latex(s.name) for s in symbols}
     words = any(names[s].startswith(r"\mathrm") for s in symbols)
     product = r" \, " if words else None
-    return str(sp.latex(box.value, symbol_names=names, mul_symbol=product, mat_str="matrix"))
+    settings = {"symbol_names": names, "mul_symbol": product, "mat_str": "matrix"}
+    return str(_Latex(settings).doprint(box.value))
 
 
 _LATEX: dict[type, Callable[[Any, Render], str]] = {
@@ -377,8 +393,14 @@ def _text_fraction(box: Fraction, inner: Render) -> str:
     return "/".join(p if " " not in p else f"({p})" for p in parts)
 
 
-class _Text(StrPrinter):  # type: ignore[misc]
+class _Text(_PositiveFirst, StrPrinter):  # type: ignore[misc]
     """SymPy expressions with Greek letters, dots, raised powers and no asterisks."""
+
+    def _print_Pi(self, expr: Expr) -> str:  # noqa: ARG002 - SymPy's own
+        return "\u03c0"
+
+    def _print_Determinant(self, expr: Expr) -> str:
+        return f"|{self._print(expr.arg.tolist())}|"
 
     def _print_Symbol(self, expr: Expr) -> str:
         return render(symbol(expr.name), "text")
@@ -388,6 +410,7 @@ def _text_formula(box: Formula, _: Render) -> str:
     value = box.value.tolist() if isinstance(box.value, sp.MatrixBase) else box.value
     words = str(_Text().doprint(value))
     words = re.sub(r"\*\*(\d)(?![\d.])", lambda m: _RAISED[m[1]], words)
+    words = re.sub(r"(?<![0-9]e)-", "\u2212", words)
     return words.replace("**", "^").replace("*", " ")
 
 
@@ -440,8 +463,14 @@ _ASCII: dict[type, Callable[[Any, Render], str]] = {
 # -- MathML ----------------------------------------------------------------------------------
 
 
-class _MathML(MathMLPresentationPrinter):  # type: ignore[misc]
+class _MathML(_PositiveFirst, MathMLPresentationPrinter):  # type: ignore[misc]
     """SymPy expressions with the names of `symbol`."""
+
+    def _print_Determinant(self, expr: Expr) -> Any:
+        kept, self._settings["mat_delim"] = self._settings["mat_delim"], ""
+        found = super()._print_Determinant(expr)
+        self._settings["mat_delim"] = kept
+        return found
 
     def _print_Symbol(self, sym: Expr, style: str = "plain") -> Any:  # noqa: ARG002 - SymPy's own
         node = parseString(_write(_MATHML, symbol(sym.name))).documentElement  # noqa: S318 - our own text
@@ -452,7 +481,7 @@ _ENTITY = re.compile(r"&(?!(?:lt|gt|amp|quot);)(\w+);")
 
 
 def _mathml_formula(box: Formula, _: Render) -> str:
-    words = str(_MathML().doprint(box.value))
+    words = str(_MathML().doprint(box.value)).replace("<mo>-</mo>", "<mo>\u2212</mo>")
     return f"<mrow>{_ENTITY.sub(lambda m: html.unescape(m[0]), words)}</mrow>"
 
 

@@ -31,6 +31,7 @@ from eom.typeset.blocks import (
 )
 from eom.typeset.boxes import Box, Row, Unseen
 from eom.typeset.markup import escape_latex, render, width
+from eom.typeset.sentences import sentence
 
 Part = Callable[[str, tuple[Box, ...]], str]
 """Writes words and the formula after them."""
@@ -124,7 +125,7 @@ def _text_bullets(block: Bullets, letters: str) -> list[str]:
     size = max(map(_length, names))
     gap = "  " if size else ""
     return [
-        f"  {_padded(name, size)}{gap}{words}".rstrip()
+        f"  {_padded(name, size)}{gap}{_text_words(words, letters)}".rstrip()
         for name, (_, words) in zip(names, block.items, strict=True)
     ]
 
@@ -153,12 +154,23 @@ def _text_line(line: Line, letters: str, size: int) -> str:
     return f"  {left} {relation} {render(Row(line.right), letters).strip()}".rstrip()
 
 
+_RAISED = {"": "", **dict(zip("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))}
+
+
+def _text_words(words: str, letters: str) -> str:
+    """Set letters that are spelt out as letters; ASCII leaves words as they are."""
+    if letters != "text":
+        return words
+    return sentence(words, lambda b, marks, n: f"{render(b, 'text')}{marks}{_RAISED[n]}")
+
+
 def _text_steps(block: Steps, letters: str) -> list[str]:
     size = _length(_text_side(block.indent, letters))
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):
         lines += [f"     {note.assumed}"] if note.assumed else []
-        lines += [f"{note.number:>3}. {note.reason}{f'  [{note.remarks}]' if note.remarks else ''}"]
+        remarks = f"  [{note.remarks}]" if note.remarks else ""
+        lines += [f"{note.number:>3}. {_text_words(note.reason, letters)}{remarks}"]
         parts = [p for line in group for p in broken(line, WIDTH + 12)]
         lines += [f"   {_text_line(p, letters, size)}" for p in parts]
     return [*lines, ""]
@@ -222,7 +234,15 @@ def _latex_display(block: Display) -> list[str]:
 def _latex_note(note: Note) -> str:
     remarks = f" {{\\small [{escape_latex(note.remarks)}]}}" if note.remarks else ""
     assumed = f"\\emph{{{escape_latex(note.assumed)}}}\\endgraf\\noindent\n" if note.assumed else ""
-    return f"\\noindent {assumed}\\textbf{{{note.number}.}} {escape_latex(note.reason)}{remarks}"
+    return f"\\noindent {assumed}\\textbf{{{note.number}.}} {_latex_words(note.reason)}{remarks}"
+
+
+def _latex_words(words: str) -> str:
+    return sentence(words, _in_dollars, lambda w: escape_latex(w).replace("\u00d7", r"$\times$"))
+
+
+def _in_dollars(box: Box, marks: str, power: str) -> str:
+    return f"${render(box, 'latex')}{marks}{f'^{{{power}}}' * bool(power)}$"
 
 
 def _latex_noted(block: Steps) -> Iterator[tuple[str, Line]]:
@@ -242,7 +262,7 @@ def _latex_name(value: Box | str) -> str:
 
 def _named(name: Box | str | None, words: str, show: Callable[[Box | str], str]) -> str:
     """Return a name and what it means, as an item of a list."""
-    escaped = escape_latex(words) if show is _latex_name else words
+    escaped = _latex_words(words) if show is _latex_name else sentence(words, _in_dollars)
     if name is None:
         return escaped
     return f"{show(name)}: {escaped}" if words else show(name)
@@ -315,7 +335,7 @@ def _markdown_steps(block: Steps) -> list[str]:
     for note in block.notes:
         found += [f"*{note.assumed}*", ""] if note.assumed else []
         remarks = f" — <small>{note.remarks}</small>" if note.remarks else ""
-        found += [f"**{note.number}.** {note.reason}{remarks}", ""]
+        found += [f"**{note.number}.** {sentence(note.reason, _in_dollars)}{remarks}", ""]
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):
         number = f" && ({note.number})" if len(block.notes) > 1 else ""
@@ -348,7 +368,7 @@ def _html_bullets(block: Bullets) -> list[str]:
     rows = []
     for name, words in block.items:
         cell = f"<th>{_html_name(name)}</th>" if name is not None else ""
-        rows.append(f"<tr>{cell}<td>{html.escape(words)}</td></tr>")
+        rows.append(f"<tr>{cell}<td>{_html_words(words)}</td></tr>")
     return ["<table>", *rows, "</table>"]
 
 
@@ -374,12 +394,19 @@ def _html_display(block: Display) -> list[str]:
     return found
 
 
+def _html_words(words: str) -> str:
+    def setting(box: Box, marks: str, power: str) -> str:
+        return f"{_math(box)}{html.escape(marks)}{f'<sup>{power}</sup>' * bool(power)}"
+
+    return sentence(words, setting, html.escape)
+
+
 def _html_steps(block: Steps) -> list[str]:
     found = ['<div class="chain">']
     for note, group in zip(block.notes, block.lines, strict=True):
         found += [f'<p class="assumed">{html.escape(note.assumed)}</p>'] if note.assumed else []
         remarks = f" <small>{html.escape(note.remarks)}</small>" if note.remarks else ""
-        reason = html.escape(note.reason)
+        reason = _html_words(note.reason)
         found.append(f'<p class="why"><b>{note.number}.</b> {reason}{remarks}</p>')
         found += [_html_line(line, block.indent) for line in group]
     return [*found, "</div>"]

@@ -43,6 +43,7 @@ NEEDS = {
     "no_torque_3": ("spin_312", "newton_2"),
     "viscous_slug": ("newton_2", "constant_mass"),
     "rotors": ("constant_mass",),
+    "principal_at_O": ("O_fixed_in_body",),
 }
 
 
@@ -218,6 +219,7 @@ class Scene:
     forces: list = field(default_factory=list)
     internal: list = field(default_factory=list)
     memo: dict = field(default_factory=dict)
+    open: dict = field(default_factory=dict)
 
 
 # -- bodies ----------------------------------------------------------------------------------
@@ -239,7 +241,11 @@ def centred(masses, points):
 
 def to_principal_axes(masses, points):
     """The same cloud about its centre, along its principal axes, found by an eigensolver."""
-    points = centred(masses, points)
+    return along_principal_axes(masses, centred(masses, points))
+
+
+def along_principal_axes(masses, points):
+    """The same cloud along the principal axes at the origin."""
     with mp.workdps(DIGITS + 10):
         J = mp.matrix([[mp.mpf(str(e)) for e in row] for row in moment_matrix(masses, points)])
         _, axes = mp.eigsy(J)
@@ -250,8 +256,7 @@ def to_principal_axes(masses, points):
 EQUAL = {"spin_312": (0, 2), "symmetric": (0, 1), "symmetric_1": (1, 2), "symmetric_2": (2, 0)}
 """Axes about which the moments are equal."""
 UNKNOWN = frozenset(
-    "principal_at_O plane_body fixed_axis first_turn steady_turn one_rotor steady_rotors O_uniform "
-    "exhaust_at_rest exhaust_with_body".split()
+    "plane_body fixed_axis first_turn steady_turn one_rotor steady_rotors O_uniform".split()
 )
 """Assumptions that these numerics draw no motion for."""
 
@@ -326,6 +331,9 @@ def _particles(rnd, seed, assumed):
 
 def _rigid(rnd, seed, assumed):
     masses, points = body_points(rnd, assumed)
+    at_O = "principal_at_O" in assumed
+    if at_O and "principal_axes" not in assumed:
+        points = along_principal_axes(masses, points)
     J = moment_matrix(masses, centred(masses, points))
     frames, angles = {"A": any_frame(rnd), "B": any_frame(rnd)}, {}
     body = any_frame(rnd)
@@ -344,6 +352,11 @@ def _rigid(rnd, seed, assumed):
 
     path = rnd.path()
     fixed = {name: path + carried(rnd.point()) for name in ("O in body", "OA", "OB")}
+    if at_O:  # the origin of the cloud, or on a principal axis through the centre of mass
+        along = np.array([Decimal(0), Decimal(0), rnd.either()])
+        middle = sum(m * p for m, p in zip(masses, points, strict=True)) / sum(masses)
+        O = middle + along if "principal_axes" in assumed else along * 0
+        fixed["O in body"] = path + carried(O)
     places = [path + carried(p) for p in points]
     return Scene(seed, [still(m) for m in masses], places, frames, fixed, angles)
 
@@ -448,6 +461,23 @@ def _forces(rnd, scene, assumed):
         ]
 
 
+def _open_body(rnd, scene, assumed):
+    """A body apart from all others, whose mass changes; the force is what its motion needs."""
+    mass, place = rnd.smooth() + 4, rnd.path()
+    exhaust = rnd.path()
+    if "exhaust_at_rest" in assumed:
+        exhaust = -rate(place)
+    if "exhaust_with_body" in assumed:
+        exhaust = exhaust * 0
+    force = mass * rate(rate(place)) - rate(mass) * exhaust
+    scene.points["open"] = place
+    scene.open = {
+        "mass": mass,
+        "exhaust": exhaust,
+        "force": force if "newton_2" in assumed else rnd.path(),
+    }
+
+
 @lru_cache(maxsize=64)
 def scene_of(assumed, seed):
     chosen, waiting = set(), list(assumed)
@@ -462,6 +492,8 @@ def scene_of(assumed, seed):
     scene = make(rnd, seed, chosen)
     eye = still([[Decimal(int(i == j)) for j in range(3)] for i in range(3)])
     scene.frames["I"] = Frame(eye, eye[0] * 0)
+    scene.frames.setdefault("S", any_frame(Random("oracle", "S", seed)))
+    _open_body(Random("oracle", "open", seed), scene, chosen)
     _points(rnd, scene, chosen)
     _forces(rnd, scene, chosen)
     return scene
@@ -524,9 +556,10 @@ def _energy(s, who, about):
 
 
 ATOMS = {
-    "mass": lambda s, i: s.masses[i],
+    "mass": lambda s, i: s.open["mass"] if i == "open" else s.masses[i],
+    "exhaust_velocity": lambda s, _: s.open["exhaust"],
     "position": lambda s, a, b: _place(s, a) - _place(s, b),
-    "force": lambda s, i: s.forces[i],
+    "force": lambda s, i: s.open["force"] if i == "open" else s.forces[i],
     "internal_force": lambda s, i, j: s.internal[i][j],
     "angular_velocity": lambda s, f, g: s.frames[f].omega - s.frames[g].omega,
     "unit": lambda s, f, k: s.frames[f].C[int(k) - 1],
@@ -701,6 +734,11 @@ class Values:
     def _rows(self, term, env):
         return np.array(self._args(term, env))
 
+    def _partial(self, term, env):
+        """The derivative of an expression by one of its symbols."""
+        value, by = (a.data[0] for a in term.args)
+        return still(Decimal(0)) + self.plain(value.diff(by), env)
+
     def _expr(self, term, env):
         return still(Decimal(0)) + self.plain(term.data[0], env)
 
@@ -763,6 +801,7 @@ def _determinant(rows):
 
 EXPRESSIONS = (
     (sp.Integral, lambda v, e, env: v.quadrature(e.function, list(e.limits), env)),
+    (sp.Derivative, lambda v, e, env: v.plain(e.doit(), env)),
     (sp.Determinant, Values.determinant),
     (sp.Pow, Values.power),
     (sp.Add, lambda v, e, env: sum(v.parts(e, env))),

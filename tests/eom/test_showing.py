@@ -62,12 +62,13 @@ def test_text_of_a_small_derivation(small):
         "mass₁ := m  mass of 100% steel",
         "p̲ := m r̲^•",
         "linear momentum of the point mass",
-        "002:E2, definition",
+        "002:E2; definition",
         "v̲^• = v̲^∘ + ω̲ × v̲",
-        "held in 3 random worlds",
+        "by transport theorem",
         "Newton's second law holds",
-        "Assumed from here on, and nothing else: each mass is constant.",
-        "omega x omega, a vector",
+        "Assumed: (A1) there is one point mass, P; (A2)",
+        "[law; under A1, A2; held in 3 random worlds]",
+        "ω × ω, a vector",
         "rate of change of the vector as seen from frame B",
         "spin axis: 3",
         "energy = mass₁/2",
@@ -128,7 +129,7 @@ def test_a_chain_is_aligned():
 def test_a_wide_matrix_is_stated_entry_by_entry():
     wide = sp.Matrix(3, 3, [sp.Add(*sp.symbols("x1:25")), *[0] * 7, sp.Symbol("z")])
     d = Derivation("wide", "Wide", "Tests")
-    d.state(Equation(entries(wide), entries(wide)), "the same")
+    d.state(Equation(entries(2 * wide), mul(number(2), entries(wide))), "twice the same")
     shown = show_derivation(d.finish(J=wide), "text")
     assert "(J)₁₁ = x₁ + x₁₀" in shown
     assert "(J)₃₃ = z" in shown

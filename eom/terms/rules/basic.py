@@ -15,6 +15,7 @@ import sympy as sp
 
 from eom.kinematics.frames import tilde as skew
 from eom.kinematics.frames import time_derivative
+from eom.terms.rules.tracing import Rule, named, rest_on
 from eom.terms.terms import (
     COLUMN,
     DYADIC,
@@ -38,8 +39,6 @@ from eom.terms.terms import (
     zero,
 )
 from eom.terms.vocabulary import definition, quantity
-
-Rule = Callable[[Term], Term]
 
 
 def everywhere(rule: Rule) -> Rule:
@@ -125,6 +124,10 @@ def _match_labels(
     return found
 
 
+SUBSTITUTION, DEFINITION = "substitution", "definition"
+"""What replacing is called."""
+
+
 def use(statement: Equation, backwards: bool = False) -> Rule:
     """Return the rule that replaces the left side of ``statement`` by its right, for any index."""
     old, new = statement.left, statement.right
@@ -133,25 +136,37 @@ def use(statement: Equation, backwards: bool = False) -> Rule:
 
     def rule(node: Term) -> Term:
         found = match(old, node, {})
-        return node if found is None else relabel(new, found)
+        if found is None:
+            return node
+        rest_on(statement)
+        return relabel(new, found)
 
-    return everywhere(rule)
+    return named(SUBSTITUTION, everywhere(rule))
 
 
 def put(old: Term, new: Term) -> Rule:
     """Return the rule that replaces ``old``, with its very indices, by ``new``."""
-    return everywhere(lambda n: new if n == old else n)
+
+    def rule(node: Term) -> Term:
+        if node != old:
+            return node
+        rest_on(Equation(old, new))
+        return new
+
+    return named(SUBSTITUTION, everywhere(rule))
 
 
 def unfold(*names: str) -> Rule:
     """Return the rule that replaces the named quantities by what defines them."""
 
     def rule(node: Term) -> Term:
-        if node.head == "atom" and node.data[0] in names:
-            return definition(node) or node
-        return node
+        meaning = definition(node) if node.head == "atom" and node.data[0] in names else None
+        if meaning is None:
+            return node
+        rest_on(Equation(node, meaning, ":="))
+        return meaning
 
-    return everywhere(rule)
+    return named(DEFINITION, everywhere(rule))
 
 
 def fold_into(*quantities: Term) -> Rule:
@@ -161,11 +176,12 @@ def fold_into(*quantities: Term) -> Rule:
         for q in quantities:
             meaning = definition(q)
             found = match(meaning, node, {}) if meaning is not None else None
-            if found is not None:
+            if found is not None and meaning is not None:
+                rest_on(Equation(q, meaning, ":="))
                 return relabel(q, found)
         return node
 
-    return everywhere(rule)
+    return named(DEFINITION, everywhere(rule))
 
 
 # -- components ------------------------------------------------------------------------------
@@ -173,7 +189,14 @@ def fold_into(*quantities: Term) -> Rule:
 
 def vanish(*terms: Term) -> Rule:
     """Return the rule that puts zero for each of ``terms``."""
-    return everywhere(lambda n: zero(n.kind) if n in terms else n)
+
+    def rule(node: Term) -> Term:
+        if node not in terms:
+            return node
+        rest_on(Equation(node, zero(node.kind)))
+        return zero(node.kind)
+
+    return named(SUBSTITUTION, everywhere(rule))
 
 
 def by_way_of(frame: str, to_frame: str = "I") -> Rule:
@@ -185,7 +208,7 @@ def by_way_of(frame: str, to_frame: str = "I") -> Rule:
             return matmul(C, column(node.args[0], frame))
         return node
 
-    return everywhere(rule)
+    return named("rotation of components", everywhere(rule))
 
 
 _INWARDS: dict[str, Callable[[Term, Callable[[Term], Term]], Term]] = {
@@ -218,7 +241,7 @@ _UNIT_DYADIC, _ONE = quantity("identity"), quantity("identity_matrix")
 
 def components(frame: str) -> Rule:
     """Return the rule for components: [a x b] = tilde[a] [b], [J.v] = [J][v], [B-d v/dt] = d[v]/dt."""
-    return until_stable(lambda node: _components(frame, node))
+    return named("components", until_stable(lambda node: _components(frame, node)))
 
 
 def scalars_in(frame: str) -> Rule:
@@ -230,7 +253,7 @@ def scalars_in(frame: str) -> Rule:
             return inner(a, b)
         return node
 
-    return everywhere(rule)
+    return named("components", everywhere(rule))
 
 
 def compute(rates: Mapping[Any, Any] | None = None) -> Rule:
@@ -242,7 +265,7 @@ def compute(rates: Mapping[Any, Any] | None = None) -> Rule:
             return _from_matrix(_EXPLICIT[node.head](known, *(_matrix(a) for a in node.args)))
         return node
 
-    return everywhere(rule)
+    return named("carried out", everywhere(rule))
 
 
 def _is_explicit(term: Term) -> bool:
@@ -285,10 +308,10 @@ _EXPLICIT: dict[str, Callable[..., Any]] = {
 }
 
 
-def entrywise(rule: Callable[[Any], Any]) -> Rule:
-    """Return a rule on SymPy expressions, applied to every one in the term."""
+def entrywise(rule: Callable[[Any], Any], words: str = "algebra") -> Rule:
+    """Return a rule on SymPy expressions, ``words``: its name, applied to every one in the term."""
 
     def on(node: Term) -> Term:
         return expr(rule(node.data[0])) if node.head == "expr" else node
 
-    return everywhere(on)
+    return named(words, everywhere(on))

@@ -6,10 +6,12 @@ from typing import Any
 
 import sympy as sp
 
-from eom.terms.rules.basic import Rule, everywhere, until_stable
+from eom.terms.rules.basic import everywhere, until_stable
+from eom.terms.rules.tracing import Rule, named, rest_on
 from eom.terms.terms import (
     INERTIAL,
     SCALAR,
+    Equation,
     Term,
     add,
     der,
@@ -20,7 +22,6 @@ from eom.terms.terms import (
     number,
     rebuild,
     relabel,
-    replace,
     zero,
 )
 
@@ -63,7 +64,7 @@ def _distribute(node: Term) -> Term:
     return _factors_out(node) if node.head in BILINEAR else _number_out(node)
 
 
-distribute = until_stable(_distribute)
+distribute = named("linearity", until_stable(_distribute))
 """Products, sums, integrals and derivatives are linear: a x (b + c) = a x b + a x c."""
 
 
@@ -84,7 +85,7 @@ def _differentiate_terms(node: Term) -> Term:
     return _spread(node) if node.head == "der" and node.args[0].head == "add" else node
 
 
-differentiate_terms = until_stable(_differentiate_terms)
+differentiate_terms = named("product rule", until_stable(_differentiate_terms))
 """The derivative of a sum of terms is the sum of their derivatives: (a + b)' = a' + b'."""
 
 
@@ -100,7 +101,7 @@ def _differentiate(node: Term) -> Term:
     return _product_rule(node)
 
 
-differentiate = until_stable(_differentiate)
+differentiate = named("product rule", until_stable(_differentiate))
 """The product rule, term by term: (a x b)' = a' x b + a x b'."""
 
 
@@ -112,7 +113,7 @@ def differentiate_in(frame: str) -> Rule:
             return _product_rule(make("der", node.args, (frame,)))
         return _product_rule(node)
 
-    return until_stable(rule)
+    return named("product rule", until_stable(rule))
 
 
 def _under_the_sum(node: Term) -> Term:
@@ -122,7 +123,7 @@ def _under_the_sum(node: Term) -> Term:
     return node
 
 
-differentiate_under = until_stable(_under_the_sum)
+differentiate_under = named("derivative under the sum", until_stable(_under_the_sum))
 """The derivative of a sum (integral) is the sum (integral) of the derivatives."""
 
 
@@ -161,23 +162,40 @@ def _take_side_out(node: Term, index: str, factors: list[Term]) -> Term:
     return node
 
 
-take_out = until_stable(_take_out)
+take_out = named("constants out of sums", until_stable(_take_out))
 """What does not depend on the index comes out of a sum: sum m_i a x b_i = a x sum m_i b_i."""
 
 
-def combine(term: Term) -> Term:
-    """Add like terms."""
+def _gather(node: Term) -> Term:
+    if node.head != "add":
+        return node
+    counted: dict[Term, Any] = {}
+    for t in node.args:
+        coefficient, rest = coefficient_of(t)
+        counted[rest] = counted.get(rest, 0) + coefficient
+    return add(*(mul(expr(c), rest) for rest, c in counted.items()))
 
-    def gather(node: Term) -> Term:
-        if node.head != "add":
+
+combine = named("like terms", everywhere(_gather))
+"""Add like terms."""
+
+
+def less(term: Term) -> Rule:
+    """Return the rule that takes ``term`` away; both sides of an equation stay equal."""
+    return named("the same taken away", lambda t: _gather(add(t, -term)))
+
+
+def fold_sum(statement: Equation) -> Rule:
+    """Return the rule that names, in a sum, the terms that are the right side of ``statement``."""
+    wanted = statement.right.args if statement.right.head == "add" else (statement.right,)
+
+    def rule(node: Term) -> Term:
+        if node.head != "add" or not all(t in node.args for t in wanted):
             return node
-        counted: dict[Term, Any] = {}
-        for t in node.args:
-            coefficient, rest = coefficient_of(t)
-            counted[rest] = counted.get(rest, 0) + coefficient
-        return add(*(mul(expr(c), rest) for rest, c in counted.items()))
+        rest_on(statement)
+        return add(statement.left, *(t for t in node.args if t not in wanted))
 
-    return replace(term, gather)
+    return named("substitution", everywhere(rule))
 
 
 def coefficient_of(term: Term) -> tuple[Any, Term]:
@@ -199,7 +217,7 @@ def symmetrise(first: str, second: str) -> Rule:
                 return mul(number(1, 2), rebuild(node, [rebuild(inner_sum, [both])]))
         return node
 
-    return everywhere(rule)
+    return named("both orders of a double sum", everywhere(rule))
 
 
 def _product_with_sum(node: Term) -> Term:
@@ -212,5 +230,5 @@ def _product_with_sum(node: Term) -> Term:
     return node
 
 
-into_sums = until_stable(_product_with_sum)
+into_sums = named("factors into sums", until_stable(_product_with_sum))
 """a x sum b_j = sum a x b_j."""

@@ -13,7 +13,8 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.terms.own import Own
-from eom.terms.rules.basic import Rule, everywhere, until_stable
+from eom.terms.rules.basic import everywhere, until_stable
+from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
     INERTIAL,
     Term,
@@ -141,4 +142,4 @@ def slopes(scalars: Mapping[Any, Term], own: Own | None = None) -> Rule:
             )
         return kit.of(node.args[0], by)
 
-    return everywhere(rule)
+    return named("partial derivatives", everywhere(rule))

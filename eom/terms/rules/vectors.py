@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from eom.terms.rules.basic import Rule, apply, everywhere, until_stable
+from eom.terms.rules.basic import apply, everywhere, until_stable
 from eom.terms.rules.calculus import BILINEAR, combine, differentiate, distribute, take_out
+from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
     DYADIC,
     INDICES,
@@ -20,7 +21,9 @@ from eom.terms.terms import (
     make,
     matmul,
     mul,
+    number,
     outer,
+    outer_column,
     rebuild,
     replace,
     zero,
@@ -36,7 +39,7 @@ def _parallel(node: Term) -> Term:
     return zero(VECTOR) if bare[0] == bare[1] else node
 
 
-parallel: Rule = everywhere(_parallel)
+parallel: Rule = named("a x a = 0", everywhere(_parallel))
 
 
 def _bac_cab(node: Term) -> Term:
@@ -46,7 +49,7 @@ def _bac_cab(node: Term) -> Term:
     return node
 
 
-bac_cab: Rule = everywhere(_bac_cab)
+bac_cab: Rule = named("double cross product", everywhere(_bac_cab))
 """a x (b x c) = b (a.c) - c (a.b)."""
 
 
@@ -57,14 +60,36 @@ def _scalar_triple(node: Term) -> Term:
     return node
 
 
-scalar_triple: Rule = everywhere(_scalar_triple)
+scalar_triple: Rule = named("scalar triple product", everywhere(_scalar_triple))
 """(a x b).c = a.(b x c)."""
+
+
+def _triple_in_order(node: Term) -> Term:
+    """Write a scalar triple product with its factors in one order: a.(b x c), with its sign."""
+    if node.head != "dot" or node.kind != SCALAR:
+        return node
+    for a, product in (node.args, node.args[::-1]):
+        if product.head == "cross":
+            factors = [a, *product.args]
+            wanted = sorted(factors, key=repr)
+            if len(set(wanted)) < 3:
+                return zero(SCALAR)
+            order = [wanted.index(f) for f in factors]
+            odd = sum(x > y for k, x in enumerate(order) for y in order[k + 1 :]) % 2
+            made = dot(wanted[0], cross(wanted[1], wanted[2]))
+            return -made if odd else made
+    return node
+
+
+triple_in_order: Rule = named("scalar triple product", everywhere(_triple_in_order))
+"""a.(b x c) = b.(c x a) = -(a.(c x b)), and zero where two factors are the same."""
 
 
 def swap(first: Term, second: Term) -> Rule:
     """Return the rule first x second = -(second x first)."""
-    return lambda term: replace(
-        term, lambda n: -cross(second, first) if n == cross(first, second) else n
+    return named(
+        "a x b = -(b x a)",
+        everywhere(lambda n: -cross(second, first) if n == cross(first, second) else n),
     )
 
 
@@ -74,31 +99,38 @@ def flip_crosses(inside: Callable[[Term], bool]) -> Rule:
     def rule(node: Term) -> Term:
         return -cross(node.args[1], node.args[0]) if node.head == "cross" and inside(node) else node
 
-    return everywhere(rule)
+    return named("a x b = -(b x a)", everywhere(rule))
+
+
+_DYADIC = ("dot", quantity("identity"), outer, dot)
+_MATRIX = ("inner", quantity("identity_matrix"), outer_column, matmul)
 
 
 def dyadic_form(vector: Term) -> Rule:
-    """Return the rule a (b.v) = (a b).v and s v = s 1.v, which lets ``vector`` stand at the end."""
-    identity = quantity("identity")
+    """Return the rule a (b.v) = (a b).v and s v = s 1.v, which lets ``vector`` stand at the end.
+
+    Of a column it makes matrices likewise.
+    """
+    scalar, identity, outer_of, product = _DYADIC if vector.kind == VECTOR else _MATRIX
 
     def rule(node: Term) -> Term:
         if node.head != "mul":
             return node
         *scalars, last = node.args
-        if node.kind != VECTOR:
+        if node.kind != vector.kind:
             return node
         if last == vector:
-            return dot(mul(*scalars, identity), vector)
+            return product(mul(*scalars, identity), vector)
         for k, s in enumerate(scalars):
-            if s.head == "dot" and vector in s.args:
+            if s.head == scalar and vector in s.args:
                 (other,) = (
                     (a for a in s.args if a != vector) if s.args[0] != s.args[1] else (vector,)
                 )
                 rest = [*scalars[:k], *scalars[k + 1 :]]
-                return dot(mul(*rest, outer(last, other)), vector)
+                return product(mul(*rest, outer_of(last, other)), vector)
         return node
 
-    return everywhere(rule)
+    return named("dyadic form", everywhere(rule))
 
 
 def _factor(vector: Term, head: str, place: int) -> Rule:
@@ -112,7 +144,7 @@ def _factor(vector: Term, head: str, place: int) -> Rule:
         pair = [add(*sides), vector] if place == 1 else [vector, add(*sides)]
         return add(*(t for s, t in split if s is None), make(head, pair))
 
-    return everywhere(rule)
+    return named("common factor", everywhere(rule))
 
 
 def factor_right(vector: Term, head: str = "dot") -> Rule:
@@ -143,7 +175,10 @@ def transport(to_frame: str = "B", from_frame: str = "I") -> Rule:
             return add(der(v, to_frame), cross(w, v))
         return node
 
-    return lambda term: rule(term) if term.head == "der" else replace(term, rule)
+    return named(
+        "transport theorem",
+        lambda term: rule(term) if term.head == "der" else replace(term, rule),
+    )
 
 
 def _depth(term: Term) -> int:
@@ -156,7 +191,7 @@ def _commute(node: Term) -> Term:
     return node
 
 
-commute: Rule = everywhere(_commute)
+commute: Rule = named("a.b = b.a", everywhere(_commute))
 """a.b = b.a, with the higher derivative first."""
 
 
@@ -178,10 +213,32 @@ def _from_points(node: Term) -> Term:
     return node
 
 
-def ordered(term: Term) -> Term:
-    """Write products in one order: a.b = b.a, a x b = -(b x a), factors in front."""
+def _from_itself(node: Term) -> Term:
+    if node.head == "atom" and node.data[0] == "position" and node.data[1] == node.data[2]:
+        return zero(VECTOR)
+    return node
+
+
+def _no_turn(node: Term) -> Term:
+    if node.head == "atom" and node.data[0] == "angular_velocity" and node.data[1] == node.data[2]:
+        return zero(VECTOR)
+    return node
+
+
+no_turn_in_itself: Rule = named("no turning in itself", everywhere(_no_turn))
+"""The angular velocity of a frame with respect to itself is zero."""
+
+from_itself: Rule = named("no distance from itself", everywhere(_from_itself))
+"""The position of a point from itself is zero."""
+
+
+def _in_order(term: Term) -> Term:
     ordering = everywhere(_ordered)
     return distribute(ordering(distribute(everywhere(_from_points)(term))))
+
+
+ordered: Rule = named("order of factors", _in_order)
+"""Write products in one order: a.b = b.a, a x b = -(b x a), factors in front."""
 
 
 def order_dots(first: Term) -> Rule:
@@ -192,12 +249,13 @@ def order_dots(first: Term) -> Rule:
             return dot(first, node.args[0])
         return node
 
-    return everywhere(rule)
+    return named("a.b = b.a", everywhere(rule))
 
 
 def linear_in(vector: Term) -> Rule:
     """Return the rule that lets ``vector`` stand once, at the end, behind a dyadic."""
-    steps = (dyadic_form(vector), factor_right(vector), take_out, combine)
+    head = "dot" if vector.kind == VECTOR else "matmul"
+    steps = (dyadic_form(vector), factor_right(vector, head), take_out, combine)
     return lambda term: apply(steps, term)
 
 
@@ -211,7 +269,7 @@ def symmetric(dyadic: Term) -> Rule:
                 return dot(b, dot(dyadic, a))
         return node
 
-    return everywhere(rule)
+    return named("symmetry", everywhere(rule))
 
 
 def triple_zero(vector: Term) -> Rule:
@@ -222,7 +280,7 @@ def triple_zero(vector: Term) -> Rule:
             return zero(SCALAR) if vector in node.args[1].args else node
         return node
 
-    return everywhere(rule)
+    return named("a x a = 0", everywhere(rule))
 
 
 def _regroup(factor: Term, side: int) -> Rule:
@@ -234,7 +292,7 @@ def _regroup(factor: Term, side: int) -> Rule:
             return mul(*rest, rebuild(node.args[-1], sides))
         return node
 
-    return everywhere(rule)
+    return named("associativity", everywhere(rule))
 
 
 def regroup(factor: Term) -> Rule:
@@ -254,7 +312,7 @@ def _associate(node: Term) -> Term:
     return node
 
 
-associate = until_stable(_associate)
+associate = named("associativity", until_stable(_associate))
 """A (B c) = (A B) c."""
 
 
@@ -273,4 +331,23 @@ def seen_from(frame: str) -> Rule:
         parted = differentiate(distribute(node))
         return parted if parted != node else transport(frame)(node)
 
-    return lambda term: distribute(until_stable(rule)(term))
+    return named("transport theorem", lambda term: distribute(until_stable(rule)(term)))
+
+
+def factor_scalar(factor: Term) -> Rule:
+    """Return the rule s a + s b = s (a + b) for the scalar ``factor`` s."""
+
+    def rule(node: Term) -> Term:
+        if node.head != "add":
+            return node
+        inside, rest = [], []
+        for t in node.args:
+            factors = list(t.args) if t.head == "mul" else [t]
+            if factor in factors:
+                factors.remove(factor)
+                inside.append(mul(*factors) if factors else number(1))
+            else:
+                rest.append(t)
+        return add(mul(factor, add(*inside)), *rest) if len(inside) > 1 else node
+
+    return named("common factor", everywhere(rule))
