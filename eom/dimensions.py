@@ -35,6 +35,16 @@ def powers_of(dimension: Dimension) -> Powers:
     return {n: e for n, e in zip(BASE, dimension, strict=True) if e}
 
 
+def kind_of_numbers(expressions: Iterable[Expr]) -> str:
+    """Return what exact numbers in expressions are: values where one stands alone, as a whole term, else counts.
+
+    >>> kind_of_numbers([sp.Integer(3), 2 * sp.Symbol("M")]), kind_of_numbers([2 * sp.Symbol("M")])
+    ('values', 'counts')
+    """
+    terms = (t for e in expressions for t in sp.Add.make_args(sp.sympify(e, strict=True)))
+    return "values" if any(t.is_number and not t.is_zero for t in terms) else "counts"
+
+
 class _MisfitError(Exception):
     """What does not fit: the term, its dimension, that which it should have, and as what."""
 

@@ -238,7 +238,7 @@ def test_angles_against_the_ground(run):
     done = run("derive", "double-pendulum", "--method", "lagrange", "--absolute")
     tree = TreeScene.ready("double-pendulum").tree
     assert done.output == tree_page(tree, "lagrange", coordinates=absolute_angles(tree)) + "\n"
-    assert "theta_elbow" in done.output
+    assert "θ_elbow" in done.output
 
 
 def test_constrained_scenes_have_closed_forms(run):
@@ -268,4 +268,4 @@ def test_large_scenes_have_no_closed_form(run, name, method):
 def test_a_long_pendulum_is_short_in_angles_against_the_ground(run):
     done = run("derive", "pendulum-on-cart", "--method", "kane", "--absolute")
     assert done.exit_code == 0, done.output
-    assert "theta_hinge5" in done.output
+    assert "θ_hinge5" in done.output

@@ -64,7 +64,7 @@ def lesson(topic: str) -> Lesson:
     """Return a ``topic`` by its name, one of `topics`. Raises `InputError` for others.
 
     >>> len(lesson("point-mass").derivation.steps)
-    28
+    29
     """
     if topic not in derivations.names():
         raise unknown_name("topic", topic, derivations.names())

@@ -14,6 +14,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.dimensions import kind_of_numbers
 from eom.errors import typed_fields
 from eom.exact.algebra import gather
 from eom.kinematics.coordinates import elementary
@@ -63,7 +64,7 @@ class SpinningSymmetricBody:
     ``parameters``, ``inputs``: the quantities in it. ``potential``: energy (J) whose loss is the work of
     the torque; without one that of a constant M1 is M1 theta. ``reference_point``: what momentum and torque
     are about, in words: the centre of mass, or a fixed point on the axle. ``numbers``: what exact numbers
-    in the torque are, a row of `eom.system.NUMBERS`.
+    in the torque are, a row of `eom.system.NUMBERS`; values where one stands alone, unless it is said.
     Raises `InputError` for what is no expression.
     Source: lecture 001.
 
@@ -76,11 +77,12 @@ class SpinningSymmetricBody:
     inputs: tuple[Quantity, ...] = ()
     potential: Expr = 0
     reference_point: str = "centre of mass"
-    numbers: str = "counts"
+    numbers: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "torque", tuple(map(as_expression, self.torque)))
         object.__setattr__(self, "potential", as_expression(self.potential))
+        object.__setattr__(self, "numbers", self.numbers or kind_of_numbers(self.torque))
 
     @property
     def C_AI(self) -> Rotation:

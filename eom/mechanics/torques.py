@@ -12,6 +12,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.dimensions import kind_of_numbers
 from eom.errors import InputError
 from eom.kinematics.frames import Vector, unit_vector, vector
 from eom.mass.inertia import integrate_over_mass, second_moments_of_inertia
@@ -33,8 +34,8 @@ class Torque:
     attitude is measured from, in B; ``frame_rate_in_A``: the same in A. ``parameters``, ``inputs``: the
     quantities in it. ``directions``: components in B of the axes of A that matter, as definitions.
     ``assumptions``: under which it holds. ``numbers``: what exact numbers in it are, a row of
-    `eom.system.NUMBERS`. ``reference_point``: what momentum and torque are about; empty
-    for a couple, which is the same about every point.
+    `eom.system.NUMBERS`; values where one stands alone, unless it is said. ``reference_point``: what
+    momentum and torque are about; empty for a couple, which is the same about every point.
 
     Torques about one point add up. Raises `InputError` where they are about different points, or their
     frames A turn differently.
@@ -52,7 +53,11 @@ class Torque:
     assumptions: tuple[Assumption, ...] = ()
     reference_point: str = ""
     frame_rate_in_A: Vector | None = None
-    numbers: str = "counts"
+    numbers: str = ""
+
+    def __post_init__(self) -> None:
+        found = self.numbers or kind_of_numbers(self.components.components)
+        object.__setattr__(self, "numbers", found)
 
     def __add__(self, other: Torque) -> Torque:
         """Return the sum: components and potentials are added, what comes with each is kept."""

@@ -42,7 +42,7 @@ def names() -> list[str]:
     """Return the names of the ready scenes, sorted.
 
     >>> names()[:3]
-    ['bicycle-wheel', 'double-pendulum', 'floating-tree']
+    ['bicycle-wheel', 'control-moment-gyroscope', 'double-pendulum']
     """
     return sorted(p.stem for p in _folder().glob("*.toml"))
 

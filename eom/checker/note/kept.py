@@ -26,6 +26,7 @@ from eom.checker.read.documents import Document, Piece, note_of
 from eom.checker.report.findings import GIVEN, Settings
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived, show_derivation
+from eom.derivations.reached import is_tautology
 from eom.errors import InputError, typed
 from eom.terms.rules import entrywise
 from eom.terms.terms import Equation, Term
@@ -133,8 +134,8 @@ def _keep(d: Derivation, found: Found, document: Document, given: tuple[str, ...
                     d.name_scalar(spelt[symbol], with_names(meaning), "letter of the note")
             for s in _said(judged):
                 statement = Equation(with_names(s.left), with_names(s.right), s.relation)
-                if statement in [step.statement for step in d.steps[-1:]]:
-                    continue  # the order of factors alone is another
+                if is_tautology(statement) or statement in d.stated:
+                    continue  # a letter by what it means; the order of factors alone is another
                 d.state(statement, words or f"line {finding.line} of the note")
         except InputError as error:
             raise InputError(

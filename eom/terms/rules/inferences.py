@@ -133,7 +133,7 @@ _ANY = frozenset({"vector", "dyadic", "scalar"})
 """Quantities that stand for any of their kind."""
 
 
-def instance(meanings: Mapping[Term, Term], words: str = "special case") -> Inference:
+def instance(meanings: Mapping[Term, Term], words: str = "specialisation") -> Inference:
     """Return the inference that puts a special one for any vector, dyadic or number."""
 
     def conclude(equation: Equation) -> Equation:
@@ -148,7 +148,7 @@ def instance(meanings: Mapping[Term, Term], words: str = "special case") -> Infe
     return Inference(words, conclude)
 
 
-def renamed(labels: Mapping[str, str], *applied: Rule, words: str = "special case") -> Inference:
+def renamed(labels: Mapping[str, str], *applied: Rule, words: str = "specialisation") -> Inference:
     """Return the inference from any point or frame to a special one, by its label; tidied by rules."""
 
     def conclude(equation: Equation) -> Equation:

@@ -21,7 +21,10 @@ FILES = [
     *(ROOT / "checker/mean" / f"{n}.py" for n in ("instants", "numbers", "values", "dimensions")),
     *(ROOT / "worlds" / f"{n}.py" for n in ("evaluate", "solutions")),
 ]
-ELSEWHERE = ("no process for checking", "unusable number of workers")
+ELSEWHERE = (
+    *("no process for checking", "unusable number of workers", "no line of this note can be kept"),
+    *("a line that is not judged true", "this line cannot be verified without the note"),
+)
 """Errors that are no reasons of a line."""
 INTERNAL = {"atom", "world", "worlds", "head", "expr", "der", "term", "node"}
 
