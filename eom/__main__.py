@@ -41,9 +41,7 @@ class Commands(click.Group):
         except (KeyboardInterrupt, RuntimeError) as error:
             if KeyboardInterrupt not in {type(error), type(error.__cause__)}:
                 raise
-            click.echo(
-                "interrupted", err=True
-            )  # a class that was being made says RuntimeError of it
+            click.echo("interrupted", err=True)  # a class being made says RuntimeError of it
             ctx.exit(INTERRUPTED)
         except BrokenPipeError:
             raise  # the reader has seen enough; click ends quietly

@@ -516,12 +516,10 @@ def _check_names(system: System) -> None:
         repeated = sorted(n for n, count in Counter(names).items() if count > 1)
         if repeated:
             raise InputError(
-                f"repeated {kind} name",
-                where=f"system {system.name!r}",
-                got=", ".join(repeated),
+                f"repeated {kind} name", where=f"system {system.name!r}", got=", ".join(repeated),
                 expected="each name once",
                 hint=_hint_of_time(system) if str(system.time.name) in repeated else "",
-            )
+            )  # fmt: skip
 
 
 def _hint_of_time(system: System) -> str:

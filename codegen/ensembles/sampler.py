@@ -228,11 +228,10 @@ def _hold(condition: Condition, found: Array, known: Mapping[str, Array], first:
     got = {n: float(np.broadcast_to(known[n], found.shape)[at]) for n in condition.names}
     raise AssumptionError(
         f"values contradict the assumption {condition.assumption.name}: {condition.assumption.meaning}",
-        where=f"trajectory {first + at}",
-        got=", ".join(f"{n} = {v!r}" for n, v in got.items()),
+        where=f"trajectory {first + at}", got=", ".join(f"{n} = {v!r}" for n, v in got.items()),
         expected=f"{condition.expression} {'= 0' if condition.is_zero else '>= 0'}",
         hint="derive the system again without this assumption, or correct the values",
-    )
+    )  # fmt: skip
 
 
 Evaluate = Callable[[Mapping[str, Array]], Array]

@@ -234,8 +234,7 @@ def _drift(plan: Plan, runs: Runs, x: Array, p: Array) -> Array:
     sizes, t0 = Sizes(plan.compiled), plan.shared.t_span[0]
     start = constants(t0, x, p, u)
     change, terms = np.zeros_like(start), sizes.terms(t0, x, p, u)
-    places = [*zip(plan.shared.t_eval, runs.y, strict=True), (runs.t_stop, runs.y_stop)]
-    for t, y in places:
+    for t, y in (*zip(plan.shared.t_eval, runs.y, strict=True), (runs.t_stop, runs.y_stop)):
         children.check()
         off = np.abs(constants(t, y, p, u) - start)
         change = np.fmax(change, off)

@@ -193,12 +193,10 @@ def in_order(values: Mapping[str, V], names: Sequence[str], kind: str) -> list[V
     missing = [n for n in names if n not in values]
     if any(not isinstance(n, str) for n in unknown):
         raise unknown_name(kind, next(n for n in unknown if not isinstance(n, str)), names)
+    wrong = (("unknown", "", [repr(n) for n in unknown]), ("missing", ":", missing))
     parts = [
         f"{what} {kind}{'s' if len(found) > 1 else ''}{sign} {', '.join(found)}"
-        for what, sign, found in (
-            ("unknown", "", [repr(n) for n in unknown]),
-            ("missing", ":", missing),
-        )
+        for what, sign, found in wrong
         if found
     ]
     if parts:

@@ -547,12 +547,8 @@ class Lowering:
     def piecewise(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower to nested selections; the last condition must be true everywhere."""
         if node.args[-1].cond != sp.true:
-            raise InputError(
-                "Piecewise does not cover every case",
-                where=self.where,
-                got=node,
-                hint="end it with (value, True)",
-            )
+            raise InputError("Piecewise does not cover every case", where=self.where, got=node,
+                             hint="end it with (value, True)")  # fmt: skip
         children = [e for piece in node.args for e in (piece.expr, piece.cond)]
 
         def build(numbers: list[int]) -> int:

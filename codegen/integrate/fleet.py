@@ -139,6 +139,11 @@ def runner(function: Any) -> Runner:
     return run
 
 
+def _column(a: Array, j: int) -> Array:
+    """Return a trajectory's own column of an array of all, or what all share."""
+    return np.ascontiguousarray(a[:, j]) if a.ndim == 2 else a
+
+
 def _held(shared: Shared) -> Array:
     """Return the absolute tolerances, as C reads them."""
     assert shared.atol is not None
@@ -299,14 +304,13 @@ def _by_scipy(compiled: Compiled) -> Runner:
 
 def problem_of(shared: Shared, x: Array, p: Array, j: int, singularities: int) -> Problem:
     """Return what a trajectory is by itself, asked to end as the thread is."""
-    atol = _held(shared)
     return Problem(
         x0=np.ascontiguousarray(x[:, j]),
         t_span=shared.t_span,
-        parameters=np.ascontiguousarray(p[:, j]) if p.ndim == 2 else p,
+        parameters=_column(p, j),
         inputs=shared.inputs,
         rtol=shared.rtol,
-        atol=np.ascontiguousarray(atol[:, j]) if atol.ndim == 2 else atol,
+        atol=_column(_held(shared), j),
         margin=shared.margin,
         singularities=singularities,
         t_eval=shared.t_eval,

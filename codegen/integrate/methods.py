@@ -37,6 +37,11 @@ class Method:
     finds: bool = False
 
 
+_WITHOUT_FUNCTIONS = (
+    "write inputs into the system by System.with_control, or sample them: codegen.Sampled"
+)
+"""What to do with inputs that are Python functions where generated C is needed."""
+
 Further = tuple[tuple[str, ...], tuple[events.Event, ...], bool]
 """What a loop does beside integrating: invariants to project onto, events, laws that are sampled."""
 
@@ -114,9 +119,7 @@ def _runge_kutta(
                 f"method {name} finds events in generated C alone",
                 got="inputs that are Python functions" if task.signals else compiled.target,
                 expected="the target c, and inputs that are numbers",
-                hint="write inputs into the system by System.with_control, or sample them: codegen.Sampled"
-                if task.signals
-                else "",
+                hint=_WITHOUT_FUNCTIONS if task.signals else "",
             )
         integrator, used = _scipy(elsewhere)(task)
         reason = " (inputs are Python functions)" if task.signals is not None else ""
@@ -236,15 +239,10 @@ def integrator_of(task: Task, method: str) -> tuple[Integrator, str]:
         raise unknown_name("method", method, METHODS)
     if task.problem.project and not row.projects:
         able = [row.name for row in ROWS if row.projects]
-        raise InputError(
-            f"method {method} cannot project its states onto invariants",
-            expected=f"one of {', '.join(able)}",
-        )
+        raise InputError(f"method {method} cannot project its states onto invariants",
+                         expected=f"one of {', '.join(able)}")  # fmt: skip
     if task.events and not row.finds:
         able = [row.name for row in ROWS if row.finds]
-        raise InputError(
-            f"method {method} finds no events",
-            got=", ".join(e.label for e in task.events),
-            expected=f"one of {', '.join(able)}",
-        )
+        raise InputError(f"method {method} finds no events", got=", ".join(e.label for e in task.events),
+                         expected=f"one of {', '.join(able)}")  # fmt: skip
     return row.prepare(task)

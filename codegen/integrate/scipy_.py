@@ -477,19 +477,17 @@ class _Run:
 
         ``edge``: how far that is from the begin of the step, or 0.
         """
+        self.last = abs(solver.t - solver.t_old)
         if self.watcher is None:
-            self.last = abs(solver.t - solver.t_old)
             cut = self.schedule is not None and solver.t == self.end
             self.usual = max(self.usual, self.last) if cut else self.last
             return
-        end = self.end
-        at_bound = solver.t == solver.t_bound != end
-        self.last = abs(solver.t - solver.t_old)
+        at_bound = solver.t == solver.t_bound != self.end
         self.usual = self.last if not at_bound else max(self.usual, self.last)
         if at_bound and edge:
             unit = self.watcher.unit(solver.t)
             left = min(max(edge - self.last, 0.0), 8 * unit)
-            step = min(self.usual, abs(end - solver.t))
+            step = min(self.usual, abs(self.end - solver.t))
             passage = _Passage(8 * unit, left, 2 * unit)
             self._pass_over(passage, float(solver.t), solver.y.copy(), step)
         elif at_bound:

@@ -77,16 +77,14 @@ class Problem:
 
 def solve(problem: Problem, z: Array) -> Array | None:
     """Return a solution from a start; None where none is found."""
-    limit = FARTHEST * (1 + np.max(np.abs(z), initial=0.0))
+    limit = FARTHEST * (1 + _largest(z))
     radius = RADIUS
     for _ in range(MOST_STEPS):
         f, J = problem.derived(z)
         if not (np.all(np.isfinite(f)) and np.all(np.isfinite(J))):
             return None
         forward = step(problem, f, J)
-        near = np.max(np.abs(forward), initial=0.0) <= CONVERGING * (
-            1 + np.max(np.abs(z), initial=0.0)
-        )
+        near = _largest(forward) <= CONVERGING * (1 + _largest(z))
         if near and np.all(np.abs(f) <= TOLERANCE * scale(problem, z)):
             return _polished(problem, z, f, forward)
         moved, radius = _shortened(problem, z, f, forward, radius)
@@ -94,6 +92,11 @@ def solve(problem: Problem, z: Array) -> Array | None:
             return None
         z = moved
     return None
+
+
+def _largest(a: Array) -> float:
+    """Return the largest size of a number, 0 where there is none."""
+    return float(np.max(np.abs(a), initial=0.0))
 
 
 def step(problem: Problem, f: Array, J: Array) -> Array:
@@ -104,7 +107,7 @@ def step(problem: Problem, f: Array, J: Array) -> Array:
 
 def scale(problem: Problem, z: Array) -> Array:
     """Return the size of each equation's terms."""
-    return np.asarray(problem.size * (1 + np.max(np.abs(z), initial=0.0)))
+    return np.asarray(problem.size * (1 + _largest(z)))
 
 
 def _shortened(
@@ -263,7 +266,7 @@ def equilibria(
 
 
 def _alike(a: Array, b: Array) -> bool:
-    return bool(np.max(np.abs(a - b), initial=0.0) <= ALIKE * (1 + np.max(np.abs(a), initial=0.0)))
+    return _largest(a - b) <= ALIKE * (1 + _largest(a))
 
 
 class _Search:
@@ -481,11 +484,10 @@ class _Search:
                 depends = np.abs(J[:, place]) > RANK * size
                 if np.any(depends):
                     raise InputError(
-                        f"{self.labels[place]} is not cyclic",
-                        where=self.name,
+                        f"{self.labels[place]} is not cyclic", where=self.name,
                         got=f"the rate of {self.equations.labels[int(np.argmax(depends))]} depends on it",
                         hint="hold it, or call the other state cyclic, too",
-                    )
+                    )  # fmt: skip
             x = x + 0.1 * draw.normal(size=x.size)
 
     def nothing(self, starts: int) -> InputError:

@@ -117,9 +117,8 @@ def sensitivities(
     _known("state", initial_states, names_of(layout.states))
     variables = (*parameters, *map(_first, initial_states))
     if not variables:
-        raise InputError(
-            "no variables", expected="names of parameters or of states", where=layout.name
-        )
+        raise InputError("no variables", where=layout.name,
+                         expected="names of parameters or of states")  # fmt: skip
     extended = _extended(compiled, tuple(parameters), tuple(initial_states))
     return Sensitivities(extended, names_of(layout.states), variables)
 

@@ -236,10 +236,8 @@ class _Parser:
             arguments.append(self.expression(0, depth + 1))
         self.expect(")")
         if len(arguments) != count:
-            raise self.error(
-                f"{token.text} takes {count} argument{'s'[: count - 1]}, got {len(arguments)}",
-                start=token.start,
-            )
+            raise self.error(f"{token.text} takes {count} argument{'s'[: count - 1]}, got {len(arguments)}",
+                             start=token.start)  # fmt: skip
         if token.text in {"exp", "sinh", "cosh"} and _beyond(arguments[0], MAX_GROWTH):
             raise self.error("number is too large or too small", start=token.start)
         as_written = count == 1 and not arguments[0].is_number

@@ -180,11 +180,9 @@ class BaseScene(Request):
         own = (*self.control.states, *self.control.definitions)
         for name in own:
             if name in names:
-                raise InputError(
-                    f"name {name!r} is used twice",
-                    where="[control.states] and [control.definitions]",
-                    expected="names that the scene does not have otherwise",
-                )
+                raise InputError(f"name {name!r} is used twice",
+                                 where="[control.states] and [control.definitions]",
+                                 expected="names that the scene does not have otherwise")  # fmt: skip
         known = {**names, **{n: sp.Symbol(n, real=True) for n in own}}
         return {
             section: {

@@ -176,11 +176,10 @@ def _turned(scene: Description) -> dict[str, float]:
         return {}
     if len(given) < len(names) or scene.initial_attitude is not None:
         raise InputError(
-            "an attitude is three angles, given once",
-            where="[initial]",
+            "an attitude is three angles, given once", where="[initial]",
             got=", ".join(given) + (" and [initial_attitude]" if scene.initial_attitude else ""),
             expected=", ".join(names),
-        )
+        )  # fmt: skip
     q = quaternion_of_sequence(scene.sequence, [values[n] for n in names])
     return {f"q{k}": v for k, v in enumerate(q)}
 
@@ -213,12 +212,10 @@ def _check_constraints(scene: Description, values: Mapping[str, float]) -> None:
             expected = constraint_value(name)
             if abs(found - expected) > 1e-9:
                 raise InputError(
-                    f"{scene.coordinates} at the start is no rotation",
-                    where="[initial]",
-                    got=f"{meaning} = {found!r}",
-                    expected=f"{expected} to within 1e-9",
+                    f"{scene.coordinates} at the start is no rotation", where="[initial]",
+                    got=f"{meaning} = {found!r}", expected=f"{expected} to within 1e-9",
                     hint="[initial_attitude] takes angles and makes them exact",
-                )
+                )  # fmt: skip
 
 
 def pick(

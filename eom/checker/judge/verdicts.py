@@ -96,15 +96,15 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     judged = tuple(_judged(c, given, understood) for c in understood.claims)
     judged = _of_one_model(judged, given, understood)
     judged = _lettered(_conditional(_following(judged)), understood)
-    judged = tuple(
-        replace(_with_case(j, given), chain=judge_chain(j.claim, given))
-        if j.verdict in GRAVE
-        else j
-        for j in judged
-    )
+    judged = tuple(_with_chain(j, given) if j.verdict in GRAVE else j for j in judged)
     found = {j.verdict: j.reason for j in reversed(judged)}
     gravest = next((v for v in ORDER if v in found), NONE)
     return Verdict(gravest, found.get(gravest, ""), judged)
+
+
+def _with_chain(judged: Judged, given: tuple[str, ...]) -> Judged:
+    """Return what is wrong with its special case, if it has one, and the links of its chain."""
+    return replace(_with_case(judged, given), chain=judge_chain(judged.claim, given))
 
 
 def _with_case(judged: Judged, given: tuple[str, ...]) -> Judged:
@@ -315,9 +315,7 @@ def judge_chain(claim: Claim, given: Iterable[str] = ()) -> Chain | None:
     pairs = [(a, a + 1) for a in numbers[:-1] if not _between(claim, a, a + 1, lost)]
     links = tuple((a, b, _link(claim, a, b, given)) for a, b in pairs)
     broken = [b for _, b, link in links if link.verdict == WRONG]
-    whole = len(numbers) > 1 and sum(_between(claim, 0, numbers[-1], [s]) for s in lost) == len(
-        lost
-    )
+    whole = len(numbers) > 1 and all(_between(claim, 0, numbers[-1], [s]) for s in lost)
     ends = _link(claim, numbers[0], numbers[-1], given) if whole else None
     blamed = {_place(claim, n) for n in _blamed(claim, numbers, broken, given)} | set(lost)
     return Chain(links, ends, tuple(sorted(blamed)))

@@ -49,6 +49,7 @@ FREELY = frozenset({"coordinate", "free_angle"})
 """Quantities that move in any way."""
 SIGNED_TRIALS = 40
 """Worlds that are drawn at most, where signs and branches matter."""
+OUTFLOW = "what leaves a body whose mass changes, and with which velocity, is not known here"
 BOUND = "it may follow from the laws of motion, which have no such functions here"
 MAX_ROOTS = 3
 """Square roots in a claim at most, whose signs are looked at."""
@@ -321,9 +322,7 @@ class Worlds(Models):
     def doubt(self) -> str:
         """Say that what is false may be true of open systems, with roots of other signs, of one motion."""
         if self._changes_mass():
-            return (
-                "what leaves a body whose mass changes, and with which velocity, is not known here"
-            )
+            return OUTFLOW
         cases = self.cases(Search(self).base[1])
         bound = not self._kinds() <= UNBOUND
         if cases and (bound or any(true for _, true, _ in cases)):

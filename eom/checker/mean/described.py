@@ -381,9 +381,8 @@ class _Read:
         _known(row, {"between", "stiffness", "length"}, where)
         ends = row.get("between", [])
         if not isinstance(ends, list) or len(ends) != 2 or "stiffness" not in row:
-            raise InputError(
-                "a spring is between two ends", where=where, expected="between, stiffness"
-            )
+            raise InputError("a spring is between two ends", where=where,
+                             expected="between, stiffness")  # fmt: skip
         names = [e if isinstance(e, str) else "" for e in ends]
         _known([n for n in names if n], bodies, where)
         places = [bodies[e].at if isinstance(e, str) else self.vector(e, where) for e in ends]

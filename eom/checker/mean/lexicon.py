@@ -552,8 +552,7 @@ class Lexicon:
         for n in range(1, min(len(given), 8) + 1):
             name = self.resolved(slot[1], given[:n], indices)
             if name is not None and bound.get(slot[1], name) == name:
-                new = {**bound, slot[1]: name}
-                found = self._corner(pattern[1:], given[n:], new, indices)
+                found = self._corner(pattern[1:], given[n:], {**bound, slot[1]: name}, indices)
                 if found is not None:
                     return found
         return None

@@ -194,15 +194,11 @@ def _ratio(node: Fraction | Quotient, known: Known) -> Measure | None:
 
 
 def _power(node: Scripts, known: Known) -> Measure | None:
-    plain = node.sub is node.presub is node.presup is None and node.sup is not None
-    base = (
-        measured(node.base, known)
-        if plain
-        else measured(replace(node, sup=None), known)
-        if node.sup
-        else None
-    )
-    if base is None or node.sup is None:
+    if node.sup is None:
+        return None
+    plain = node.sub is node.presub is node.presup is None
+    base = measured(node.base if plain else replace(node, sup=None), known)
+    if base is None:
         return None
     if isinstance(node.sup, Marks):
         return Measure(base.value * sp.pi / 180, NONE) if node.sup.names == ("circ",) else None

@@ -265,9 +265,8 @@ class _Splitter:
         if tag:
             items.pop()
         for k, item in enumerate(items):
-            comma = separators[k] == ","
             after = separators[k + 1] if k + 1 < len(items) else ""
-            if comma and self.lists(item):
+            if separators[k] == "," and self.lists(item):
                 continue
             if after == "," and _is_name(item) and not self.role:
                 self.listed.append(item)

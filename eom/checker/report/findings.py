@@ -414,6 +414,11 @@ UNPLACED = 12
 """Symbols without a meaning that are listed at most."""
 INDENT = "    "
 
+UNCONFIRMED = (
+    "    Nobody has confirmed these meanings: what is called wrong may be misread. A preset is",
+    "    named by --notation; --propose prints the draft as a file for --lexicon.",
+)
+
 
 def text(line: Line) -> str:
     """Return a line without styles."""
@@ -472,10 +477,7 @@ def _head(report: Report) -> Iterator[Line]:
     draft = report.lexicon.startswith("draft")
     yield (("unsure" if draft else "faint", f"  meanings: {printable(report.lexicon)}"),)
     if draft:
-        yield _faint(
-            "    Nobody has confirmed these meanings: what is called wrong may be misread. A preset is"
-        )
-        yield _faint("    named by --notation; --propose prints the draft as a file for --lexicon.")
+        yield from map(_faint, UNCONFIRMED)
         yield from (_faint(f"    {printable(d)}") for d in report.drafts)
     if report.unplaced:
         names = ", ".join(report.unplaced[:UNPLACED])

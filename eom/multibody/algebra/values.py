@@ -169,20 +169,16 @@ def unit(given: Any, where: str) -> tuple[Value, Value, Value]:
     """
     if isinstance(given, str):
         if given not in NAMED_AXES:
-            raise InputError(
-                "unknown axis", where=where, got=given, expected="x, y, z, -x, -y or -z"
-            )
+            raise InputError("unknown axis", where=where, got=given,
+                             expected="x, y, z, -x, -y or -z")  # fmt: skip
         return triple(NAMED_AXES[given], where)
     a = triple(given, where)
     if all(map(is_number, a)):
         return _normalised(a, where)
     if not vanishes(sp.Add(*(as_expression(x) ** 2 for x in a)) - 1):
-        raise InputError(
-            "the components of a symbolic axis must have squares that add to 1",
-            where=where,
-            got=given,
-            hint="tilt the joint by the rotation of its placement instead",
-        )
+        raise InputError("the components of a symbolic axis must have squares that add to 1",
+                         where=where, got=given,
+                         hint="tilt the joint by the rotation of its placement instead")  # fmt: skip
     return a
 
 

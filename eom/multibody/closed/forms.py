@@ -396,13 +396,11 @@ def _forms(tree: Tree, methods: Sequence[str], wishes: Wishes) -> tuple[ClosedFo
     write = Writer(given.algebra, runs(given))
     if not tree.constraints:
         if wishes.independent:
-            raise InputError(
-                "independent speeds of a tree without constraints", where=f"tree {tree.name!r}"
-            )
+            raise InputError("independent speeds of a tree without constraints",
+                             where=f"tree {tree.name!r}")  # fmt: skip
         return tuple(_form(given, m, METHODS[m][1](given), write) for m in methods)
     held = bonds(given, wishes.coordinates or {}, wishes.independent, write)
-    found = (bound(held, METHODS[m][1]) for m in methods)
-    return tuple(_form(held.mechanism, m, b, write) for m, b in zip(methods, found, strict=True))
+    return tuple(_form(held.mechanism, m, bound(held, METHODS[m][1]), write) for m in methods)
 
 
 def chosen_names(tree: Tree, names: Mapping[str, str]) -> dict[Expr, Expr]:
@@ -557,12 +555,8 @@ def absolute_angles(tree: Tree) -> dict[Expr, Expr]:
             joint = given.links[k].joint
             if joint.kind != "revolute" or joint.motion is not None:
                 break
-            q = joint.coordinates[0].symbol
-            if q in found:  # on the way to another end
-                total = sp.Symbol(f"theta_{joint.name}", real=True)
-                continue
-            theta = sp.Symbol(f"theta_{joint.name}", real=True)
-            found[q] = theta - total
+            q, theta = joint.coordinates[0].symbol, sp.Symbol(f"theta_{joint.name}", real=True)
+            found.setdefault(q, theta - total)  # found before: on the way to another end
             total = theta
     return found
 

@@ -157,9 +157,8 @@ def _remarks(form: ClosedForm) -> Iterator[Block]:
         (Formula(d.symbol.xreplace(names)), "follows the other speeds") for d in form.followers
     ]
     items += [(Formula(names.of(x)), "taken to be positive") for x in held.positive]
-    items += [
-        (Formula(names.of(x)), "must not be zero: there other speeds follow") for x in held.divisors
-    ]
+    items += [(Formula(names.of(x)), "must not be zero: there other speeds follow")
+              for x in held.divisors]  # fmt: skip
     items += [(Words(name), "holds by itself, or by the others") for name in held.idle]
     items += [(Formula(d.symbol), f"{d.quantity.meaning} ({d.quantity.unit or 'its own unit'})")
               for d in form.multipliers]  # fmt: skip

@@ -55,11 +55,9 @@ def load_mjcf(path: str | Path, *, strict: bool = True, floating: bool = False) 
         model = _Model(file.stem, compiled)
         fixed = model.fixed_roots()
         if floating and len(fixed) != 1:
-            raise InputError(
-                "floating frees the one body that is fixed to the world",
-                got=", ".join(model.bodies[b] for b in fixed) or "none",
-                hint="write <freejoint/> in the body that is to float",
-            )
+            raise InputError("floating frees the one body that is fixed to the world",
+                             got=", ".join(model.bodies[b] for b in fixed) or "none",
+                             hint="write <freejoint/> in the body that is to float")  # fmt: skip
         freed = fixed[0] if floating else 0
         scene, repairs = model.scene(freed), [*_renamed(model), *_left_out(model)]
         if not strict:
@@ -221,10 +219,8 @@ class _Model:
         """Yield the joints of a body from the outermost in, each with the part that it carries."""
         m, own = self.m, list(self.joints_of(b))
         parent = self.bodies[int(m.body_parentid[b])]
-        placed = {
-            "position": _floats(m.body_pos[b]),
-            "rotation": {"matrix": _matrix(m.body_quat[b])},
-        }
+        turned = {"matrix": _matrix(m.body_quat[b])}
+        placed = {"position": _floats(m.body_pos[b]), "rotation": turned}
         if not own:
             kind = "free" if b == freed else "fixed"
             yield (

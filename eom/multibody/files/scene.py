@@ -56,6 +56,9 @@ class Repair:
     done: str
 
 
+UNUSED = "use it in a formula of a body, joint, load, law of control or the like, or remove it"
+"""What to do with a parameter or an input that nothing reads."""
+
 REASONS: Mapping[str, str] = {
     "name": "names mapped",
     "type": "types of joints beyond the standard",
@@ -128,12 +131,9 @@ class TreeScene(BaseScene, TreeDescription):
         check_end(self)
         states, choice, angles = self._start, self._choice, self._angles
         read = self._reading
-        hint = (
-            "use it in a formula of a body, joint, load, law of control or the like, or remove it"
-        )
         names = (q.name for q in (*read.parameters, *read.inputs) if q.name not in self.spare)
         self._control_over(self._names)
-        check_used(names, read.used | self.control.words, hint)
+        check_used(names, read.used | self.control.words, UNUSED)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:

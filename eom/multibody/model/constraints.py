@@ -237,10 +237,9 @@ class Rolling(Constraint):
         if not any(map(is_zero, self.normal)) and not all(map(is_number, self.normal)):
             raise InputError(
                 "a symbolic normal must be in a plane of two of the ground's axes",
-                where=self.where,
-                got=self.normal,
+                where=self.where, got=self.normal,
                 hint="keep the plane horizontal, and tilt gravity instead",
-            )
+            )  # fmt: skip
 
 
 @typed_fields

@@ -432,12 +432,9 @@ class Constraint(Part):
         for given in self.values:
             found = set() if is_number(given) else given.free_symbols & moving
             if found:
-                raise InputError(
-                    "a length or direction of a constraint is not constant",
-                    where=self.where,
-                    got=", ".join(sorted(map(str, found))),
-                    hint="write an Equation over coordinates and time",
-                )
+                raise InputError("a length or direction of a constraint is not constant",
+                                 where=self.where, got=", ".join(sorted(map(str, found))),
+                                 hint="write an Equation over coordinates and time")  # fmt: skip
 
 
 @typed_fields
@@ -568,11 +565,8 @@ def _single_parents(given: Tree, where: str) -> None:
         leading[j.child].append(j.name)
     for child, names in leading.items():
         if not names:
-            raise InputError(
-                f"body {child!r} hangs on nothing",
-                where=where,
-                hint="a body that floats has a free joint to the ground",
-            )
+            raise InputError(f"body {child!r} hangs on nothing", where=where,
+                             hint="a body that floats has a free joint to the ground")  # fmt: skip
         if len(names) > 1:
             raise InputError(
                 f"two joints lead to body {child!r}",

@@ -144,16 +144,13 @@ def _of_body(body: Body) -> list[Assumption]:
     J = body.central_inertia
     if all(is_number(x) for row in J for x in row):
         return found
-    conditions = physical(
-        sp.ImmutableMatrix([[sp.sympify(x, strict=True) for x in row] for row in J])
-    )
+    inertia = sp.ImmutableMatrix([[sp.sympify(x, strict=True) for x in row] for row in J])
+    allowed = physical(inertia).nonnegative
     meaning = (
         f"no moment of inertia of body {body.name} about its centre of mass exceeds the sum of the "
         "other two (triangle inequality)"
     )
     return [
         *found,
-        Assumption(
-            "physical_inertia", meaning, nonnegative=conditions.nonnegative, tolerance=_SLACK
-        ),
+        Assumption("physical_inertia", meaning, nonnegative=allowed, tolerance=_SLACK),
     ]

@@ -223,9 +223,8 @@ def accelerated(
         joint = combined(place.subspace, udot[place.part.speeds])
         angular = plus(plus(forward(place.rotation, carrier.angular), known.angular), joint.angular)
         linear = plus(known.linear, joint.linear)
-        found.append(
-            keep_pair(work, ("alpha", "a"), place.part.name, SpatialVector(angular, linear))
-        )
+        made = SpatialVector(angular, linear)
+        found.append(keep_pair(work, ("alpha", "a"), place.part.name, made))
     return found
 
 

@@ -469,9 +469,8 @@ def _unit(q: Floats) -> Floats:
 def _check_times(t: Floats, omega: Floats) -> None:
     steps = np.diff(t)
     if t.ndim != 1 or len(t) < 2 or not (steps > 0).all() or np.ptp(steps) > 1e-6 * steps[0]:
-        raise InputError(
-            "times are not equally far apart", where="times", expected="shape (N,), N > 1"
-        )
+        raise InputError("times are not equally far apart", where="times",
+                         expected="shape (N,), N > 1")  # fmt: skip
     turn = float(np.linalg.norm(omega, axis=1).max() * steps[0])
     if turn > LARGEST_STEP:
         got, expected = f"{turn:.3g} radians", f"at most {LARGEST_STEP:g}"
