@@ -31,6 +31,7 @@ from eom.errors import InputError, typed
 from eom.terms.rules import entrywise
 from eom.terms.terms import Equation, Term
 from eom.terms.vocabulary import definition
+from eom.typeset.letters import ROLES
 from eom.typeset.markup import render
 from eom.typeset.notation import NOTATIONS, term_box
 
@@ -155,12 +156,17 @@ _LETTER = re.compile(r"\\?([A-Za-z]+)(?:_\{?(\w+)\}?)?")
 
 def _spelt(symbol: Any, meaning: Term) -> Any:
     """Return a symbol for a meaning with the letter that this is written with; else without odd signs."""
-    if symbol.name.removesuffix("_dot").isalnum():
+    if symbol.name.removesuffix("_dot").isalnum() or not _has_letter(meaning):
         return symbol
     letter = _LETTER.fullmatch(render(term_box(meaning, NOTATIONS["arrow"]), "latex"))
     plain = re.sub(r"[\W_]+", "", symbol.name)
     name = "_".join(filter(None, letter.groups())) if letter is not None else plain
     return sp.Symbol(name, real=True)
+
+
+def _has_letter(meaning: Term) -> bool:
+    """Return whether pages have a letter for a quantity; they have none for those of a note's system."""
+    return meaning.head != "atom" or meaning.data[0] in ROLES
 
 
 def _assumed(judged: Judged, given: tuple[str, ...], found: Found) -> tuple[str, ...]:
