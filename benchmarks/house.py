@@ -25,9 +25,9 @@ BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 433,
-    "lines of code": 85_490,
-    "modules in the fullest folder": 20,
+    "modules": 471,
+    "lines of code": 94_340,
+    "modules in the fullest folder": 21,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
     "circles of folders": 0,

@@ -36,7 +36,7 @@ def powers_of(dimension: Dimension) -> Powers:
 
 
 def kind_of_numbers(expressions: Iterable[Expr]) -> str:
-    """Return what exact numbers in expressions are: values where one stands alone, as a whole term, else counts.
+    """Return what exact numbers in expressions are: values where one is a whole term, else counts.
 
     >>> kind_of_numbers([sp.Integer(3), 2 * sp.Symbol("M")]), kind_of_numbers([2 * sp.Symbol("M")])
     ('values', 'counts')

@@ -89,7 +89,7 @@ def test_steps_have_reasons_lines_and_assumptions():
     assert (d.name, d.title, d.group) == ("a-particle", "A particle", "Notes")
     first = d.steps[0]
     assert first.reason == "The momentum changes by the force, as the mass is constant"
-    assert {"newton_2", "constant_mass"} <= set(first.assumptions)
+    assert set(first.assumptions) == {"newton_2", "one_particle"}
     assert first.evidence == "held in 3 random worlds"
     assert "A particle" in d.page("html")
     assert d.steps[1].reason == "line 23 of the note"
