@@ -2,6 +2,6 @@
 
 In: inertia, attitude, torques. Out: `System`s; free motion, steady spins, equilibria, constants of the
 motion.
-Imports: `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.kinematics`, `eom.mass`,
-`eom.quantities`, `eom.rotations`, `eom.structure`, `eom.system`.
+Imports: `eom.dimensions`, `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.kinematics`,
+`eom.mass`, `eom.quantities`, `eom.rotations`, `eom.structure`, `eom.system`.
 """

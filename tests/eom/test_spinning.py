@@ -304,3 +304,11 @@ def test_scene_and_body_give_the_same_equations(body):
     for name, rate in rates_of(scene.derive()).items():
         assert equal(rate, direct[name])
     assert spinning.lecture_torque().system().rates == body.system().rates
+
+
+@pytest.mark.parametrize("torque", [(1, 0, 0), (sp.Rational(1, 3), 0, 2), (0.5, 0, 0)])
+def test_a_torque_may_be_numbers(torque):
+    """They may be values with units; where none stands alone, formulas have one dimension."""
+    assert SpinningSymmetricBody(torque).system().numbers == "values"
+    M = sp.Symbol("M", real=True)
+    assert SpinningSymmetricBody((2 * M, 0, 0), (Quantity(M, "N m"),)).system().numbers == "counts"
