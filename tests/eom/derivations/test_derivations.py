@@ -117,7 +117,7 @@ def test_without_its_assumption_the_step_is_false(name, label, assumption):
     ids=["some", "all"],
 )
 def test_work_of_each_and_of_all(made):
-    """From cold: about 2 s at most for one, 10 s for all."""
+    """From cold. Lines and their smallest sets of assumptions are the work: the sum grows with them."""
     code = (
         "from eom.derivations import derive\n"
         "from tests.clock import calls\n"
@@ -127,7 +127,7 @@ def test_work_of_each_and_of_all(made):
     each = [int(line.split()[1]) for line in run.stdout.splitlines()]
     assert min(each) > 1000
     assert max(each) < 10_000_000
-    assert sum(each) < 50_000_000
+    assert sum(each) < 70_000_000
 
 
 def test_titles_need_no_sympy():
