@@ -22,6 +22,7 @@ from eom.exercises import (
     Exercise,
     exercise,
     lesson,
+    lessons,
     making,
     marker,
     moodle,
@@ -32,7 +33,7 @@ from eom.exercises import (
 )
 from eom.exercises.moodle import RESERVED, maxima, names_for, typed_answer
 from eom.exercises.slips import SLIPS, around, names, planted
-from eom.terms.terms import expr
+from eom.terms.terms import Equation, expr
 from eom.typeset.notation import NOTATIONS
 from tests.eom.rows import every, only
 
@@ -98,6 +99,19 @@ def test_other_lines_are_those_of_the_derivation():
     changed = [k for k, (a, b) in enumerate(lines, 1) if a != b]
     assert changed == [made.number]
     assert set(made.right.steps) <= set(derivations.derive("euler-equations").steps)
+
+
+def test_the_page_gives_the_meanings_that_its_lines_use_and_no_others():
+    """The symbols of these meanings are given, too."""
+    whole = lesson("energy-dissipation").derivation
+    lines = tuple(whole[label] for label in ("hurwitz", "sink-effective"))
+    used = lessons._needed(lines, whole.scalars)
+    assert {str(s) for s in used} == {"p_0", "p_1", "p_2", "p_3", "p_4", "I_e_dot"}
+    one = lessons._needed(lines[:1], whole.scalars)
+    assert "I_e_dot" not in map(str, one)
+    x, y, z = sp.symbols("x y z")
+    step = replace(lines[0], statement=Equation(expr(x), expr(x)))
+    assert set(lessons._needed((step,), {z: expr(x), y: expr(sp.Integer(1)), x: expr(y)})) == {x, y}
 
 
 def test_every_kind_of_slip_can_be_planted_somewhere():
