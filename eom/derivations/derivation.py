@@ -352,14 +352,19 @@ class Derivation:
         with_own = drawn if self.own else worlds
         return verify(shown, assumed, known, where=where, drawn=with_own)
 
-    def _needed(self, equation: Equation, reason: str) -> tuple[str, ...]:
-        """Return a smallest set of the assumptions made so far under which a line holds."""
+    def _needed(self, equation: Equation, reason: str, evidence: str) -> tuple[str, ...]:
+        """Return a smallest set of the assumptions made so far under which a line holds.
+
+        An exact identity is one under any of them.
+        """
         relation = "=" if equation.relation == ":=" else equation.relation
         line = Equation(equation.left, equation.right, relation)
 
         def holds(names: Iterable[str]) -> None:
-            evidence = self._decided(line, names, f"{self.name}: {reason}")
-            if evidence == IDENTITY and has_meaning(line, self.scalars):
+            found = evidence
+            if found != IDENTITY:
+                found = self._decided(line, names, f"{self.name}: {reason}")
+            if found == IDENTITY and has_meaning(line, self.scalars):
                 decide(line, names, self.scalars, count=1)
 
         return smallest(self.assumed, holds)
@@ -471,7 +476,7 @@ class Derivation:
             reason,
             kind,
             tuple(states),
-            self._needed(equation, reason),
+            self._needed(equation, reason, evidence),
             evidence,
             follows,
             tuple(path.trace.words) if path else (),

@@ -20,12 +20,13 @@ from eom.checker.note.derived import front_matter
 from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
 from eom.derivations.derived import Derived, Item, Step, meaning_of, only_names, separate, symbols
+from eom.derivations.verification import Scalars
 from eom.errors import typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
 from eom.mass.solids import MASS, mass_properties
 from eom.mass.solids import SOLIDS as CATALOGUE
-from eom.terms.terms import Equation, Term, expr, integral
+from eom.terms.terms import Equation, Term, expr, integral, nodes
 from eom.typeset import pages
 from eom.typeset.blocks import Block, Bullets, Heading, Paragraph, Steps
 from eom.typeset.boxes import Formula
@@ -270,13 +271,26 @@ class Sheet:
 
     @property
     def legend(self) -> tuple[Item, ...]:
-        """Symbols with their meanings, of both versions of the false line: no absence gives it away.
+        """Symbols of the lines with their meanings, of both versions of the false one, so that none is told.
 
         Raises `InputError` for an unknown notation.
         """
         both = (*self.right.steps, self.wrong.steps[self.number - 1])
         notation = notation_named(self.asked.notation)
-        return tuple(self.asked.lesson.legend(replace(self.right, steps=both), notation))
+        shown = replace(self.right, steps=both, scalars=_needed(both, self.right.scalars))
+        return tuple(self.asked.lesson.legend(shown, notation))
+
+
+def _needed(steps: Iterable[Step], scalars: Scalars) -> Scalars:
+    """Return what the symbols of lines stand for, and the symbols of these meanings in turn."""
+    found: dict[Any, Term] = {}
+    terms = [t for s in steps for t in (s.statement.left, s.statement.right)]
+    while terms:
+        parts = (n.data[0].free_symbols for n in nodes(terms.pop()) if n.head == "expr")
+        new = {s: scalars[s] for s in set().union(*parts) & set(scalars) - set(found)}
+        found |= new
+        terms += new.values()
+    return {s: t for s, t in scalars.items() if s in found}
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import world
 from eom.worlds.worlds import closure
 from tests.clock import growth_in_calls
+from tests.eom.carried import carried
 from tests.eom.rows import derivations, every, only
 
 ALL = names()
@@ -49,11 +50,11 @@ def test_each_step_holds_in_worlds_of_other_seeds(name):
     d = derive(name)
     for step in d.steps:
         if step.evidence.startswith("held"):
-            assumed = closure(step.assumptions)
+            assumed, line = closure(step.assumptions), carried(d, step.statement)
             found = 0
             for seed in range(1000, 1012):
                 try:
-                    assert Evaluator(world(assumed, seed), d.scalars).holds(step.statement), step
+                    assert Evaluator(world(assumed, seed), d.scalars).holds(line), step
                 except Singular:
                     continue
                 found += 1
@@ -116,7 +117,7 @@ def test_without_its_assumption_the_step_is_false(name, label, assumption):
     ids=["some", "all"],
 )
 def test_work_of_each_and_of_all(made):
-    """From cold: about 2 s at most for one, 10 s for all."""
+    """From cold. Lines and their smallest sets of assumptions are the work: the sum grows with them."""
     code = (
         "from eom.derivations import derive\n"
         "from tests.clock import calls\n"
@@ -126,7 +127,7 @@ def test_work_of_each_and_of_all(made):
     each = [int(line.split()[1]) for line in run.stdout.splitlines()]
     assert min(each) > 1000
     assert max(each) < 10_000_000
-    assert sum(each) < 50_000_000
+    assert sum(each) < 70_000_000
 
 
 def test_titles_need_no_sympy():
