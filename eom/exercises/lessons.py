@@ -271,7 +271,7 @@ class Sheet:
 
     @property
     def legend(self) -> tuple[Item, ...]:
-        """Symbols of the lines with their meanings, of both versions of the false one, so that none is told.
+        """Symbols of the lines with their meanings, of both versions of the false one: none is told.
 
         Raises `InputError` for an unknown notation.
         """
