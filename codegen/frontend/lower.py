@@ -198,7 +198,7 @@ def lowering_of(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Lowerin
         ("input", system.inputs),
     ):
         slots |= {q.symbol: b.leaf(op, k) for k, q in enumerate(group)}
-    return Lowering(b, slots, f"system {system.name!r}")
+    return Lowering(b, slots, f"system {system.name!r}", decimals=system.numbers == "decimals")
 
 
 def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
@@ -307,10 +307,15 @@ def _size(x: Exact) -> Exact:
 
 
 class Lowering:
-    """Lower expressions over symbols that have numbers; a memo keeps each node's number."""
+    """Lower expressions over symbols that have numbers; a memo keeps each node's number.
 
-    def __init__(self, b: Builder, slots: Mapping[Expr, int], system: str = "") -> None:
-        self.b = b
+    ``decimals``: whether fractions with an end are numbers that were given as decimals, and no quotients.
+    """
+
+    def __init__(
+        self, b: Builder, slots: Mapping[Expr, int], system: str = "", *, decimals: bool = False
+    ) -> None:
+        self.b, self.decimals = b, decimals
         self.memo: dict[Expr, int] = dict(slots)
         self.system = self.where = system
 
@@ -427,11 +432,12 @@ class Lowering:
         return self._scaled(total, sign * shared)
 
     def _scaled(self, number: int, coefficient: Exact) -> int:
-        """Multiply by an exact number; a denominator other than a power of two divides."""
+        """Multiply by an exact number; a denominator other than a power of two divides, but of decimals."""
         if coefficient == 1:
             return number
         p, q = coefficient.numerator, coefficient.denominator
-        if q & (q - 1) == 0 or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
+        whole = q & (q - 1) == 0 or (self.decimals and 10**MAX_SPLIT_BITS % q == 0)
+        if whole or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
             return self.b.add("mul", self.b.const(coefficient), number)
         return self.b.add("div", self.b.add("mul", self.b.const(p), number), self.b.const(q))
 

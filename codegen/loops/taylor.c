@@ -137,9 +137,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
         double h_abs = smaller(step_length(s), s->h_max);
         if (s->steps == 0 && s->h > 0.0) h_abs = smaller(h_abs, larger(s->h, smallest));
         if (@STUCK@h_abs < smallest && fabs(rest) > smallest@STUCK_END@) return stuck(s, 100.0 * smallest * direction, u);
-        const double natural = h_abs;
-@REACH_STEP@        const int is_new = s->steps == 0 || h_abs > 2.0 * fabs(s->h_old); /* no matter if the end cuts it far shorter */
-        const int in_doubt = @CHECKED@BRANCHES || (is_new && natural < 4.0 * fabs(rest));
+@REACH_STEP@        const int in_doubt = @CHECKED@BRANCHES || s->steps == 0 || h_abs > 2.0 * fabs(s->h_old);
 @SWITCH_AHEAD@        double h, t_new, t_low;
         for (;;) {
             const int last = h_abs >= fabs(rest) * (1.0 - 1e-12);

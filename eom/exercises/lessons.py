@@ -271,7 +271,7 @@ class Sheet:
 
     @property
     def legend(self) -> tuple[Item, ...]:
-        """Symbols of the lines with their meanings, of the false one in both versions: none gives it away.
+        """Symbols of the lines with their meanings, of both versions of the false one: none is told.
 
         Raises `InputError` for an unknown notation.
         """

@@ -62,7 +62,9 @@ def form(system, start, parameters, truth=None):
 def satellite(torque, kind=None):
     return eom.rigid_body(
         eom.principal_inertia(),
-        lambda C, J: eom.mechanics.torques.applied((torque, 0, 0), [eom.Quantity(M)]),
+        lambda C, J: replace(
+            eom.mechanics.torques.applied((torque, 0, 0), [eom.Quantity(M)]), numbers="values"
+        ),
         attitude(kind) if kind else None,
     )
 

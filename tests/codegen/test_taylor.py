@@ -197,7 +197,6 @@ def test_dense_output_is_as_good_as_the_steps(span):
     np.testing.assert_allclose(run.sol(run.t), run.y, rtol=0, atol=1e-14)
 
 
-@pytest.mark.slow
 @needs_compiler
 def test_a_series_that_ends_by_chance_is_not_believed():
     """y' = sin(t^8): at t = 0 all coefficients from order 10 to 24 are zero."""

@@ -72,9 +72,7 @@ def chart(system: System) -> Chart:
     places = {s: system.expand(r) for s, (_, r) in found.items()}
     used = frozenset().union(*(r.free_symbols for r in places.values()))
     speeds = [q.symbol for q in system.states if q.unit not in PLACES and q.symbol in used]
-    if not found:
-        raise InputError("this system has no coordinates", got=system.name)
-    plain = all(_is_explicit(system, k) for k, _ in found.values())
+    plain = bool(found) and all(_is_explicit(system, k) for k, _ in found.values())
     if len(found) != len(speeds) or not plain:
         raise InputError("the coordinates of this system are no independent ones", got=system.name)
     rates = {s: sp.Dummy(f"{s}_rate", real=True) for s in places}
