@@ -25,7 +25,7 @@ from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
 from eom.mass.solids import MASS, mass_properties
 from eom.mass.solids import SOLIDS as CATALOGUE
-from eom.terms.terms import Equation, Term, expr, integral
+from eom.terms.terms import Equation, Term, expr, integral, nodes
 from eom.typeset import pages
 from eom.typeset.blocks import Block, Bullets, Heading, Paragraph, Steps
 from eom.typeset.boxes import Formula
@@ -276,7 +276,8 @@ class Sheet:
         """
         both = (*self.right.steps, self.wrong.steps[self.number - 1])
         notation = notation_named(self.asked.notation)
-        return tuple(self.asked.lesson.legend(replace(self.right, steps=both), notation))
+        shown = only_scalars_of(replace(self.right, steps=both))
+        return tuple(self.asked.lesson.legend(shown, notation))
 
 
 @dataclass(frozen=True)
@@ -295,6 +296,17 @@ class Exercise(Sheet):
     def counterexample(self) -> Counterexample | None:
         """A state in small numbers at which the line fails."""
         return self.finding.explanation.counterexample
+
+
+def only_scalars_of(lines: Derived) -> Derived:
+    """Return lines with the scalars alone that stand in them, and in what these stand for."""
+    sides = [t for s in lines.steps for t in (s.statement.left, s.statement.right)]
+    used: set[Any] = set()
+    while sides:
+        found = {x for n in nodes(sides.pop()) if n.head == "expr" for x in n.data[0].free_symbols}
+        sides += [lines.scalars[x] for x in found - used if x in lines.scalars]
+        used |= found
+    return replace(lines, scalars={x: t for x, t in lines.scalars.items() if x in used})
 
 
 WORDS, INLINE, DISPLAY = "words", "inline", "display"
