@@ -326,8 +326,12 @@ def _scalar(name: Any, meaning: Term, derivation: Derived, notation: Notation) -
     box = term_box(meaning, notation)
     same = render(box, "latex") == symbol_latex(name.name)
     shown = symbol(name.name) if same or is_wide(box) else Row((Formula(name), Operator(":="), box))
-    return shown, reasons[0] if reasons else ""
+    rate = _RATE if meaning.head == "der" and same else ""
+    return shown, reasons[0] if reasons else rate
 
+
+_RATE = "rate of change in time"
+"""What is said of a dotted scalar, as the scalar itself is listed."""
 
 _OPERATIONS: dict[str, Callable[[str, str], str]] = {
     "der": lambda frame, of: f"rate of change of the {of} as seen from frame {frame}",

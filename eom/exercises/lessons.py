@@ -20,7 +20,6 @@ from eom.checker.note.derived import front_matter
 from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
 from eom.derivations.derived import Derived, Item, Step, meaning_of, only_names, separate, symbols
-from eom.derivations.verification import Scalars
 from eom.errors import typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
@@ -277,20 +276,8 @@ class Sheet:
         """
         both = (*self.right.steps, self.wrong.steps[self.number - 1])
         notation = notation_named(self.asked.notation)
-        shown = replace(self.right, steps=both, scalars=_needed(both, self.right.scalars))
+        shown = only_scalars_of(replace(self.right, steps=both))
         return tuple(self.asked.lesson.legend(shown, notation))
-
-
-def _needed(steps: Iterable[Step], scalars: Scalars) -> Scalars:
-    """Return what the symbols of lines stand for, and the symbols of these meanings in turn."""
-    found: dict[Any, Term] = {}
-    terms = [t for s in steps for t in (s.statement.left, s.statement.right)]
-    while terms:
-        parts = (n.data[0].free_symbols for n in nodes(terms.pop()) if n.head == "expr")
-        new = {s: scalars[s] for s in set().union(*parts) & set(scalars) - set(found)}
-        found |= new
-        terms += new.values()
-    return {s: t for s, t in scalars.items() if s in found}
 
 
 @dataclass(frozen=True)
@@ -309,6 +296,17 @@ class Exercise(Sheet):
     def counterexample(self) -> Counterexample | None:
         """A state in small numbers at which the line fails."""
         return self.finding.explanation.counterexample
+
+
+def only_scalars_of(lines: Derived) -> Derived:
+    """Return lines with the scalars alone that stand in them, and in what these stand for."""
+    sides = [t for s in lines.steps for t in (s.statement.left, s.statement.right)]
+    used: set[Any] = set()
+    while sides:
+        found = {x for n in nodes(sides.pop()) if n.head == "expr" for x in n.data[0].free_symbols}
+        sides += [lines.scalars[x] for x in found - used if x in lines.scalars]
+        used |= found
+    return replace(lines, scalars={x: t for x, t in lines.scalars.items() if x in used})
 
 
 WORDS, INLINE, DISPLAY = "words", "inline", "display"

@@ -105,13 +105,15 @@ def test_the_page_gives_the_meanings_that_its_lines_use_and_no_others():
     """The symbols of these meanings are given, too."""
     whole = lesson("energy-dissipation").derivation
     lines = tuple(whole[label] for label in ("hurwitz", "sink-effective"))
-    used = lessons._needed(lines, whole.scalars)
+    used = lessons.only_scalars_of(replace(whole, steps=lines)).scalars
     assert {str(s) for s in used} == {"p_0", "p_1", "p_2", "p_3", "p_4", "I_e_dot"}
-    one = lessons._needed(lines[:1], whole.scalars)
+    one = lessons.only_scalars_of(replace(whole, steps=lines[:1])).scalars
     assert "I_e_dot" not in map(str, one)
     x, y, z = sp.symbols("x y z")
     step = replace(lines[0], statement=Equation(expr(x), expr(x)))
-    assert set(lessons._needed((step,), {z: expr(x), y: expr(sp.Integer(1)), x: expr(y)})) == {x, y}
+    scalars = {z: expr(x), y: expr(sp.Integer(1)), x: expr(y)}
+    own = lessons.only_scalars_of(replace(whole, steps=(step,), scalars=scalars)).scalars
+    assert {*own} == {x, y}
 
 
 def test_every_kind_of_slip_can_be_planted_somewhere():
