@@ -353,3 +353,13 @@ def test_what_stack_would_take_for_commands_is_put_apart():
 def test_no_typed_question_for_vectors(vectors):
     assert typed_answer(vectors) is None
     assert vectors.planted.right.head != expr(1).head
+
+
+def test_symbols_of_a_sheet_stand_in_its_lines_and_have_a_meaning():
+    for lines in (4, 40):
+        made = exercise("euler-equations", seed=3, lines=lines)
+        shown, drawn = student(made, lexicon=False).split("## Lines")
+        listed = [line[2:] for line in shown.splitlines() if line.startswith("- ")]
+        assert not [line for line in listed if ": " not in line and "triangleq" not in line]
+        scalars = [line for line in listed if "triangleq" in line]
+        assert all(line[1:].split(" ")[0] in drawn for line in scalars)
