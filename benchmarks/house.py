@@ -26,7 +26,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 471,
-    "lines of code": 94_340,
+    "lines of code": 94_350,
     "modules in the fullest folder": 21,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
