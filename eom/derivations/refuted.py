@@ -153,7 +153,7 @@ def _left_over(equation: Equation, kit: _Written) -> Value | None:
 
 
 def _entries(value: Value) -> list[Any]:
-    return list(value) if isinstance(value, sp.MatrixBase) else [sp.sympify(value)]
+    return list(value) if isinstance(value, sp.MatrixBase) else [sp.sympify(value, strict=True)]
 
 
 def _text(value: Value) -> str:
@@ -206,7 +206,7 @@ class _Written:
         """Return the matrix from components in a frame to those in I."""
         found = sp.eye(3)
         for row in self._rows(frame):
-            found = _turned(row.axis, self.expression(sp.sympify(row.angle))) * found
+            found = _turned(row.axis, self.expression(sp.sympify(row.angle, strict=True))) * found
         return found
 
     def _rows(self, frame: str) -> Iterator[Any]:

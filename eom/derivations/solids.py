@@ -9,6 +9,7 @@ import sympy as sp
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.verification import carried_out
+from eom.expressions import as_expression, free_symbols
 from eom.mass.properties import MassProperties
 from eom.mass.regions import Region, X, properties
 from eom.mass.solids import CENTRE, MASS, SOLIDS, mass_properties
@@ -66,8 +67,8 @@ def _letters(d: Derivation, region: Region) -> None:
         d.letter(x, f"coordinate along axis {k}")
     for parameter in region.parameters:
         d.letter(in_letters(parameter), "parameter of the points of the solid")
-    ends = {s for bound in region.bounds for e in bound[1:] for s in sp.sympify(e).free_symbols}
-    inside = {s for e in region.position for s in sp.sympify(e).free_symbols}
+    ends = free_symbols(as_expression(e) for bound in region.bounds for e in bound[1:])
+    inside = free_symbols(map(as_expression, region.position))
     for size in (ends | inside) - set(region.parameters):
         words = str(size).replace("_", " ")
         d.letter(in_letters(size), words if size.name in LETTERS else "size along an axis")

@@ -608,7 +608,7 @@ class Real(Motion):
 
     def first(self, node: Expr) -> Number:
         """Return the value at t = 0."""
-        return self.series(sp.sympify(node)).coefficients[0]
+        return self.series(sp.sympify(node, strict=True)).coefficients[0]
 
     def case(self, node: Expr) -> Series:
         """Return the first case whose condition is met; raises `Singular` where none is."""

@@ -30,7 +30,7 @@ def tidy(given: Expr) -> Expr:
     >>> tidy((I * sp.sin(x) ** 2 + I * sp.cos(x) ** 2 - I * sp.cos(x)) / (2 * I * sp.sin(x) ** 2))
     1/(2*(cos(x) + 1))
     """
-    given = sp.sympify(given)
+    given = sp.sympify(given, strict=True)
     if vanishes(given):
         return sp.S.Zero
     if not given.free_symbols:

@@ -90,8 +90,8 @@ def flow(body: Any, jets: Sequence[Jet]) -> Flow:
 
     Raises `InputError` for masses and places whose second rates are not there.
     """
-    m, c = sp.sympify(body.mass), _column(body.centre)
-    central = sp.Matrix([[sp.sympify(x) for x in row] for row in body.central_inertia])
+    m, c = sp.sympify(body.mass, strict=True), _column(body.centre)
+    central = sp.Matrix([[sp.sympify(x, strict=True) for x in row] for row in body.central_inertia])
     J, S = central + m * _gyration(c), m * c
     streams = list(zip(rates(body, jets), jets, strict=True))
     P = S.diff(TIME) + _total(mu * _column(jet.point) for mu, jet in streams)
@@ -109,13 +109,13 @@ def flow(body: Any, jets: Sequence[Jet]) -> Flow:
 
 def rates(body: Any, jets: Sequence[Jet]) -> list[sp.Expr]:
     """Return the rates (kg/s) of a body's ``jets``; of the one without, the rest of what the body loses."""
-    known = [sp.S.Zero if jet.rate is None else sp.sympify(jet.rate) for jet in jets]
-    rest = -sp.sympify(body.mass).diff(TIME) - sp.Add(*known)
+    known = [sp.S.Zero if jet.rate is None else sp.sympify(jet.rate, strict=True) for jet in jets]
+    rest = -sp.sympify(body.mass, strict=True).diff(TIME) - sp.Add(*known)
     return [rest if jet.rate is None else mu for mu, jet in zip(known, jets, strict=True)]
 
 
 def _column(given: Iterable[Any]) -> sp.Matrix:
-    return sp.Matrix([sp.sympify(x) for x in given])
+    return sp.Matrix([sp.sympify(x, strict=True) for x in given])
 
 
 def _total(vectors: Iterable[sp.Matrix]) -> sp.Matrix:
@@ -191,7 +191,7 @@ def _possible_at_start(body: Any) -> None:
     where = f"{body.where}, at t = 0"
 
     def at_start(given: Value) -> Value:
-        return value(sp.sympify(given).subs(TIME, 0), where)
+        return value(sp.sympify(given, strict=True).subs(TIME, 0), where)
 
     rows = (tuple(map(at_start, row)) for row in body.central_inertia)
     checks.body(at_start(body.mass), tuple(rows), where)
@@ -199,7 +199,7 @@ def _possible_at_start(body: Any) -> None:
 
 def _through(body: Any, jets: Sequence[Jet]) -> None:
     """Raise `InputError` for a single jet through which nothing goes."""
-    if len(jets) == 1 and sp.sympify(body.mass).diff(TIME) == 0:
+    if len(jets) == 1 and sp.sympify(body.mass, strict=True).diff(TIME) == 0:
         raise InputError(
             "the mass of the body does not change: nothing goes through its jet", where=jets[0].where,
             got=f"mass {body.mass}", expected='a function of time, such as mass = "m0 - mu*t"',

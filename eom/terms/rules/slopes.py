@@ -82,7 +82,7 @@ class Slopes:
         name, *labels = term.data
         if name == "unit" and labels[0] in self.own.frames:
             turned = [
-                mul(self._expression(sp.sympify(angle), by), axis)
+                mul(self._expression(sp.sympify(angle, strict=True), by), axis)
                 for angle, axis in self.own.turns(labels[0])
             ]
             return cross(add(*turned), term)
