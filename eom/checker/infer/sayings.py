@@ -39,7 +39,8 @@ _CALLED = re.compile(
     rf"named|abbreviated(?:\s+as)?)\s+(?P<of>{LIST})"
 )
 _BEFORE = re.compile(
-    rf"(?P<what>(?:[\w’'-]+\s+){{0,8}}[\w’'-]+)(?:\s+(?P<of>{LIST})|,\s+(?P<within>{LIST})(?=\s*[,)]))"
+    rf"(?P<what>(?:[\w’'-]+\s+){{0,8}}[\w’'-]+)"
+    rf"(?:\s+(?P<of>{LIST})|,\s+(?P<within>{LIST})(?=\s*[,)]))"
 )
 _END = re.compile(rf"(?<=[.;:!?])\s+|{BREAK}|\n\s*\n")
 
@@ -202,11 +203,15 @@ def said(text: Prose) -> Iterator[Said]:
         for match in _CALLED.finditer(sentence):
             yield Said(text.marked(match["of"]), match["what"], sentence, before=True)
         for match in _BEFORE.finditer(sentence):
+            if match["within"] and _PREDICATE.match(match["what"]):
+                continue
             behind = re.split(r"[,;.:()]", sentence[match.end() :])[0].strip()
             named = text.marked(match["of"] or match["within"])
             yield Said(named, match["what"].strip(), sentence, True, behind, match.start())
 
 
+_PREDICATE = re.compile(r"(?:is|are|be|was|were)\b")
+"""What begins so is said of the symbols in front of it, and not of those behind a comma."""
 _TAIL = re.compile(r"(?:[\s,]+(?:and|or|while|where|with|but))*[\s,.]*$")
 
 
