@@ -26,9 +26,10 @@ from typing import Any
 from eom.checker.infer.attitude import angles, components
 from eom.checker.infer.books import taken
 from eom.checker.infer.house import drafted, house
-from eom.checker.infer.phrases import Phrases, slotted, spelt
+from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import as_label, marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
+from eom.checker.infer.sections import sections
 from eom.checker.infer.systems import USUAL, Guess, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
@@ -106,6 +107,7 @@ class Proposal:
     body: str = "body"
     confirmed: frozenset[str] = frozenset()
     systems: tuple[Guess, ...] = ()
+    parts: tuple[tuple[str, tuple[Draft, ...]], ...] = ()
 
     @property
     def toml(self) -> str:
@@ -116,6 +118,9 @@ class Proposal:
             lines += ["", f"[{table}]"] if rows else []
             lines += [_row(d) for d in rows]
         lines += [line for one in self.systems for line in _described(one)]
+        for heading, rows in self.parts:
+            lines += ["", "[[scope]]", f"heading = {json.dumps(heading)}", "[scope.symbols]"]
+            lines += [_row(d) for d in rows]
         if self.defined:
             lines += ["", "# defined by the note itself:"]
             lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.defined]
@@ -189,6 +194,7 @@ def propose(document: Document) -> Proposal:
         _body(text),
         frozenset(note.confirmed),
         note.systems,
+        tuple(note.by_parts(document)),
     )
 
 
@@ -259,6 +265,15 @@ class _Drafted:
         self.confirmed = {p for p in known.values() if p}
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
+
+    def by_parts(self, document: Document) -> Iterator[tuple[str, tuple[Draft, ...]]]:
+        """Yield what parts of the note say otherwise."""
+
+        def reads(latex: str, means: str) -> bool:
+            return _reads(Draft("symbols", latex, means, "", 0))
+
+        for heading, rows in sections(document, _body(self.text), self.lexicon, reads):
+            yield heading, tuple(Draft("symbols", o.latex, o.means, o.words, o.line) for o in rows)
 
     def by_books(self, defined: Container[Look]) -> None:
         """Take formulas of the text and the usual books for symbols without a meaning."""
@@ -396,10 +411,7 @@ def _by_words(text: Prose, sayings: tuple[Said, ...]) -> Iterator[Draft]:
         yield Draft("marks", mark, name, words, line)
     phrases = Phrases(text, found, _body(text))
     for one in sayings:
-        for meant in phrases.meant(one):
-            vectors = meant.mark == "vector" and meant.look.sub[-1:] not in {("1",), ("2",), ("3",)}
-            if not vectors and not _fits(meant.look, meant.mark):
-                continue
+        for meant in fitting(phrases, one):
             for pattern, means in slotted(meant, found):
                 yield Draft("symbols", pattern, means, meant.words, meant.line)
             for part, more in components(meant.look, meant.means):
@@ -648,7 +660,7 @@ def _added(document: Document, lexicon: Lexicon, origin: str) -> Meanings:
         for meant in phrases.meant(one):
             look = lexicon.notation.plain(meant.look)
             known = lexicon.find(look) is not None or look in scoped
-            if meant.means.split()[0] in LOADS and _fits(look, meant.mark) and not known:
+            if meant.means.split()[0] in LOADS and fits(look, meant.mark) and not known:
                 drafts.setdefault(
                     look, Draft("symbols", latex_of(look), meant.means, meant.words, meant.line)
                 )
@@ -658,12 +670,6 @@ def _added(document: Document, lexicon: Lexicon, origin: str) -> Meanings:
     words = ", ".join(f"{d.latex} is {d.meaning} (line {d.line})" for d in drafts.values())
     whole = replace(lexicon, layers=(*lexicon.layers, *more.layers))
     return Meanings(whole, f"{origin}, and the note's words: {words}")
-
-
-def _fits(look: Look, mark: str) -> bool:
-    """Return whether a symbol is marked as what it would stand for: vectors are, scalars are not."""
-    marked = bool(look.accents) or bool(look.style)
-    return {"vector": marked, "scalar": not marked}.get(mark, True)
 
 
 def _front(document: Document) -> str:
@@ -682,7 +688,8 @@ def _drafted(document: Document) -> Meanings:
         data.setdefault(draft.table, {})[draft.latex] = draft.meaning
     names = [f"preset {proposal.preset}"] if proposal.preset else []
     names += dict.fromkeys(one.name for one in proposal.systems)
-    lexicon = with_systems(drafted(proposal.preset, data), proposal.systems)
+    scopes = [{"heading": h, "symbols": {d.latex: d.meaning for d in r}} for h, r in proposal.parts]
+    lexicon = with_systems(drafted(proposal.preset, data, scopes), proposal.systems)
     return Meanings(lexicon, f"{DRAFT} on {', '.join(names)}", proposal)
 
 

@@ -47,7 +47,7 @@ def doubts(
     """Yield for each formula the meanings in it that nothing makes sure; ``hold``: which formulas do."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
-        for d in draft.drafts
+        for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
         if d.words not in GUESSED
     }
     guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}

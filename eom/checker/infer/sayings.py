@@ -22,7 +22,8 @@ MARK = r"⟦\d+⟧"
 BREAK = "‡"
 LIST = rf"{MARK}(?:(?:\s*,\s*(?:and |or |then )?|\s+and\s+|\s+or\s+|\s*/\s*){MARK})*"
 _VERB = (
-    r"(?:is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|takes?|maps?|turns?|leads?|"
+    r"(?:is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|designates?|signif(?:y|ies)|names?|"
+    r"takes?|maps?|turns?|leads?|"
     r"points?|carries|transforms?|runs?)"
 )
 _ADVERB = r"(?:(?:itself|here|again|now|then|both|respectively|always|shall|will|also)\s+)*"
@@ -210,6 +211,10 @@ def said(text: Prose) -> Iterator[Said]:
             yield Said(named, match["what"].strip(), sentence, True, behind, match.start())
 
 
+_EQUATES = re.compile(
+    r"is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|designates?|signif(?:y|ies)"
+)
+"""Verbs behind which stands what symbols are."""
 _PREDICATE = re.compile(r"(?:is|are|be|was|were)\b")
 """What begins so is said of the symbols in front of it, and not of those behind a comma."""
 _TAIL = re.compile(r"(?:[\s,]+(?:and|or|while|where|with|but))*[\s,.]*$")
@@ -232,7 +237,7 @@ def _heads(sentence: str) -> list[tuple[int, int, str, str]]:
         last = re.search(rf"(?:,|and)\s*({MARK})$", of) if verb in {"is", "was"} else None
         if last is not None:
             start, of = start + last.start(1), last[1]
-        says = "" if verb in {"is", "are", "be", "was", "were"} else f"{verb} "
+        says = "" if _EQUATES.fullmatch(verb) else f"{verb} "
         found.append((start, match.end(), of, says if verb else f"{article} "))
     return found
 
