@@ -27,6 +27,7 @@ from eom.checker.infer.attitude import angles, components
 from eom.checker.infer.books import taken
 from eom.checker.infer.house import drafted, house
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
+from eom.checker.infer.places import USUAL as USUAL_PLACES
 from eom.checker.infer.places import as_label, marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
@@ -257,7 +258,7 @@ class _Drafted:
 
     def by_words(self) -> None:
         """Take what words say, but for what the preset says as well, or more closely."""
-        for draft in _by_words(self.text, tuple(said(self.text))):
+        for draft in _by_words(self.text, tuple(said(self.text)), tuple(self.looks)):
             self.add(draft)
         self.settle()
         own = preset(self.preset)
@@ -297,22 +298,16 @@ class _Drafted:
         self.settle()
 
 
-CUSTOM = {
-    "frames": {"b": "B", "B": "B", "body": "B", "i": "I", "I": "I", "N": "I", "n": "I", "0": "I"},
-    "points": {"C": "C", "G": "C", "S": "C", "O": "O"},
-}
-"""What labels name by custom, where neither words nor the preset say, and nothing else is called so."""
-
-
 def _by_custom(
     lexicon: Lexicon, looks: Iterable[Look], drafts: Mapping[tuple[str, str], Draft]
 ) -> Iterator[Draft]:
     """Yield frames and points that labels of the note name by custom."""
     labels = dict.fromkeys((w,) for look in looks for c in look.corners for w in c if w != "d")
+    yield from _free_point(lexicon, looks)
     pairs = any(c[i : i + 2] == ("d", "m") for k in looks for c in k.corners for i in range(len(c)))
     if pairs and ("d", "m") not in lexicon.points:
         yield Draft("points", "dm", "dm", CUSTOMARY, 0)
-    for table, names in CUSTOM.items():
+    for table, names in USUAL_PLACES.items():
         said = {d.meaning for d in drafts.values() if d.table == table}
         for label in labels:
             name = names.get("".join(label))
@@ -320,6 +315,22 @@ def _by_custom(
             known = known or (label[0] in INDICES and ("b",) not in labels)
             if name and not known and (table == "frames" or name not in said):
                 yield Draft(table, "".join(label), name, CUSTOMARY, 0)
+
+
+def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
+    """Yield the one label that stands in the place of a point and is none that words name: it moves freely."""
+    open_ = {e.look.name for layer in lexicon.layers for e in layer if "<P>" in e.latex}
+    labels = dict.fromkeys(
+        w
+        for k in looks
+        if k.name in open_ and lexicon.find(k) is None
+        for c in k.corners
+        for w in c
+    )
+    names = [w for w in labels if re.fullmatch("[A-Z]", w)]
+    free = [w for w in names if not {(w,)} & {*lexicon.points, *lexicon.frames}]
+    if len(free) == 1 and "P" not in lexicon.points.values():
+        yield Draft("points", free[0], "P", CUSTOMARY, 0)
 
 
 def _tables(drafts: Iterable[Draft]) -> dict[str, dict[str, str]]:
@@ -344,8 +355,11 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
             continue
         done.add(found)
         means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
+        pattern = latex_of(found)
+        if "<i>" in means:
+            pattern = f"{latex_of(replace(found, sub=()))}_{{<i>}}"
         if means:
-            yield Draft("symbols", latex_of(found), means, LETTER, 0)
+            yield Draft("symbols", pattern, means, LETTER, 0)
 
 
 _FUNCTIONS = {"s": "sin", "c": "cos"}
@@ -361,6 +375,9 @@ def _short(lexicon: Lexicon, look: Look) -> str:
 def _of_letter(lexicon: Lexicon, look: Look) -> str:
     """Return what a letter stands for that a vector has, too: its norm, direction, component, column."""
     axis = AXES.get(look.sub[-1]) if look.sub else None
+    bare = lexicon.find(replace(look, sub=())) if len(look.sub) == 1 else None
+    if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
+        return "linear_momentum <i>"
     plain = not look.accents and not look.style
     unit = "hat" in look.accents
     for entry in (e for layer in lexicon.layers for e in layer):
@@ -399,9 +416,9 @@ def _reads(draft: Draft) -> bool:
     return True
 
 
-def _by_words(text: Prose, sayings: tuple[Said, ...]) -> Iterator[Draft]:
+def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -> Iterator[Draft]:
     """Yield entries that the words of a note give, the plainest first."""
-    found = places(text, sayings)
+    found = places(text, sayings, looks)
     for table in ("frames", "points"):
         for label, name in getattr(found, table).items():
             words, line = found.words[table, label]

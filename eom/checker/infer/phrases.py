@@ -125,6 +125,9 @@ class Phrases:
         of, start = self._position(words, one.of[k])
         several = len(one.of) > 1
         turning = frames["of"]
+        both = [self.places.frames[(n,)] for n in one.of[k].look.sub if (n,) in self.places.frames]
+        if len(both) == 2 and not (frames["into"] or frames["of"] or frames["in"]):
+            frames = {**frames, "into": both[:1], "in": both[1:]}
         values = {
             "body": self.body,
             "particle": self._particle(one.of[k]),
@@ -224,7 +227,10 @@ class Phrases:
 
     def _point(self, words: str) -> str:
         if words.startswith("⟦"):
-            return self.places.points.get(as_label(self.text.marked(words)[0].look), "")
+            look = self.text.marked(words)[0].look
+            free = "<P>" if look == Look(look.name) and _NAME.fullmatch(look.name) else ""
+            known = as_label(look) in self.places.frames
+            return self.places.points.get(as_label(look), "" if known else free)
         if "mass" in words or "gravity" in words:
             return "C"
         values = self.places.points.values()

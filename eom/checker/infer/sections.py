@@ -81,7 +81,7 @@ def _whose(title: str) -> str:
 def _said(part: Part, whose: str) -> Iterator[Own]:
     """Yield what the words of a part give its symbols, what they say first in front."""
     sayings = tuple(said(part.text))
-    found = places(part.text, sayings)
+    found = places(part.text, sayings, part.looks[0])
     phrases, done = Phrases(part.text, found, whose), set[str]()
     for one in sayings:
         for meant in fitting(phrases, one):
