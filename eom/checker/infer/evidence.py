@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eom.checker.infer.books import candidates
-from eom.checker.infer.draft import BOOKS, GUESSED, Proposal, operands_of, symbols_in
+from eom.checker.infer.draft import Proposal
+from eom.checker.infer.letters import BOOKS, GUESSED
+from eom.checker.infer.shown import operands_of, symbols_in
 from eom.checker.infer.systems import USUAL
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
