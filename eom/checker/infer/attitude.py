@@ -46,7 +46,8 @@ def angles(text: Prose) -> Iterator[tuple[Look, str, str, int]]:
     for k, sentence in enumerate(text.sentences):
         window = " ".join(text.sentences[k : k + 2])
         for part in (*re.split(r"[;,] (?=the \d-)", sentence), window):
-            axes, of = _turn_by_turn(text, part)
+            several = " ".join(text.sentences[k : k + 3]) if part is window else part
+            axes, of = _turn_by_turn(text, several)
             if not axes:
                 axes = _sequence(part)
                 of = _of(text, part) if axes else ()

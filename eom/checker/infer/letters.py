@@ -11,13 +11,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.infer.places import USUAL
-from eom.checker.infer.sayings import Prose
+from eom.checker.infer.sayings import Prose, look_of
 from eom.checker.infer.shown import bare, known, operands_of
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import Node
-from eom.checker.read.writing import latex_of
+from eom.checker.read.writing import latex, latex_of
 from eom.terms.terms import INDICES, VECTOR
 
 CUSTOMARY = "by custom"
@@ -45,7 +45,7 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
     ``v_C`` the norm of the vector ``\vec v_C``, ``\hat r`` the direction of ``\vec r``, ``\omega_2`` a
     component, ``\mathbf u`` the column of ``\vec u``; ``s_\theta`` the sine of an angle where words say so.
     """
-    short = any("sine" in s and "cosine" in s for s in text.sentences)
+    short = any("sine" in s and "cosine" in s for s in text.sentences) or _shown_short(text)
     done: set[Look] = set()
     for node in symbols:
         found = bare(node)
@@ -61,6 +61,16 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
 
 
 _FUNCTIONS = {"s": "sin", "c": "cos"}
+
+
+def _shown_short(text: Prose) -> bool:
+    """Return whether a formula of the text says that a letter with an angle below is its sine or cosine."""
+    for statement in text.formulas:
+        look, right = look_of(statement.members[0]), latex(statement.members[1])
+        of = _FUNCTIONS.get(look.name) if look is not None and len(look.sub) == 1 else None
+        if of is not None and right.startswith(rf"\{of} "):
+            return True
+    return False
 
 
 def _short(lexicon: Lexicon, look: Look) -> str:

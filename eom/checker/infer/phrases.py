@@ -156,7 +156,7 @@ class Phrases:
         quantity, _, rest = filled.partition(" ")
         filled = f"{OF_ONE.get(quantity, quantity)} {rest}" if rest == "P" else filled
         labels = filled.split()[1:3]
-        same = len(set(labels)) < len(labels) and filled.startswith(("position", "velocity", "acc"))
+        same = len(set(labels)) < len(labels) and filled.startswith(_BETWEEN)
         partly = filled.startswith("external_force") and _PARTLY.search(one.sentence) is not None
         return "" if UNKNOWN in filled or same or partly else filled
 
@@ -281,7 +281,7 @@ class Phrases:
 
     def _frames(self, words: str) -> dict[str, list[str]]:
         """Return the frames behind prepositions, in order."""
-        named = rf"(?:the |frame |body |an? )*(?P<what>{MARK}|body(?: frame)?|inertial\b|space)"
+        named = rf"{_ARTICLES}(?P<what>{MARK}|body(?: frame)?|inertial\b|space)"
         return {
             key: [
                 n for m in re.finditer(rf"{lead}\s+{named}", words) if (n := self._frame(m["what"]))
@@ -313,6 +313,9 @@ def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
             yield meant
 
 
+_ARTICLES = r"(?:the |frame |body |an? |columns? of |components of )*"
+_BETWEEN = ("position", "velocity", "acc", "rotation ", "angular_velocity")
+"""Beginnings of meanings that are about two points or frames."""
 _PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")
 _REST = re.compile(
     r"(?:\s+(?:vectors?|matrix|column))?"

@@ -101,7 +101,7 @@ def places(text: Prose, sayings: Iterable[Said], looks: Iterable[Look] = ()) -> 
             )
             found.add(table, mention, "OA" if pair else name, text.shown(one.words))
         for mention, one in every:
-            default = {"frames": "B", "points": "O"}[table]
+            default = _usual(table, mention.look)
             drawn = table == "points" and mention.look.style
             label = as_label(mention.look)
             if table == "points" and named and _placeholder(label, named):

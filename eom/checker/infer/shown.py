@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from eom.checker.infer.places import as_label
 from eom.checker.mean.elaborate import elaborator
-from eom.checker.mean.elaborator import FUNCTIONS
+from eom.checker.mean.elaborator import FUNCTIONS, TRANSPOSED
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import Refusal
 from eom.checker.read.statements import Formula, Statement
@@ -58,9 +58,10 @@ def _operands(node: Node) -> tuple[Node, ...]:
         return (node.operand,) if node.operand is not None else ()
     if isinstance(node, Differential):
         return ()
-    lower = getattr(node, "lower", None)
-    upper, sub = getattr(node, "upper", None), getattr(node, "sub", None)
-    return tuple(c for c in children(node) if c not in (lower, upper, sub))
+    out = [getattr(node, name, None) for name in ("lower", "upper", "sub")]
+    above = getattr(node, "sup", None)
+    out += [above] if isinstance(above, Symbol) and above.name in TRANSPOSED else []
+    return tuple(c for c in children(node) if c not in out)
 
 
 def bare(node: Node) -> Look | None:
