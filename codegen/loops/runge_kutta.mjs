@@ -9,7 +9,8 @@
 //   steps, rejected, evaluations (of the rates), status (RUNNING, SINGULAR, NOT_FINITE or
 //   STEP_TOO_SMALL), which (the singularity, or the state that is not finite, or -1)
 // Steps meet the local error atol + rtol |x|. Time runs forward. No step allocates anything. Steps are short
-// where the rates hold a pulse, a wall, a jump or a window; changes of p and u are not foreseen.
+// where the rates hold a pulse, a wall, a jump or a window; changes of p and u are not foreseen. Where the
+// module has a projection, states are brought onto its invariants after each step, and where at gives them.
 
 export const RUNNING = 0, SINGULAR = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2;
 
@@ -23,6 +24,7 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
 @ARRAYS@
   const here = new Float64Array(S), before = new Float64Array(S), after = new Float64Array(S);
   const value = new Float64Array(S), known = new Float64Array(S);
+  const held = system.projection ? projector(system, rtol, atol) : null;
   const look = lookout(system, rtol, [@SEEN@]);
   let p = new Float64Array(0), u = new Float64Array(0);
   let h = 0, hOld = 0, tLow = 0, afterRejection = false, dense = false;
@@ -124,6 +126,7 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
     if (!dense) prepareDense();
     const theta = (t - s.tOld) / hOld, rest = 1 - theta;
     for (let i = 0; i < n; ++i) out[i] = xOld[i] + @INTERPOLANT@;
+    if (held) held.projectPoint(t, out, p, u);
     return out;
   }
 
@@ -217,6 +220,10 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
         reject(0.7 / turn);
         continue;
       }
+      if (held && held.project(tNew, xNew, newLow, p, u)) {
+        values(tNew, xNew, p, u, k@LAST@);
+        s.evaluations += 1;
+      }
       const factor = error > 1e-12 ? 0.9 / @ROOT@ : 10;
       s.tOld = s.t;
       s.t = tNew;
@@ -250,4 +257,4 @@ function spacing(t) {
   return Math.max(Number.EPSILON * Math.abs(t), 2.2250738585072014e-308);
 }
 
-@LOOKOUT@
+@PROJECTION@@LOOKOUT@

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import eom
 from eom.views.live.page import written
-from eom.views.live.subject import subject_of
+from eom.views.live.scenes import subject_of
 from tests import node
 
 SUPPORTED = (
