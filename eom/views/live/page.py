@@ -277,7 +277,8 @@ def _held(subject: Subject, kept: Sequence[str], layout: Layout) -> Iterator[Map
     of_speeds = {row for row, column in pattern if names[column] in subject.speeds}
     meanings = {q.name: q.meaning for q in layout.described[INVARIANTS]}
     for k, name in enumerate(kept):
-        yield {"name": name, "words": meanings[name], "speeds": k in of_speeds}
+        words = meanings[name].removeprefix("what is left of ")
+        yield {"name": name, "words": words, "speeds": k in of_speeds}
 
 
 def _text(program: Program, layout: Layout) -> str:

@@ -56,6 +56,9 @@ WORDS = {GRAVITY: "no gravity", SPRINGS: "no springs", DAMPING: "no damping"}
 TIPS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 """The points of each body that say where it is and how it is turned: its origin, ends of its axes."""
 
+ROUNDING = 1e-12
+"""Start values below this come from the rounding of a consistent start, which the page makes anew."""
+
 
 def of_tree(scene: TreeScene) -> Subject:
     """Return what a page about a tree of bodies needs. Raises `InputError` as its derivation does."""
@@ -221,7 +224,8 @@ def _knobs(scene: TreeScene, drawn: System) -> Iterator[Knob]:
     given = {n: v.value for n, v in scene.inputs.items()}
     yield from (knob(q, given.get(q.name, 0.0), "torque") for q in system.inputs)
     bound = {n for names in scene.attitudes for n in names}
-    yield from of_states([q for q in drawn.states if q.name not in bound], scene.start)
+    start = {n: x if abs(x) > ROUNDING else 0.0 for n, x in scene.start.items()}
+    yield from of_states([q for q in drawn.states if q.name not in bound], start)
 
 
 def _attitudes(scene: TreeScene) -> tuple[tuple[Attitude, ...], list[Knob]]:
