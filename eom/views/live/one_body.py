@@ -23,7 +23,7 @@ from eom.quantities import TIME, Definition, Quantity
 from eom.rotations import angles_of_matrix, matrix_of
 from eom.scenes import assembly, parse, start
 from eom.scenes.conventions import attitude_at_start
-from eom.scenes.description import inertia_values, principal_values
+from eom.scenes.description import Control, inertia_values, principal_values
 from eom.scenes.scene import Scene
 from eom.system import System
 from eom.terms.terms import VECTOR, Equation, Term, add, cross, der, dot, zero
@@ -59,6 +59,11 @@ def of_body(scene: Scene) -> Subject:
     """Return what a page about a scene of one body needs."""
     attitude_used = _attitude(scene)
     pair, switches = _pair(scene), switches_of(scene)
+    if scene.control != Control():  # its laws may need anything that could be left out
+        alike = [s.name for s in switches if s.on and s.name == SYMMETRIC]
+        switches, variants = (), {(): _variant(scene, attitude_used, alike, pair)}
+    else:
+        variants = variants_of(switches, lambda off: _variant(scene, attitude_used, off, pair))
     attitudes, angles = _start_angles(scene, attitude_used)
     return Subject(
         kind="spinner" if scene.model == "spinner" else "body",
@@ -68,7 +73,7 @@ def of_body(scene: Scene) -> Subject:
         knobs=(*_inertia_knobs(scene), *_torque_knobs(scene), *_start_knobs(scene, attitude_used),
                *angles),
         switches=switches,
-        variants=variants_of(switches, lambda off: _variant(scene, attitude_used, off, pair)),
+        variants=variants,
         attitudes=attitudes,
         inertia=_inertia_names(scene),
         centre=_centre(scene),
@@ -154,7 +159,8 @@ def _without(scene: Scene, names: tuple[str, ...]) -> Data:
     """
     full = scene.full_system
     known = {q.name: q.symbol for q in (*full.states, *full.parameters, *full.inputs)}
-    known |= {n: sp.Symbol(n, real=True) for a in full.angles for n in a.names} | {"t": TIME}
+    named = (*(n for a in full.angles for n in a.names), *scene.inputs)
+    known |= {n: sp.Symbol(n, real=True) for n in named} | {"t": TIME}
     put = {n: f"({v})" for n, v in start.sizes(scene).items()} | dict.fromkeys(names, "0")
     written, used = [], set()
     for component in scene.torque.components or ():
@@ -177,7 +183,9 @@ def _without(scene: Scene, names: tuple[str, ...]) -> Data:
 
 
 def _torque_data(scene: Scene, off: Off) -> Data:
-    """Return torque, parameters and inputs of a choice."""
+    """Return torque, parameters and inputs of a choice, and its control."""
+    if scene.control != Control():
+        return _controlled(scene)
     if TORQUE in off:
         return {}
     if _is_free(scene):
@@ -190,6 +198,17 @@ def _torque_data(scene: Scene, off: Off) -> Data:
     if scene.torque.components is None:
         return {"torque": scene.model_dump(exclude_unset=True)["torque"]}
     return _without(scene, tuple(n for n in scene.parameters if f"{WITHOUT}{n}" in off))
+
+
+def _controlled(scene: Scene) -> Data:
+    """Return torque, control, and what these use of parameters and inputs."""
+    data, words = scene.model_dump(exclude_unset=True), scene.control.words
+    found = {"torque": data["torque"]} if scene.torque.components is None else _without(scene, ())
+    used = {
+        n: {**found.get(n, {}), **{k: v for k, v in data.get(n, {}).items() if k in words}}
+        for n in ("parameters", "inputs")
+    }
+    return {**found, **used, "control": data["control"]}
 
 
 def _body_data(scene: Scene, off: Off, pair: tuple[int, int] | None) -> Data:
@@ -361,7 +380,8 @@ def _states_at_start(scene: Scene) -> dict[str, float]:
 def _start_knobs(scene: Scene, used: str) -> list[Knob]:
     values = _states_at_start(scene)
     turned = used if used in SEQUENCES or scene.model == "spinner" else ""
-    kept = [q for q in scene.full_system.states if turned or q.symbol in OMEGA.components]
+    free = {*OMEGA.components, *(q.symbol for q in scene.full_system.states if q.name in scene.control.states)}
+    kept = [q for q in scene.full_system.states if turned or q.symbol in free]
     return of_states(kept, values)
 
 

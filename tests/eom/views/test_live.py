@@ -422,6 +422,38 @@ def test_narrow_torques_move_the_page_as_they_do_in_c():
     assert after == pytest.approx(0.01 * math.sqrt(math.pi), rel=1e-2)
 
 
+BODY = {
+    "body": {"moments": (12, 14, 8)}, "attitude": "quaternion",
+    "torque": {"components": ("u_1", "-d*omega_2", "-d*omega_3")},
+    "parameters": {"k": 1, "d": {"value": 4, "unit": "N m s"}, "M": 0.3, "start": 0.1},
+    "control": {"laws": {"u_1": "saturate(raw, -M, M)"},
+                "definitions": {"raw": "-k*q0*q1 - d*omega_1 - 0.1*z"},
+                "states": {"z": {"rate": "q0*q1 + raw - u_1", "unit": "s"}}},
+    "initial": {"omega_1": "start", "omega_2": 0, "omega_3": 0},
+    "initial_attitude": {"sequence": "3-2-1", "degrees": (0, 0, 60)},
+}  # fmt: skip
+ROD = {
+    "bodies": {"rod": {"mass": "m", "centre": (0, 0, "-l/2"), "moments": (1, 1, 0)}},
+    "joints": {"hinge": {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x", "motor": True}},
+    "gravity": (0, 0, "-g"), "parameters": {"m": 1, "l": 2, "g": 9.81, "k": 3},
+    "control": {"laws": {"tau_hinge": "-k*u_hinge + z"}, "states": {"z": "kinetic_energy - z"}},
+    "initial": {"q_hinge": 0.4},
+}  # fmt: skip
+
+
+@needs_both
+@pytest.mark.parametrize("scene", [lambda: Scene(**BODY), lambda: eom.TreeScene(**ROD)])
+def test_laws_of_control_run_on_the_page(scene):
+    """With states of their own, saturation and gains, which have sliders."""
+    about = subject_of(scene())
+    got = run(written(about), PLAY)
+    assert difference(got, in_c(about.variants[about.choice].drawn, got)) < 1e-9
+    assert "z" in got["names"]
+    known = {k.name for k in about.knobs}
+    assert {"k", "z"} <= known
+    assert not {"u_1", "tau_hinge"} & known
+
+
 def test_backwards_is_refused():
     scene = damped(torque={"components": ("-c*omega_1", 0, 0)}, integration={"t_end": -1.0})
     with pytest.raises(InputError, match="forward"):
