@@ -202,7 +202,9 @@ def test_live_pages_say_that_they_hold_no_sampled_laws():
     from eom.views.live.page import page
 
     for scene in (
-        eom.Scene(**{**ONE, "control": {"laws": {"u_1": "-k*M*omega_1"}, "period": 0.1}, "outputs": ()}),
+        eom.Scene(
+            **{**ONE, "control": {"laws": {"u_1": "-k*M*omega_1"}, "period": 0.1}, "outputs": ()}
+        ),
         tree(laws={"tau_hinge": "-k*u_hinge"}, period=0.1),
     ):
         with pytest.raises(InputError, match="no sampled laws of control"):

@@ -187,7 +187,8 @@ class TreeScene(BaseScene, TreeDescription):
         """Return the system of ``tree``, which is the scene's with some of it left out, under its control.
 
         ``wanted``: outputs beside those that laws of control read. ``independent``: speeds that stay where
-        constraints eliminate others, as `eom.multibody.derive` takes them. Raises `InputError` as that does.
+        constraints eliminate others, as `eom.multibody.derive` takes them. Raises `InputError` as that
+        does.
         """
         read = (n for n in sorted(self.control.words) if n in self._choice.sources)
         asked = tuple(dict.fromkeys((*wanted, *self._choice.needed(tuple(read)))))

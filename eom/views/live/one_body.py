@@ -58,12 +58,10 @@ NAMES = {"spinner": ("M1", "M2", "M3"), "rigid body": ("tau_1", "tau_2", "tau_3"
 def of_body(scene: Scene) -> Subject:
     """Return what a page about a scene of one body needs."""
     attitude_used = _attitude(scene)
-    pair, switches = _pair(scene), switches_of(scene)
+    pair, switches, alike = _pair(scene), switches_of(scene), []
     if scene.control != Control():  # its laws may need anything that could be left out
         alike = [s.name for s in switches if s.on and s.name == SYMMETRIC]
-        switches, variants = (), {(): _variant(scene, attitude_used, alike, pair)}
-    else:
-        variants = variants_of(switches, lambda off: _variant(scene, attitude_used, off, pair))
+        switches = ()
     attitudes, angles = _start_angles(scene, attitude_used)
     return Subject(
         kind="spinner" if scene.model == "spinner" else "body",
@@ -73,7 +71,9 @@ def of_body(scene: Scene) -> Subject:
         knobs=(*_inertia_knobs(scene), *_torque_knobs(scene), *_start_knobs(scene, attitude_used),
                *angles),
         switches=switches,
-        variants=variants,
+        variants=variants_of(
+            switches, lambda off: _variant(scene, attitude_used, [*off, *alike], pair)
+        ),
         attitudes=attitudes,
         inertia=_inertia_names(scene),
         centre=_centre(scene),
@@ -380,7 +380,10 @@ def _states_at_start(scene: Scene) -> dict[str, float]:
 def _start_knobs(scene: Scene, used: str) -> list[Knob]:
     values = _states_at_start(scene)
     turned = used if used in SEQUENCES or scene.model == "spinner" else ""
-    free = {*OMEGA.components, *(q.symbol for q in scene.full_system.states if q.name in scene.control.states)}
+    free = {
+        *OMEGA.components,
+        *(q.symbol for q in scene.full_system.states if q.name in scene.control.states),
+    }
     kept = [q for q in scene.full_system.states if turned or q.symbol in free]
     return of_states(kept, values)
 
@@ -414,5 +417,3 @@ def _centre(scene: Scene) -> tuple[str, ...]:
     if scene.torque.weight is None:
         return ()
     return tuple(f"r{k}" if c else "" for k, c in enumerate(scene.torque.weight.centre_of_mass, 1))
-
-

@@ -65,9 +65,10 @@ SHOWN = {
 def page(scene: AnyScene) -> str:
     """Return the live page of ``scene``, one file of HTML; the same scene gives the same bytes.
 
+    Under constraints start values are made consistent on the page, and states brought back after each step.
     Numbers on it are in SI units, the angles of a body's attitude at the start in degrees. Raises
-    `InputError` for scenes that a page cannot hold: sampled laws of control, motion backwards in time, and
-    operations that JavaScript has none for.
+    `InputError` for scenes that a page cannot hold: sampled laws of control, motion backwards in time,
+    and operations that JavaScript has none for.
 
     >>> import eom
     >>> made = page(eom.load_scene("t-handle"))

@@ -89,8 +89,8 @@ class Attitude:
 class Fitting:
     """Something on the bodies of a tree: numbers of the bodies, -1 for the ground, and its values.
 
-    ``kind``: a row of `eom.views.live.fittings.KINDS`, which says what the values are. ``name``: of the part
-    of the scene.
+    ``kind``: a row of `eom.views.live.fittings.KINDS`, which says what the values are. ``name``: of the
+    part of the scene.
     """
 
     kind: str
@@ -103,13 +103,13 @@ class Fitting:
 class Subject:
     """A scene as a live page needs it.
 
-    ``kind``: body, spinner or tree. ``attitudes``: quaternions whose knobs are angles. ``inertia``: names of
-    the entries of the inertia matrix, of one body. ``centre``: names of the components of the centre of mass
-    from the fixed point, or empty. ``bodies``: by the order of what is drawn. ``joints``: by body the
+    ``kind``: body, spinner or tree. ``attitudes``: quaternions whose knobs are angles. ``inertia``: names
+    of the entries of the inertia matrix, of one body. ``centre``: names of the components of the centre of
+    mass from the fixed point, or empty. ``bodies``: by the order of what is drawn. ``joints``: by body the
     number of joints that lead on. ``fittings``: what else is drawn of a tree. ``follow``: the number of a
-    body that floats, with which the camera goes, or -1. ``up``: against gravity. ``speeds``: states that are
-    rates of others, and ``keep``: those that are changed last, where constraints are met. ``caption``: below
-    the picture; ``shown``: what can be hidden, and whether it is seen at first.
+    body that floats, with which the camera goes, or -1. ``up``: against gravity. ``speeds``: states that
+    are rates of others, and ``keep``: those that are changed last, where constraints are met. ``caption``:
+    below the picture; ``shown``: what can be hidden, and whether it is seen at first.
     """
 
     kind: str
@@ -184,12 +184,12 @@ Off = Sequence[str]
 """Names of the switches that are on: of what is left out."""
 
 
-def variants_of(switches: Sequence[Switch], make: Callable[[Off], Variant]) -> dict[Choice, Variant]:
+def variants_of(
+    switches: Sequence[Switch], make: Callable[[Off], Variant]
+) -> dict[Choice, Variant]:
     """Return the equations of each choice."""
     choices = product((False, True), repeat=len(switches))
     return {c: make([s.name for s, on in zip(switches, c, strict=True) if on]) for c in choices}
-
-
 
 
 SEQUENCE = "3-2-1"

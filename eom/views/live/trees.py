@@ -1,8 +1,8 @@
 """A tree of bodies as a live page needs it.
 
 Gravity, springs and dampers can be left out. Each choice is a tree of its own that is derived anew, so that
-what a zero makes superfluous is gone from the equations. The bodies are drawn from four points of each; their
-shapes follow from mass and inertia, or from how they touch (`eom.views.live.fittings`).
+what a zero makes superfluous is gone from the equations. The bodies are drawn from four points of each;
+their shapes follow from mass and inertia, or from how they touch (`eom.views.live.fittings`).
 
 Constraints: the page integrates the states that remain, as the scene's own system does; of speeds that
 follow from others those stay whose start the scene keeps, if they are enough. Start values are made
@@ -96,9 +96,15 @@ def of_tree(scene: TreeScene) -> Subject:
 
 def _caption(fittings: Sequence[Fitting]) -> str:
     rolls = any(f.kind == "roll" for f in fittings)
-    path = "the lines are the paths of the points of contact" if rolls else "the line is the path of the last one"
+    path = (
+        "the lines are the paths of the points of contact"
+        if rolls
+        else "the line is the path of the last one"
+    )
     but = ", those that roll the shape that touches" if rolls else ""
-    return f"Boxes and cylinders have the mass and the moments of inertia of the bodies{but}; {path}."
+    return (
+        f"Boxes and cylinders have the mass and the moments of inertia of the bodies{but}; {path}."
+    )
 
 
 def _notes(tree: Tree, drawn: System) -> Iterator[str]:

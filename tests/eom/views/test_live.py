@@ -20,8 +20,8 @@ from eom.scenes.description import principal_values
 from eom.scenes.scene import Scene
 from eom.views.live import page as code
 from eom.views.live import subject as knobs
-from eom.views.live.page import page, speed_of, written
 from eom.views.live.one_body import switches_of
+from eom.views.live.page import page, speed_of, written
 from eom.views.live.scenes import subject_of
 from tests import node
 from tests.eom.rows import only
@@ -50,9 +50,10 @@ for (let k = 0; k < {FRAMES}; k += 1) {{
   work.push(motion.evaluations - before);
 }}
 const numbers = (names) => names.map(motion.value);
+const valued = (names) => Object.fromEntries(names.map((n) => [n, motion.value(n)]));
 const {{STATES, PARAMETERS, INPUTS}} = motion.names;
 give({{found, work, message: motion.message, stopped: motion.stopped, names: STATES, x: numbers(STATES),
-      p: Object.fromEntries(PARAMETERS.map((n) => [n, motion.value(n)])), left: motion.left(), u: Object.fromEntries(INPUTS.map((n) => [n, motion.value(n)]))}});
+      p: valued(PARAMETERS), u: valued(INPUTS)}});
 """
 
 
@@ -61,8 +62,9 @@ def in_c(system, got):
     held = tuple(d for d in system.invariants if d.name in system.maintained)
     system = replace(system, outputs=(), invariants=held)
     times = np.linspace(0, 10, FRAMES)
+    p = {n: got["p"][n] for n in system.parameter_names}
     kept = codegen.simulate(
-        codegen.compile(system, "c"), got["x"], (0, 10), {n: got["p"][n] for n in system.parameter_names}, inputs=got["u"],
+        codegen.compile(system, "c"), got["x"], (0, 10), p, inputs=got["u"],
         method="DOP853", rtol=code.TOLERANCE, t_eval=times,
     )  # fmt: skip
     assert kept.success, kept.message
@@ -434,7 +436,8 @@ BODY = {
 }  # fmt: skip
 ROD = {
     "bodies": {"rod": {"mass": "m", "centre": (0, 0, "-l/2"), "moments": (1, 1, 0)}},
-    "joints": {"hinge": {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x", "motor": True}},
+    "joints": {"hinge": {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x",
+                         "motor": True}},
     "gravity": (0, 0, "-g"), "parameters": {"m": 1, "l": 2, "g": 9.81, "k": 3},
     "control": {"laws": {"tau_hinge": "-k*u_hinge + z"}, "states": {"z": "kinetic_energy - z"}},
     "initial": {"q_hinge": 0.4},

@@ -1,4 +1,4 @@
-"""Live pages of scenes with constraints: their scripts in Node.js against the interpreter, the C target and `assemble`."""
+"""Live pages under constraints: their scripts in Node.js against interpreter, C target and `assemble`."""
 
 import json
 
@@ -24,7 +24,9 @@ from tests.eom.views.live_pages import BOUND, SUPPORTED, data_of, run, subject, 
 needs_node = pytest.mark.skipif(not node.NODE, reason="no Node.js")
 needs_both = pytest.mark.skipif(not (node.NODE and native.compiler()), reason="no Node.js or no C")
 
-START = "give([motion.message, Object.fromEntries(motion.values), motion.left().map((c) => c.left)]);"
+START = (
+    "give([motion.message, Object.fromEntries(motion.values), motion.left().map((c) => c.left)]);"
+)
 
 
 def drawn_of(name):
@@ -77,12 +79,16 @@ def test_pages_end_where_simulate_ends_and_stay_on_the_constraints(name):
           motion.advance(k / 60);
           motion.left().forEach((c) => { worst = Math.max(worst, Math.abs(c.left)); });
         }
-        give([motion.message, motion.stopped, worst, Object.fromEntries(motion.names.STATES.map((n, k) => [n, motion.states[k]]))]);
+        const states = Object.fromEntries(motion.names.STATES.map((n, k) => [n, motion.states[k]]));
+        give([motion.message, motion.stopped, worst, states]);
     """)  # fmt: skip
     message, stopped, worst, states = got
     assert (message, stopped) == ("", "")
     assert worst < 1e-12
-    known = {**dict(zip(kept.names, kept.y[:, -1], strict=True)), **{n: kept[n][-1] for n in kept.outputs}}
+    known = {
+        **dict(zip(kept.names, kept.y[:, -1], strict=True)),
+        **{n: kept[n][-1] for n in kept.outputs},
+    }
     assert set(states) <= set(known)
     assert max(abs(states[n] - known[n]) / max(1.0, abs(known[n])) for n in states) < 1e-8
 
@@ -136,10 +142,14 @@ def test_where_no_configuration_exists_the_page_says_so_and_the_motion_stays():
     got = run(text_of("four-bar-linkage"), program)
     accepted, message, time = got["said"]
     assert (accepted, time, got["same"], got["moves"]) == (False, 1, True, 1.5)
-    assert "no configuration near these numbers meets the constraints: the constraint 'pin'" in message
+    assert (
+        "no configuration near these numbers meets the constraints: the constraint 'pin'" in message
+    )
     assert got["again"] == [True, "", 0]
     start = eom.load_scene("four-bar-linkage").start["q_rocker"]
-    assert got["start"] == pytest.approx(start, abs=1e-12)  # a change that is taken back leaves no trace
+    assert got["start"] == pytest.approx(
+        start, abs=1e-12
+    )  # a change that is taken back leaves no trace
 
 
 @needs_node
@@ -147,12 +157,12 @@ def test_where_no_configuration_exists_the_page_says_so_and_the_motion_stays():
 def test_points_of_contact_are_on_the_plane_and_do_not_slip(name):
     """By central differences: the point of the body that touches has no velocity."""
     at = [f["at"] for f in data_of(text_of(name))["fittings"] if f["kind"] == "roll"]
-    program = f"""
+    program = """
     const rolls = data.fittings.filter((f) => f.kind === "roll"), seen = [];
-    for (const t of [0.5 - 1e-4, 0.5, 0.5 + 1e-4]) {{
+    for (const t of [0.5 - 1e-4, 0.5, 0.5 + 1e-4]) {
       motion.advance(t);
       seen.push([...motion.view], rolls.map((f) => motion.contact(f, [0, 0, 0])));
-    }}
+    }
     give(seen);
     """
     before, _, now, points, after, _ = run(text_of(name), program)
@@ -190,7 +200,9 @@ def test_attitudes_of_trees_are_angles_on_the_page():
 def test_fittings_are_as_their_table_says():
     data = data_of(text_of("slider-crank"))
     assert [f["kind"] for f in data["fittings"]] == ["ball", "rail", "pin"]
-    assert {f["kind"] for n in SUPPORTED[-5:] for f in data_of(text_of(n))["fittings"]} <= set(KINDS)
+    assert {f["kind"] for n in SUPPORTED[-5:] for f in data_of(text_of(n))["fittings"]} <= set(
+        KINDS
+    )
 
 
 def test_pages_are_small():
@@ -208,9 +220,7 @@ def test_rods_knife_edges_gears_and_slopes_have_pages_too():
 
 
 def scene_of(name, bodies, joints, constraints, **more):
-    return TreeScene(
-        name=name, bodies=bodies, joints=joints, constraints=constraints, **more
-    )
+    return TreeScene(name=name, bodies=bodies, joints=joints, constraints=constraints, **more)
 
 
 def sleigh():
