@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from eom.multibody.algebra.spatial import ZERO, times, transposed
+from eom.multibody.algebra.spatial import IDENTITY, ZERO, times, transposed
 from eom.multibody.algebra.values import is_number
 from eom.multibody.model.constraints import Distance, KnifeEdge, Loop, Rolling
 from eom.multibody.model.model import GROUND, Tree
@@ -17,12 +17,15 @@ from eom.views.live.subject import Fitting
 KINDS: Mapping[str, str] = {
     "roll": "radius, half of the axis, centre, axis (zero of a ball), normal and origin of the plane",
     "line": "a point of the first body, a point of the second: a spring, or a rod without mass",
-    "pin": "where a loop is closed, on its first body",
+    "pin": "where a loop is closed, on its first body; then pairs of directions, on the first body and on the "
+    "second, that coincide where the joint is not turned round",
     "edge": "the point of a knife edge, the direction across it",
     "ball": "where a joint is on the ground",
     "rail": "where a sliding joint is on the ground, the direction of its axis",
 }
 """What a fitting's values are, by its kind; three of each point and direction, in the axes of the body."""
+TURNING, LOCKED = frozenset({"revolute", "cylindrical", "planar"}), frozenset({"prismatic", "fixed"})
+"""Kinds of joints that close a loop and keep one axis, or all; their equations hold turned round, too."""
 WITHOUT_SUPPORT = frozenset({"free", "fixed", "planar"})
 """Kinds of joints that nothing on the ground holds."""
 
@@ -59,9 +62,22 @@ def _held(tree: Tree, number: Mapping[str, int]) -> Iterator[Fitting]:
             ends = (number[c.first], number[c.second])
             yield Fitting("line", c.name, ends, (*c.first_point, *c.second_point))
         elif isinstance(c, Loop):
-            yield Fitting("pin", c.name, (number[c.first],), tuple(c.on_first.position))
+            yield Fitting("pin", c.name, (number[c.first], number[c.second]), tuple(_closed(c)))
         elif isinstance(c, KnifeEdge):
             yield Fitting("edge", c.name, (number[c.body],), (*c.point, *c.direction))
+
+
+def _closed(loop: Loop) -> Iterator[Any]:
+    """Yield where a loop is closed, and directions of the joint's frames that must coincide."""
+    yield from loop.on_first.position
+    alike: Sequence[Any] = ()
+    if loop.kind in LOCKED:
+        alike = IDENTITY
+    elif loop.kind in TURNING:
+        alike = (loop.axis,)
+    for axis in alike:
+        for frame in (loop.on_first, loop.on_second):
+            yield from times(transposed(frame.rotation), axis)
 
 
 def sizes_of(tree: Tree) -> set[str]:

@@ -323,7 +323,7 @@ def _fittings(subject: Subject) -> Iterator[dict[str, Any]]:
     """Yield what is drawn on bodies, with the place of its values among the outputs of any choice."""
     place = 12 * len(subject.bodies) + sum(10 + 3 * count for count in subject.joints)
     for f in subject.fittings:
-        yield {"kind": f.kind, "name": f.name, "bodies": f.bodies, "at": place}
+        yield {"kind": f.kind, "name": f.name, "bodies": f.bodies, "at": place, "size": len(f.values)}
         place += len(f.values)
 
 

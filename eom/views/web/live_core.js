@@ -110,9 +110,24 @@ const createMotion = (data, systems, method) => {
       end = start.consistent(load(motion.variant).system, held, given, new Set(keep));
       if (!end.message) break;
     }
-    if (end.message) return end.message;
+    const message = end.message || turnedRound(load(motion.variant), end.values);
+    if (message) return message;
     end.values.forEach((v, n) => values.set(n, v));
     if (own.length) chosen = new Map(values);
+    return "";
+  }
+
+  /* Equations of a joint that closes a loop hold, too, where it is turned round; in words which one is. */
+  function turnedRound({system: found}, at) {
+    const [x, parameters, inputs] = [found.STATES, found.PARAMETERS, found.INPUTS]
+      .map((names) => Float64Array.from(names, (n) => start.number(at, n)));
+    const v = found.outputs(0, x, parameters, inputs);
+    const inSpace = (k, s, i) => (k < 0 ? v[s + i] : [0, 1, 2].reduce((sum, j) => sum + v[s + j] * (v[12 * k + 3 * (j + 1) + i] - v[12 * k + i]), 0));
+    for (const {kind, name, bodies: [a, b], at: s, size} of data.fittings) {
+      for (let pair = s + 3; kind === "pin" && pair < s + size; pair += 6)
+        if ([0, 1, 2].reduce((sum, i) => sum + inSpace(a, pair, i) * inSpace(b, pair + 3, i), 0) < 0)
+          return "the joint that closes the loop '" + name + "' is turned round: its axes are opposite";
+    }
     return "";
   }
 

@@ -26,6 +26,7 @@ from eom.views.live.scenes import subject_of
 from tests import node
 from tests.eom.rows import only
 from tests.eom.views.live_pages import (
+    BOUND,
     SINGLE,
     SUPPORTED,
     WHOLE,
@@ -87,10 +88,13 @@ def test_the_page_moves_as_the_c_target_does(name):
     about = subject(name)
     drawn = about.variants[about.choice].drawn
     assert tuple(got["names"]) == drawn.state_names
-    assert difference(got, in_c(drawn, got)) < 1e-9
-    damped = name in {"seven-joint-arm", "walking-leg"}
-    times = 10 if damped else 1 if name in SINGLE else 2
-    assert np.mean(got["work"][1:]) < 30 * times  # much damping on small links: short steps
+    far = 100 if name in BOUND else 1  # a linkage turns by 180 rad
+    assert difference(got, in_c(drawn, got)) < 1e-9 * far
+    quick = name in {"seven-joint-arm", "walking-leg", "four-bar-linkage"}
+    times = 10 if quick else 1 if name in SINGLE else 2
+    assert (
+        np.mean(got["work"][1:]) < 30 * times
+    )  # much damping, or a crank at 20 rad/s: short steps
     assert max(got["work"][1:]) < 120 * times
 
 
