@@ -261,7 +261,7 @@ def test_rotations_of_the_page_are_those_of_eom(turns, diagonals):
 @pytest.mark.parametrize("name", only(WHOLE, "t-handle", "double-pendulum"))
 def test_pages_are_small_and_complete(name):
     text = text_of(name)
-    assert len(text.encode()) < 3e6
+    assert len(text.encode()) < 2e6
     data, found = data_of(text), Elements(text)
     templates = {a["id"] for a, _ in found.all("template")}
     for chosen in data["equations"].values():
