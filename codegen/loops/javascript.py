@@ -3,7 +3,8 @@
 The text depends on the tableau alone; it integrates any module that `codegen.targets.javascript`
 writes, so that pages with several systems hold it once. It stands beside generated JavaScript as
 ``runge_kutta.c`` stands beside generated C, and takes the same steps up to rounding; instead of ending a
-step at each time that is asked for, it interpolates, so that frames of a page do not change the motion.
+step at each time that is asked for, it interpolates, so that frames of a page do not change the motion;
+at samples of a law, where inputs change, steps end.
 ``lookout.mjs`` is ``ahead.c`` and ``narrow.c`` in JavaScript, ``projection.mjs`` is ``projection.c``; what
 is watched, and what is kept (`codegen.loops.projection.extended`), they know from the module.
 """

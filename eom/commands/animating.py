@@ -153,7 +153,7 @@ def live(scene: str, file: Path) -> None:
 
     The page needs no network: sliders change numbers, boxes leave parts out, and equations and generated
     right-hand side change with them. Under constraints start values are made consistent whenever a number
-    changes. Scenes whose laws of control are sampled have no live page.
+    changes. Laws of control run on the page.
     """
     from codegen.compiling.compiled import write_files
     from eom.views.live.page import page

@@ -198,19 +198,6 @@ def test_what_a_file_may_not_say_is_refused_when_it_is_read(control, message):
         tree(**control)
 
 
-def test_live_pages_say_that_they_hold_no_sampled_laws():
-    from eom.views.live.page import page
-
-    for scene in (
-        eom.Scene(
-            **{**ONE, "control": {"laws": {"u_1": "-k*M*omega_1"}, "period": 0.1}, "outputs": ()}
-        ),
-        tree(laws={"tau_hinge": "-k*u_hinge"}, period=0.1),
-    ):
-        with pytest.raises(InputError, match="no sampled laws of control"):
-            page(scene)
-
-
 # -- Python functions of time and state ----------------------------------------------------------
 
 PENDULUM = eom.System.from_rates(

@@ -44,8 +44,9 @@ def simulated(scene):
     """Return the simulation that an animation is made of."""
     plan, compiled = scene.integration, codegen.compile(scene.derive(), "numpy")
     given = scene.initial_values(), (0, plan.t_end), scene.parameter_values()
-    return codegen.simulate(compiled, *given, inputs=scene.input_values(), method="DOP853",
-                            t_eval=[k * plan.t_end / (plan.points - 1) for k in range(plan.points)])  # fmt: skip
+    times = [k * plan.t_end / (plan.points - 1) for k in range(plan.points)]
+    held = scene.input_values()
+    return codegen.simulate(compiled, *given, inputs=held, method="DOP853", t_eval=times)
 
 
 def test_what_people_model_is_among_the_scenes():

@@ -17,14 +17,17 @@ from eom.views.live.subject import Fitting
 KINDS: Mapping[str, str] = {
     "roll": "radius, half of the axis, centre, axis (zero of a ball), normal and origin of the plane",
     "line": "a point of the first body, a point of the second: a spring, or a rod without mass",
-    "pin": "where a loop is closed, on its first body; then pairs of directions, on the first body and on the "
-    "second, that coincide where the joint is not turned round",
+    "pin": "where a loop is closed, on its first body; then pairs of directions, on the first body and on "
+    "the second, that coincide where the joint is not turned round",
     "edge": "the point of a knife edge, the direction across it",
     "ball": "where a joint is on the ground",
     "rail": "where a sliding joint is on the ground, the direction of its axis",
 }
 """What a fitting's values are, by its kind; three of each point and direction, in the axes of the body."""
-TURNING, LOCKED = frozenset({"revolute", "cylindrical", "planar"}), frozenset({"prismatic", "fixed"})
+TURNING, LOCKED = (
+    frozenset({"revolute", "cylindrical", "planar"}),
+    frozenset({"prismatic", "fixed"}),
+)
 """Kinds of joints that close a loop and keep one axis, or all; their equations hold turned round, too."""
 WITHOUT_SUPPORT = frozenset({"free", "fixed", "planar"})
 """Kinds of joints that nothing on the ground holds."""

@@ -42,6 +42,7 @@ from eom.views.live.subject import (
     Variant,
     attitude_knobs,
     knob,
+    of_inputs,
     of_states,
     variants_of,
 )
@@ -367,9 +368,9 @@ def _torque_knobs(scene: Scene) -> Iterator[Knob]:
         return
     numbers = start.constants(scene) | {n: v.value for n, v in scene.inputs.items()}
     inertia = {n for row in _inertia_names(scene) for n in row}
-    for q in (*scene.full_system.parameters, *scene.full_system.inputs):
-        if q.name not in inertia:
-            yield knob(q, numbers[q.name], "torque")
+    for q in (q for q in scene.full_system.parameters if q.name not in inertia):
+        yield knob(q, numbers[q.name], "torque")
+    yield from of_inputs(scene.full_system, {**start.states(scene, scene.full_system), **numbers})
 
 
 def _states_at_start(scene: Scene) -> dict[str, float]:

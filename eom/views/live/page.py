@@ -26,7 +26,7 @@ from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError
 from eom.opening import AnyScene
-from eom.quantities import Definition
+from eom.quantities import Definition, Sampling
 from eom.system import System
 from eom.terms.terms import Equation
 from eom.typeset import printing
@@ -66,9 +66,9 @@ def page(scene: AnyScene) -> str:
     """Return the live page of ``scene``, one file of HTML; the same scene gives the same bytes.
 
     Under constraints start values are made consistent on the page, and states brought back after each step.
-    Numbers on it are in SI units, the angles of a body's attitude at the start in degrees. Raises
-    `InputError` for scenes that a page cannot hold: sampled laws of control, motion backwards in time,
-    and operations that JavaScript has none for.
+    Laws of control run on it. Numbers are in SI units, the angles of a body's attitude at the start in
+    degrees. Raises `InputError` for scenes that a page cannot hold: motion backwards in time, and
+    operations that JavaScript has none for.
 
     >>> import eom
     >>> made = page(eom.load_scene("t-handle"))
@@ -255,6 +255,7 @@ def script(subject: Subject) -> tuple[str, dict[str, Any]]:
         f"const EOM_METHOD = (() => {{\n{method}\nreturn {DOP853.name};\n}})();",
         f"const EOM_SYSTEMS = [\n{systems}\n];",
         web("live_start.js"),
+        web("live_samples.js"),
         web("live_core.js"),
     ]
     return "\n".join(parts), _data(subject, compiled)
@@ -312,6 +313,7 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
                 "equal": dict(v.equal),
                 "free": v.free,
                 "held": compiled[choice].held,
+                "sampled": [_sampled(s) for s in v.drawn.sampled],
                 "singular": [s.meaning for s in v.drawn.singularities],
             }
             for choice, v in subject.variants.items()
@@ -319,11 +321,24 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
     }
 
 
+def _sampled(law: Sampling) -> dict[str, Any]:
+    """Return when a law is sampled, and what it sets."""
+    names = {"inputs": law.laws, "states": law.states}
+    found = {key: [d.name for d in rows] for key, rows in names.items()}
+    return {"period": law.period, "delay": law.delay, **found}
+
+
 def _fittings(subject: Subject) -> Iterator[dict[str, Any]]:
     """Yield what is drawn on bodies, with the place of its values among the outputs of any choice."""
     place = 12 * len(subject.bodies) + sum(10 + 3 * count for count in subject.joints)
     for f in subject.fittings:
-        yield {"kind": f.kind, "name": f.name, "bodies": f.bodies, "at": place, "size": len(f.values)}
+        yield {
+            "kind": f.kind,
+            "name": f.name,
+            "bodies": f.bodies,
+            "at": place,
+            "size": len(f.values),
+        }
         place += len(f.values)
 
 

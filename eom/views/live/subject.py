@@ -6,7 +6,7 @@ How far sliders go: from the value of a quantity, its unit, and others of the sa
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -178,6 +178,16 @@ def of_states(states: Iterable[Quantity], values: Mapping[str, float]) -> list[K
         for unit in dict.fromkeys(q.unit for q in known)
     }
     return [knob(q, values[q.name], "start", size[q.unit]) for q in known]
+
+
+def of_inputs(system: System, values: Mapping[str, float]) -> Iterator[Knob]:
+    """Yield the knobs of inputs, zero where no value is given; none of those that samples set at once."""
+    stepped = {d.name for s in system.sampled for d in s.states}
+    at_once = {d.name for s in system.sampled for d in s.laws if not s.delay}
+    for q in system.inputs:
+        if q.name not in at_once:
+            group = "start" if q.name in stepped else "torque"
+            yield knob(q, values.get(q.name, 0.0), group)
 
 
 Off = Sequence[str]

@@ -46,6 +46,7 @@ from eom.views.live.subject import (
     Variant,
     attitude_knobs,
     knob,
+    of_inputs,
     of_states,
     variants_of,
 )
@@ -228,7 +229,7 @@ def _knobs(scene: TreeScene, drawn: System) -> Iterator[Knob]:
     for q in system.parameters:
         yield knob(q, scene.numbers[q.name], "parameters", positive=q.name in positive)
     given = {n: v.value for n, v in scene.inputs.items()}
-    yield from (knob(q, given.get(q.name, 0.0), "torque") for q in system.inputs)
+    yield from of_inputs(system, {**scene.start, **given})
     bound = {n for names in scene.attitudes for n in names}
     start = {n: x if abs(x) > ROUNDING else 0.0 for n, x in scene.start.items()}
     yield from of_states([q for q in drawn.states if q.name not in bound], start)

@@ -17,7 +17,7 @@ const createMotion = (data, systems, method) => {
     first: null, states: null, evaluations: 0, stopped: "", set, choose, original, value, at, inertia, omega,
     left, contact,
   };
-  let run = null, system = null, p = null, u = null, chosen = new Map(values);
+  let run = null, samples = null, system = null, p = null, u = null, chosen = new Map(values);
 
   const key = () => off.map((o) => (o ? "1" : "0")).join("");
 
@@ -88,6 +88,7 @@ const createMotion = (data, systems, method) => {
       made.set(variant.system, {
         system: found,
         run: method(found, {rtol: TOLERANCE}),
+        samples: createSamples(found, variant.sampled),
         states: new Float64Array(found.SIZES.rates),
         view: new Float64Array(found.SIZES.outputs),
         invariants: new Float64Array(found.SIZES.invariants || 0),
@@ -142,10 +143,14 @@ const createMotion = (data, systems, method) => {
       return false;
     }
     const parts = load(motion.variant);
-    ({system, run} = parts);
+    ({system, run, samples} = parts);
     p = Float64Array.from(system.PARAMETERS, value);
     u = Float64Array.from(system.INPUTS, value);
-    run.start(0, Float64Array.from(system.STATES, value), p, u);
+    const from = Float64Array.from(system.STATES, value);
+    samples.start();
+    samples.change(0, from, p, u);
+    run.start(0, from, p, u);
+    run.end = samples.next();
     Object.assign(motion, {
       states: parts.states, view: parts.view, invariants: parts.invariants, first: parts.first,
       scale: parts.scale, names: system, time: 0, stopped: "",
@@ -187,7 +192,13 @@ const createMotion = (data, systems, method) => {
 
   /* Go on to time t with at most so many steps; false where they were too few or the run has ended. */
   function advance(t, steps = Infinity) {
-    const reached = run.advance(t, steps);
+    let reached = run.advance(Math.min(t, run.end), steps);
+    while (reached && run.end <= t) {
+      samples.change(run.t, run.x, p, u);
+      run.refresh();
+      run.end = samples.next();
+      reached = run.advance(Math.min(t, run.end), steps);
+    }
     evaluate(reached ? t : run.t);
     record();
     return reached;

@@ -461,6 +461,36 @@ def test_laws_of_control_run_on_the_page(scene):
     assert not {"u_1", "tau_hinge"} & known
 
 
+@needs_both
+@pytest.mark.parametrize(
+    ("kind", "delay"),
+    only(
+        [(k, d) for k in ("body", "tree") for d in (0.0, 0.02, 0.13)], ("body", 0.0), ("tree", 0.13)
+    ),
+)
+def test_sampled_laws_run_on_the_page_as_in_the_loop_in_c(kind, delay):
+    """Steps end at samples and where their values take effect, after more than a period too."""
+    more = {"period": 0.05, "delay": delay}
+    if kind == "body":
+        control = {
+            **BODY["control"],
+            **more,
+            "states": {"z": {"next": "z + 0.05*q0*q1", "unit": "s"}},
+        }
+        scene = Scene(**{**BODY, "control": control})
+    else:
+        control = {
+            **ROD["control"],
+            **more,
+            "states": {"z": {"next": "0.9*z + 0.1*kinetic_energy"}},
+        }
+        scene = eom.TreeScene(**{**ROD, "control": control})
+    about = subject_of(scene)
+    got = run(written(about), PLAY)
+    assert difference(got, in_c(about.variants[about.choice].drawn, got)) < 1e-9
+    assert ("z" in {k.name for k in about.knobs}, "z" in got["names"]) == (True, False)
+
+
 def test_backwards_is_refused():
     scene = damped(torque={"components": ("-c*omega_1", 0, 0)}, integration={"t_end": -1.0})
     with pytest.raises(InputError, match="forward"):
