@@ -161,8 +161,8 @@
     const v = motion.view, here = data.fittings.filter((f) => f.bodies[0] === k);
     const at = (f, from = 0) => Array.from(v.subarray(f.at + from, f.at + from + 3));
     const shapes = {
-      pin: (f) => plain({kind: "sphere", radius: 0.026 * radius, position: at(f)}, "black"),
-      edge: (f) => plain({kind: "box", size: [0.12 * radius, 0.12 * radius, 0.006 * radius], position: at(f), quaternion: towards(at(f, 3))}, "black"),
+      pin: (f) => plain({kind: "sphere", radius: 0.026 * radius, position: at(f)}, "orange"),
+      edge: (f) => plain({kind: "box", size: [0.12 * radius, 0.12 * radius, 0.006 * radius], position: at(f), quaternion: towards(at(f, 3))}, "orange"),
       ball: (f) => plain({kind: "sphere", radius: 0.035 * radius, position: at(f)}, "grey"),
       rail: (f) => plain({kind: "rod", length: 3 * radius, radius: 0.008 * radius, position: at(f), quaternion: towards(at(f, 3))}, "grey"),
     };
@@ -249,7 +249,7 @@
     dressGround();
     data.fittings.forEach((f, n) => {
       if (!touching(f)) return;
-      viewer.surface("contact " + n, {kind: "sphere", radius: 0.02 * radius, plain: true}, {colour: "black"});
+      viewer.surface("contact " + n, {kind: "sphere", radius: 0.02 * radius, plain: true}, {colour: TRACKS[n % TRACKS.length]});
       viewer.trailClear("path " + n);
     });
   }
