@@ -53,7 +53,7 @@ def test_what_people_model_is_among_the_scenes():
     assert set(MODELLED.values()) <= set(catalogue.names())
 
 
-@pytest.mark.parametrize("name", only(catalogue.names(), "lecture-wheel", "slider-crank"))
+@pytest.mark.parametrize("name", only(catalogue.names(), "lecture-wheel"))
 def test_every_ready_scene_has_equations_a_picture_an_animation_and_a_live_page(name):
     """No scene is left out: what one of the four refuses fails here."""
     scene = eom.load_scene(name)
