@@ -77,6 +77,12 @@ _MAKERS = {
         "Spinning bodies",
         "The 3-1-2 spinning symmetric body",
     ),
+    "heavy-symmetric-top": (
+        "heavytop",
+        "heavy_symmetric_top",
+        "Spinning bodies",
+        "The heavy symmetric top",
+    ),
     "gyrostat": (
         "gyrostat",
         "gyrostat_momentum",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -193,11 +193,12 @@ def _verify_sign(
 def not_negative(term: Term, scalars: Scalars) -> bool:
     """Return whether the form of ``term`` shows that it cannot be negative.
 
-    A symbol that stands for a quantity counts for nothing, whatever its own assumptions say.
+    Of a symbol that stands for a quantity it is known that it is real, whatever its own assumptions say.
     """
     if term.head == "expr":
-        unknown = not term.data[0].free_symbols & set(scalars)
-        return unknown and bool(term.data[0].is_nonnegative)
+        known = term.data[0].free_symbols & set(scalars)
+        real = {s: sp.Dummy(real=True) for s in known}
+        return bool(term.data[0].xreplace(real).is_nonnegative)
     if term.head == "mul":
         return all(not_negative(a, scalars) or term.args.count(a) % 2 == 0 for a in term.args)
     if term.head in {"add", "sum", "integral"}:
@@ -205,6 +206,38 @@ def not_negative(term: Term, scalars: Scalars) -> bool:
     if term.head in {"dot", "inner"} and term.kind == SCALAR:
         return term.args[0] == term.args[1]
     return term.head == "atom" and term.data[0] in {"mass", "total_mass"}
+
+
+_REAL = (sp.Add, sp.Mul, sp.Symbol, sp.Rational, sp.sin, sp.cos)
+
+
+def _is_square(factor: Term) -> bool:
+    """Return whether this is an even power of what is real wherever it is defined."""
+    e = factor.data[0] if factor.head == "expr" else sp.S.One
+    return bool(e.is_Pow and e.exp.is_Integer and e.exp % 2 == 0) and all(
+        isinstance(n, _REAL) or (n.is_Pow and n.exp.is_Integer) for n in sp.preorder_traversal(e)
+    )
+
+
+def check_signs(
+    products: Iterable[Sequence[Term]], known: Iterable[Equation], scalars: Scalars, where: str
+) -> None:
+    """Raise `DerivationError` unless every product is of what cannot be negative.
+
+    ``known``: lines that say ``a >= 0``; powers of their left sides count, too.
+    """
+    signed = [line.left for line in known if line.relation == ">="]
+
+    def is_signed(factor: Term) -> bool:
+        base = factor
+        if factor.head == "expr" and factor.data[0].is_Pow and factor.data[0].exp.is_Integer:
+            base = Term("expr", (), (factor.data[0].base,))
+        known = factor in signed or base in signed
+        return known or _is_square(factor) or not_negative(factor, scalars)
+
+    for factor in (f for product in products for f in product):
+        if not is_signed(factor):
+            raise DerivationError("the sign cannot be decided", where=where, got=plain(factor))
 
 
 def plain(term: Term) -> str:

@@ -8,6 +8,7 @@ Imports: `eom.errors`, `eom.exact`, `eom.kinematics`, `eom.terms`.
 """
 
 from eom.terms.rules.axes import (
+    along_turned,
     by_axes,
     double_tilde,
     orthonormal,
@@ -50,7 +51,7 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
-from eom.terms.rules.scalars import collect, constants, determinants, dyads, put_in
+from eom.terms.rules.scalars import chain, collect, constants, determinants, dyads, put_in
 from eom.terms.rules.slopes import slopes, spelt_out
 from eom.terms.rules.tracing import Rule, Trace, named, noted, rest_on, traced
 from eom.terms.rules.vectors import (
@@ -82,12 +83,14 @@ from eom.terms.rules.vectors import (
 __all__ = [
     "Rule",
     "Trace",
+    "along_turned",
     "apply",
     "associate",
     "at",
     "bac_cab",
     "by_axes",
     "by_way_of",
+    "chain",
     "collect",
     "combine",
     "commute",
