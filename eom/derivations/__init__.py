@@ -83,6 +83,12 @@ _MAKERS = {
         "Spinning bodies",
         "The heavy symmetric top",
     ),
+    "gravity-gradient-stability": (
+        "gravitygradient",
+        "gravity_gradient_stability",
+        "Spacecraft",
+        "Stability under the gravity gradient",
+    ),
     "gyrostat": (
         "gyrostat",
         "gyrostat_momentum",

@@ -67,6 +67,9 @@ from eom.worlds.worlds import closure
 SIGNS = "sum of products that are not negative"
 """The evidence of what follows from the signs of its factors."""
 
+OF_NEW = "it sets what is new in it"
+"""The evidence of what was computed of a quantity that nothing had been said of."""
+
 
 @dataclass(frozen=True)
 class Chain:
@@ -153,7 +156,7 @@ class Chain:
             line = inference.conclude(self.equation, *(o.equation for o in others))
         if line == self.equation:
             raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
-        path = self._path(trace, *others)
+        path = replace(self._path(trace, *others), evidence=OF_NEW if unknowns else "")
         with self.maker.kept(line, unknowns):
             return self.maker.state(line, reason, label=label, states=states, path=path)
 
@@ -518,7 +521,7 @@ class Derivation:
             kind,
             tuple(states),
             self._needed(checked, reason, evidence),
-            SIGNS if checked != equation else evidence,
+            (path.evidence if path else "") or (SIGNS if checked != equation else evidence),
             follows,
             tuple(path.trace.words) if path else (),
         )
@@ -556,11 +559,13 @@ class Derivation:
         return Chain(self, step)
 
     def _is_possible(self, term: Term) -> bool:
-        drawn = self._worlds() if self.own else worlds
-        carried = self._carry(term)
+        """Return whether a scalar is not negative in some world, whatever laws say of the motion there."""
+        free, carried = Furnished(replace(self.own, laws=[]), {}), self._carry(term)
+        scalars = {s: self._carry(t) for s, t in self.scalars.items()}
+        free.scalars.update(scalars)
         found = (
-            Evaluator(world, self._worlds().scalars).lowest(carried)
-            for world in drawn(self.assumed, SIGN_WORLDS, field=RATIONALS)
+            Evaluator(world, scalars).lowest(carried)
+            for world in free(self.assumed, SIGN_WORLDS, field=RATIONALS)
         )
         return any(value >= 0 for value in found)
 

@@ -124,8 +124,15 @@ def _is_identity(equation: Equation, scalars: Scalars) -> bool:
     known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
     return all(
-        vanishes(carried_out(a.xreplace(known)) - carried_out(b.xreplace(known))) for a, b in pairs
+        vanishes(carried_out(_spelt(a, known)) - carried_out(_spelt(b, known))) for a, b in pairs
     )
+
+
+def _spelt(e: Any, known: Mapping[Any, Any]) -> Any:
+    """Put in what symbols stand for, and what stands in that."""
+    while e.free_symbols & known.keys():
+        e = e.xreplace(known)
+    return e
 
 
 def _entries(term: Term) -> list[Any]:
