@@ -28,6 +28,12 @@ _MAKERS = {
         "Dynamics of a system of point masses",
     ),
     "variable-mass": ("variablemass", "variable_mass", "Particles", "A body whose mass changes"),
+    "virtual-work": (
+        "virtualwork",
+        "virtual_work",
+        "Particles",
+        "From d'Alembert's principle to Lagrange's and Kane's equations",
+    ),
     "transport-theorem": (
         "rotation",
         "transport_theorem",

@@ -297,6 +297,19 @@ class Derivation:
             raise DerivationError("this name is taken, or is none", where=self.name, got=name)
 
     @typed
+    def configure(self, *coordinates: Any) -> None:
+        """Let the places of all particles be functions of ``coordinates`` (symbols), and of time.
+
+        Their slopes are any vectors; forces of constraints do no virtual work along them. Raises
+        `DerivationError` for what is no coordinate.
+        """
+        meanings = [self.scalars.get(s) for s in coordinates]
+        for symbol, meaning in zip(coordinates, meanings, strict=True):
+            if meaning is None or meaning.data[:1] != ("coordinate",):
+                raise DerivationError("this is no coordinate", where=self.name, got=symbol)
+        self.own.configured = tuple(str(m.data[1]) for m in meanings if m is not None)
+
+    @typed
     def determine(
         self,
         equation: Equation,
@@ -363,7 +376,7 @@ class Derivation:
         """Return worlds with what stands so far: the same as long as nothing new is said."""
         own = self.own
         named = (own.frames, own.points, own.bodies)
-        key = (*(tuple(part.items()) for part in named), tuple(own.laws))
+        key = (*(tuple(part.items()) for part in named), tuple(own.laws), own.configured)
         if self._drawn is None or self._drawn[0] != key:
             self._drawn = key, Furnished(own, {})
         drawn = self._drawn[1]
@@ -594,6 +607,10 @@ class Derivation:
             if step.label == label:
                 return Chain(self, step)
         raise DerivationError("no step with this label", where=self.name, got=label)
+
+    def chain_of(self, named: Any) -> Chain:
+        """Return the chain of the line that defines a quantity or a symbol: see `definition_of`."""
+        return self.recall(self.stated[self.definition_of(named)])
 
     def definition_of(self, named: Any) -> Equation:
         """Return the line that defines a quantity or a symbol here. Raises `DerivationError` without one.

@@ -74,9 +74,10 @@ class Furnished:
 
 
 def _with(world: World, own: Own, scalars: Scalars, motions: Motions) -> World:
-    memo = {("coordinate", name): motion for name, motion in motions.items()}
+    memo: dict[Any, Any] = {("coordinate", name): motion for name, motion in motions.items()}
+    memo["configured",] = own.configured
     frames, points = {**world.frames}, {**world.points}
-    new = dataclasses.replace(world, frames=frames, points=points, memo=dict[Any, Any](memo))
+    new = dataclasses.replace(world, frames=frames, points=points, memo=memo)
     evaluator = Evaluator(new, scalars)
     for name, frame in own.frames.items():
         frames[name] = _turned(evaluator, frame)

@@ -51,8 +51,16 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
-from eom.terms.rules.scalars import chain, collect, constants, determinants, dyads, put_in
-from eom.terms.rules.slopes import slopes, spelt_out
+from eom.terms.rules.scalars import (
+    chain,
+    collect,
+    constants,
+    determinants,
+    dyads,
+    out_of_sums,
+    put_in,
+)
+from eom.terms.rules.slopes import linear_slopes, slopes, spelt_out
 from eom.terms.rules.tracing import Rule, Trace, named, noted, rest_on, traced
 from eom.terms.rules.vectors import (
     associate,
@@ -119,6 +127,7 @@ __all__ = [
     "into_sums",
     "less",
     "linear_in",
+    "linear_slopes",
     "match",
     "named",
     "no_turn_in_itself",
@@ -126,6 +135,7 @@ __all__ = [
     "order_dots",
     "ordered",
     "orthonormal",
+    "out_of_sums",
     "parallel",
     "put",
     "put_in",

@@ -113,6 +113,24 @@ def chain(scalars: Mapping[Any, Term]) -> Rule:
     return named("chain rule", everywhere(rule))
 
 
+def out_of_sums(scalars: Mapping[Any, Term]) -> Rule:
+    """Return the rule that numbers and coordinates, as ``scalars`` names them, come out of sums."""
+
+    def rule(node: Term) -> Term:
+        if node.head not in {"sum", "integral"} or node.args[0].head != "mul":
+            return node
+        factor, *rest = node.args[0].args
+        symbols = factor.data[0].free_symbols if factor.head == "expr" else {None}
+        if any(s not in scalars or scalars[s].data[:1] not in _ONE_FOR_ALL for s in symbols):
+            return node
+        return mul(factor, rebuild(node, [mul(*rest)]))
+
+    return named("constants out of sums", everywhere(rule))
+
+
+_ONE_FOR_ALL = (("scalar",), ("coordinate",))
+
+
 def _collect(node: Term) -> Term:
     if node.head != "add":
         return node
