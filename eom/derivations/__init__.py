@@ -28,6 +28,13 @@ _MAKERS = {
         "Dynamics of a system of point masses",
     ),
     "variable-mass": ("variablemass", "variable_mass", "Particles", "A body whose mass changes"),
+    "rocket-equation": (
+        "rocket",
+        "rocket_equation",
+        "Particles",
+        "The rocket: Tsiolkovsky's logarithm",
+    ),
+    "collisions": ("collisions", "collisions", "Particles", "Collisions and blows"),
     "virtual-work": (
         "virtualwork",
         "virtual_work",

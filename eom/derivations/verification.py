@@ -10,11 +10,12 @@ import sympy as sp
 from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.exact.integrals import antiderivative
+from eom.exact.numbers import SIGNED
 from eom.fields import RATIONALS, Singular
 from eom.terms import rules
 from eom.terms.terms import MATRIX, SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import definition
-from eom.worlds.evaluate import Evaluator
+from eom.worlds.evaluate import Evaluator, is_signed
 from eom.worlds.generators import worlds
 from eom.worlds.worlds import World
 
@@ -26,6 +27,9 @@ WORLDS = 3
 
 SIGN_WORLDS = 30
 """Worlds in which a false sign may show: it is right by chance in half of them."""
+
+SIGNED_TRIALS = 40
+"""Worlds of numbers with a sign that are drawn where there are logarithms: they need positive ones."""
 
 IDENTITY = "exact identity"
 """The evidence of what holds whatever the symbols stand for."""
@@ -92,7 +96,12 @@ def decide(
 ) -> bool:
     """Return whether an equation holds in ``count`` worlds; worlds where it is undefined are skipped."""
     found = 0
-    draws = drawn(assumptions, 4 * count)
+    signed = any(
+        is_signed(e, scalars)
+        for side in (equation.left, equation.right)
+        for e in _written(side, scalars)
+    )
+    draws = drawn(assumptions, SIGNED_TRIALS, SIGNED) if signed else drawn(assumptions, 4 * count)
     for world in draws:
         try:
             if not Evaluator(world, scalars).holds(equation):
@@ -105,11 +114,20 @@ def decide(
     raise DerivationError("the statement is undefined in every world that was drawn")
 
 
+def _written(term: Term, scalars: Scalars) -> Iterator[Any]:
+    """Yield the SymPy expressions in a term, and in what their symbols stand for."""
+    for node in nodes(term):
+        if node.head == "expr":
+            yield node.data[0]
+            for s in node.data[0].free_symbols & scalars.keys():
+                yield from _written(scalars[s], scalars)
+
+
 def is_plain(equation: Equation) -> bool:
     """Return whether both sides are made of SymPy expressions alone."""
     parts = [n for side in (equation.left, equation.right) for n in nodes(side)]
     return all(n.args or n.head in {"expr", "zero"} for n in parts) and not any(
-        n.head in {"der", "sum", "integral", "column"} for n in parts
+        n.head in {"der", "sum", "integral", "column", "start", "since", "at"} for n in parts
     )
 
 

@@ -57,6 +57,7 @@ from eom.terms.rules.scalars import (
     constants,
     determinants,
     dyads,
+    initial_values,
     out_of_sums,
     put_in,
 )
@@ -123,6 +124,7 @@ __all__ = [
     "fold_into",
     "fold_sum",
     "from_itself",
+    "initial_values",
     "inside",
     "into_sums",
     "less",

@@ -113,6 +113,24 @@ def chain(scalars: Mapping[Any, Term]) -> Rule:
     return named("chain rule", everywhere(rule))
 
 
+def initial_values(scalars: Mapping[Any, Term]) -> Rule:
+    """Return the rule that writes an expression at the start by the initial values of its symbols.
+
+    ``scalars``: what symbols stand for; numbers are what they are at any time.
+    """
+    first = {t.args[0]: s for s, t in scalars.items() if t.head == "start" and t.kind == SCALAR}
+    numbers = {s: s for s, t in scalars.items() if t.data[:1] == ("scalar",)}
+
+    def rule(node: Term) -> Term:
+        if node.head != "start" or node.args[0].head != "expr":
+            return node
+        inside = node.args[0].data[0]
+        values = {s: first.get(expr(s), numbers.get(s)) for s in inside.free_symbols}
+        return node if None in values.values() else expr(inside.xreplace(values))
+
+    return named("initial values", everywhere(rule))
+
+
 def out_of_sums(scalars: Mapping[Any, Term]) -> Rule:
     """Return the rule that numbers and coordinates, as ``scalars`` names them, come out of sums."""
 
