@@ -43,7 +43,7 @@ def rocket_equation() -> Derived:
     free = _gain(d, v, v_dot, v + c * sp.log(m), "")
     free.then("Tsiolkovsky's equation", _quotient(m, m_0), label="tsiolkovsky")
     _burn(d, (v - v_0) / c, m, m_0)
-    t, t_dot = d.coordinate("t", "time since the start", 1)
+    t, t_dot = d.coordinate("t", "time", 1)
     d.determine(Equation(expr(t_dot), number(1)), t, reason="time goes on", label="time")
     w, w_dot = d.coordinate("w", "speed upwards against gravity", 1)
     d.let("t_0", start(expr(t)), "time at the start")

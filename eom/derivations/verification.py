@@ -99,7 +99,7 @@ def decide(
     signed = any(
         is_signed(e, scalars)
         for side in (equation.left, equation.right)
-        for e in _written(side, scalars)
+        for e in written(side, scalars)
     )
     draws = drawn(assumptions, SIGNED_TRIALS, SIGNED) if signed else drawn(assumptions, 4 * count)
     for world in draws:
@@ -114,13 +114,13 @@ def decide(
     raise DerivationError("the statement is undefined in every world that was drawn")
 
 
-def _written(term: Term, scalars: Scalars) -> Iterator[Any]:
+def written(term: Term, scalars: Scalars) -> Iterator[Any]:
     """Yield the SymPy expressions in a term, and in what their symbols stand for."""
     for node in nodes(term):
         if node.head == "expr":
             yield node.data[0]
             for s in node.data[0].free_symbols & scalars.keys():
-                yield from _written(scalars[s], scalars)
+                yield from written(scalars[s], scalars)
 
 
 def is_plain(equation: Equation) -> bool:
