@@ -109,6 +109,21 @@ def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
     d.start(der(W)).then(
         "the transport theorem", transport("B"), label="omega-rate", states=["000:E22"]
     ).then("omega x omega = 0", parallel, distribute, label="omega-rates-equal")
+    d.in_components(
+        d.recall("local-terms"),
+        "B",
+        "the same in components in B",
+        label="local-terms-matrix",
+        states=["000:E21"],
+    )
+    d.in_components(
+        d.recall("local"),
+        "B",
+        "and where J does not change; omega has one rate in both frames",
+        use(d.recall("omega-rates-equal").equation, backwards=True),
+        label="local-matrix",
+        states=["000:E21"],
+    )
     seen.then(
         "with h = J.omega",
         use(local.equation),

@@ -190,6 +190,13 @@ def _rotation(d: Derivation) -> None:
         label="turn",
         states=["002:E29"],
     )
+    for frame in ("A", "B"):
+        d.start(RHO).then(
+            f"the place of an element, along the axes of {frame}",
+            resolved(RHO, frame),
+            label=f"place-{frame}",
+            states=["002:E29"],
+        )
     written = inertia_by_definition(d, "O", "J-B-definition")
     start = inertia_by_tildes(d, written, "O", label="J-B", states=["002:E30"])
     inserted = start.then(
@@ -218,7 +225,7 @@ def _rotation(d: Derivation) -> None:
         use(by_A.equation),
         distribute,
         label="J-rotated",
-        states=["002:E32"],
+        states=["002:E32", "002:E36"],
     )
     _every_dyadic(d)
 

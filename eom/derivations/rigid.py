@@ -35,6 +35,7 @@ from eom.terms.rules import (
     use,
     vanish,
 )
+from eom.terms.rules.inferences import divided
 from eom.terms.terms import (
     Equation,
     add,
@@ -45,6 +46,7 @@ from eom.terms.terms import (
     matmul,
     mul,
     tilde,
+    total,
     zero,
 )
 from eom.terms.vocabulary import definition, omega, position, quantity, velocity
@@ -53,6 +55,7 @@ W = omega()
 R = position("dm", "C")
 RHO = position("dm", "O")
 BODY_MASS = quantity("total_mass", "body")
+TOTAL = sp.Symbol("m", real=True)
 FIRST = quantity("first_moment", "body", "O")
 ACCELERATION_O = der(velocity("O"))
 FORCE, MOMENTUM = (quantity(n, "body") for n in ("external_force", "linear_momentum"))
@@ -85,6 +88,21 @@ def _linear(d: Derivation) -> None:
         label="centre",
         states=["002:E20"],
     )
+    named = d.name_scalar(TOTAL, BODY_MASS, "mass of the body", label="m")
+    centre.infer(
+        "divided by the mass: the mean position, each place weighted by the mass there",
+        divided(position("C")),
+        named,
+        label="mean-position",
+        states=["002:E20"],
+    )
+    d.law(
+        Equation(der(MOMENTUM), total(der(quantity("linear_momentum", "dm")), "dm", "elements")),
+        "momenta add, and so do their rates",
+        label="momentum-elements",
+        states=["002:E19"],
+    )
+    d.define(FORCE, "external force on all elements", label="force-elements", states=["002:E19"])
     rate = d.define(MOMENTUM, "linear momentum", label="momentum").both(
         "differentiate; the mass of each element is constant",
         der,
@@ -183,7 +201,7 @@ def _about_centre(d: Derivation) -> None:
         states=["000:E10"],
     )
     spin = d.recall("h-centre").then(
-        "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11"]
+        "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11", "000:E32"]
     )
     turned = spin.then("omega x r = - r x omega", swap(W, R), distribute)
     d.in_components(
@@ -196,6 +214,13 @@ def _about_centre(d: Derivation) -> None:
         states=["000:E14"],
     )
     to_dyadic(spin, "C", label="h-inertia", states=("000:E15", "000:E20"))
+    d.in_components(
+        d.recall("h-inertia"),
+        "B",
+        "in components in B, as the lecture writes it: the inertia matrix times the column of omega",
+        label="h-inertia-matrix",
+        states=["000:E15", "000:E20"],
+    )
 
 
 def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = ()) -> Chain:

@@ -90,6 +90,18 @@ def _factor_of(part: Term, unknown: Term) -> Any:
     return None
 
 
+def divided(unknown: Term) -> Inference:
+    """Return the inference from s x = y, and what names s by a symbol, ``m := s``, to x = y/m."""
+    words = "division"
+
+    def conclude(equation: Equation, named: Equation) -> Equation:
+        if equation.left != mul(named.right, unknown) or named.relation != ":=":
+            raise _refused(words, "it is no product with what is named")
+        return Equation(unknown, mul(expr(1 / named.left.expression), equation.right))
+
+    return Inference(words, conclude)
+
+
 def entry(place: int, *applied: Rule) -> Inference:
     """Return the inference that takes one entry, counted from one, of explicit columns or matrices.
 
