@@ -8,6 +8,7 @@ than that all of it exists.
 
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import sympy as sp
@@ -112,7 +113,7 @@ def links(lecture):
         for claim in one.claims:
             assert not claim.findings, (name, claim.findings)
             sides = [_meant(Side(m.term, dict(claim.scalars)), name) for m in claim.members]
-            found += [Link(name, a, b) for a, b in zip(sides, sides[1:], strict=False)]
+            found += [Link(name, a, b) for a, b in pairwise(sides)]
     return len(displays), tuple(found)
 
 
