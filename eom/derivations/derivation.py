@@ -8,7 +8,7 @@ nothing can decide, raises `DerivationError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -172,6 +172,12 @@ class Chain:
         return self.maker.state(sides, reason, label=label, states=states, path=path)
 
 
+def _is_known(term: Term, scalars: Mapping[Any, Term]) -> bool:
+    """Return whether all symbols of a term, and those in what they stand for, have a meaning."""
+    used = {s for n in nodes(term) if n.head == "expr" for s in n.data[0].free_symbols}
+    return all(s in scalars and _is_known(scalars[s], scalars) for s in used)
+
+
 @typed_fields
 @dataclass
 class Derivation:
@@ -329,9 +335,10 @@ class Derivation:
 
     @contextmanager
     def kept(self, equation: Equation, unknowns: Sequence[Any]) -> Iterator[None]:
-        """Let ``unknowns``, coordinates, keep an equation from here on, unless an error is raised within.
+        """Return a context from which on ``unknowns``, coordinates, keep an ``equation``.
 
-        Without any it does nothing. Raises `DerivationError` for what is no coordinate.
+        Nothing is kept without any, and where an error is raised within. Raises `DerivationError` for
+        what is no coordinate.
         """
         for symbol in unknowns:
             meaning = self.scalars.get(symbol)
@@ -572,10 +579,15 @@ class Derivation:
         return Chain(self, step)
 
     def _is_possible(self, term: Term) -> bool:
-        """Return whether a scalar is not negative in some world, whatever laws say of the motion there."""
+        """Return whether a scalar is not negative in some world, whatever laws say of the motion there.
+
+        Of letters that stand for no term nothing is known.
+        """
         free, carried = Furnished(replace(self.own, laws=[]), {}), self._carry(term)
         scalars = {s: self._carry(t) for s, t in self.scalars.items()}
         free.scalars.update(scalars)
+        if not _is_known(carried, scalars):
+            return True
         found = (
             Evaluator(world, scalars).lowest(carried)
             for world in free(self.assumed, SIGN_WORLDS, field=RATIONALS)
@@ -609,13 +621,16 @@ class Derivation:
         raise DerivationError("no step with this label", where=self.name, got=label)
 
     def chain_of(self, named: Any) -> Chain:
-        """Return the chain of the line that defines a quantity or a symbol: see `definition_of`."""
+        """Return the chain of the line that defines a quantity or a symbol, ``named``: see `definition_of`.
+
+        Raises `InputError` as that does.
+        """
         return self.recall(self.stated[self.definition_of(named)])
 
     def definition_of(self, named: Any) -> Equation:
-        """Return the line that defines a quantity or a symbol here. Raises `DerivationError` without one.
+        """Return the line that defines a quantity or a symbol here.
 
-        ``named``: a term, or a SymPy symbol.
+        ``named``: a term, or a SymPy symbol. Raises `InputError`, a `DerivationError` where none does.
         """
         term = as_term(named)
         found = next((e for e in self.stated if e.left == term and e.relation == ":="), None)

@@ -12,6 +12,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.exact.algebra import gather
@@ -38,7 +39,7 @@ from eom.terms.rules.inferences import (
     signs,
     solved,
 )
-from eom.terms.terms import Equation, add, column, cross, der, dot, expr, mul, number
+from eom.terms.terms import Equation, add, column, cross, der, dot, expr, mul
 from eom.terms.vocabulary import omega, quantity, unit
 
 Expr = Any
@@ -320,18 +321,14 @@ class Craft:
 
     # -- stability -------------------------------------------------------------------------------
 
-    def suppose(self, e: Expr, words: str, label: str) -> Chain:
-        """State a condition: that an expression is not negative."""
-        return self.d.suppose(Equation(expr(e), number(0), ">="), words, label=label)
-
     def pitch(self) -> None:
         """Derive that pitch is stable where the axis down has less inertia than that of roll."""
         I1, I2, I3 = self.I
-        self.positive = [
-            self.suppose(moment, "moments of inertia are not negative", f"{moment}-positive")
-            for moment in self.I
-        ]
-        self.slim = self.suppose(I1 - I3, "let I_1 be no less than I_3", "slim")
+        *self.positive, self.slim = let(
+            self.d,
+            *((J, "moments of inertia are not negative", f"{J}-positive") for J in self.I),
+            (I1 - I3, "let I_1 be no less than I_3", "slim"),
+        )
         squared = 3 * self.n**2 * (I1 - I3) / I2
         factors = (expr(3 * self.n**2), expr(I1 - I3), expr(1 / I2))
         self.d.recall("pitch").infer(
@@ -376,10 +373,8 @@ class Craft:
             "with two oscillations lambda^2 is -p and -q: the sum p + q is b, the product p q is c",
             label="oscillations",
         )
-        both = [
-            self.suppose(s, "squares of real rates are not negative", f"{s}-positive")
-            for s in (p, q)
-        ]
+        words = "squares of real rates are not negative"
+        both = let(d, *((s, words, f"{s}-positive") for s in (p, q)))
         for value, products, label in (
             (p + q, ((expr(p),), (expr(q),)), "sum"),
             (p * q, ((expr(p), expr(q)),), "product"),
@@ -411,9 +406,7 @@ class Craft:
             "negative",
             label="completed",
         )
-        conditions = [
-            self.suppose(s, f"let {s} be not negative", f"{s}-positive") for s in (b, c, x)
-        ]
+        conditions = let(d, *((s, f"let {s} be not negative", f"{s}-positive") for s in (b, c, x)))
         conditions[0].infer(
             "and none of them is positive: -lambda^2 is the square of a rate",
             signs(expr(x**2 + b * x + c), (expr(x**2),), (expr(b), expr(x)), (expr(c),)),
@@ -423,67 +416,52 @@ class Craft:
 
     def region(self) -> None:
         """Derive that a body whose axes have moments in the order of Lagrange is stable."""
+        d, k1, k3 = self.d, self.k1, self.k3
         I1, I2, I3 = self.I
-        k1, k3 = self.k1, self.k3
-        d, one, three = self.d, self.positive[0], self.positive[2]
-        long = self.suppose(I2 - I1, "let I_2 be no less than I_1", "flat")
-        triangle = self.suppose(
-            I1 + I3 - I2, "of moments of inertia none exceeds the sum of the others", "triangle"
-        )
-        yaw = long.infer(
-            "then the ratio for yaw is not negative",
-            signs(expr(k3), (expr(I2 - I1), expr(1 / I3))),
-            three,
-            label="k_3-sign",
-        )
-        apart = [expr(I1 - I3), expr(I1 + I3 - I2), expr(1 / I1), expr(1 / I3)]
-        more = self.slim.infer(
-            "nor is that for roll less: this is pitch stability by the ratios",
-            signs(expr(k1 - k3), tuple(apart)),
-            triangle,
-            one,
-            three,
-            label="k_1-k_3-sign",
-        )
-        d3, a = expr(k1 - k3), expr(k3)
-        yaw.infer(
-            "so both are not negative",
-            signs(expr(k1), (d3,), (a,)),
-            more,
-            label="k_1-sign",
-        ).infer(
-            "and their product",
-            signs(expr(k1 * k3), (expr(k1), a)),
-            yaw,
-            label="product-k-sign",
-        )
-        products = [
-            *((expr((k3 - 1) ** 2), *f) for f in ((number(1),), (number(7), a), (a, a))),
-            *((a, *f) for f in ((number(1),), (number(7), a), (a, a))),
-            *(
-                (d3, *f)
-                for f in ((number(6),), (number(4), a), (number(12), a, a), (number(2), a, a, a))
+        known = [
+            *self.positive,
+            self.slim,
+            *let(
+                d,
+                (I2 - I1, "let I_2 be no less than I_1", "flat"),
+                (I1 + I3 - I2, "no moment of inertia exceeds the sum of the others", "triangle"),
             ),
-            *((d3, d3, *f) for f in ((number(9),), (number(6), a), (a, a))),
         ]
-        least = (1 + 3 * k1 + k1 * k3) ** 2 - 16 * k1 * k3
-        d.show(
-            Equation(
-                expr(least),
-                expr(
-                    ((k3 - 1) ** 2 + k3) * (1 + 7 * k3 + k3**2)
-                    + 2 * (k1 - k3) * (3 + 2 * k3 + 6 * k3**2 + k3**3)
-                    + (k1 - k3) ** 2 * (3 + k3) ** 2
-                ),
-            ),
+        apart = (I1 - I3, I1 + I3 - I2, 1 / I1, 1 / I3)
+        for value, products, words, label in (
+            (k3, ((I2 - I1, 1 / I3),), "then the ratio for yaw is not negative", "k_3"),
+            (k1 - k3, (apart,), "nor is that for roll less: pitch is stable", "k_1-k_3"),
+            (k1, ((k1 - k3,), (k3,)), "so both are not negative", "k_1"),
+            (k1 * k3, ((k1, k3),), "and their product", "k_1 k_3"),
+        ):
+            known.append(so(known, value, products, words, f"{label}-sign"))
+        self._lagrange(known)
+
+    def _lagrange(self, known: list[Chain]) -> None:
+        """Derive the third condition in Lagrange's region."""
+        d, k1, a = self.d, self.k1, self.k3
+        apart, least = k1 - a, (1 + 3 * k1 + k1 * a) ** 2 - 16 * k1 * a
+        parts = (
+            ((a - 1) ** 2 + a) * (1 + 7 * a + a**2),
+            2 * apart * (3 + 2 * a + 6 * a**2 + a**3),
+            apart**2 * (3 + a) ** 2,
+        )
+        shown = d.show(
+            Equation(expr(least), expr(sp.Add(*parts))),
             "the third condition by k_3 and k_1 - k_3",
             label="lagrange-terms",
         )
-        yaw.infer(
+        first = [
+            (f, *more)
+            for f in ((a - 1) ** 2, a)
+            for more in ((sp.S.One,), (sp.Integer(7), a), (a, a))
+        ]
+        second = [(sp.Integer(n), apart, *(a,) * k) for k, n in enumerate((6, 4, 12, 2))]
+        so(
+            [shown, *known],
+            least,
+            (*first, *second, (parts[2],)),
             "and the discriminant: with I_2 >= I_1 >= I_3, the axis of most inertia across the orbit and "
             "that of least along the vertical, roll, pitch and yaw are all stable: Lagrange's region",
-            signs(expr(least), *products),
-            more,
-            d.recall("lagrange-terms"),
-            label="lagrange",
+            "lagrange",
         )

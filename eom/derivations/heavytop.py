@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derivation import Derivation
+from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.exact.identity import vanishes
 from eom.terms.rules import (
@@ -97,8 +97,13 @@ class Top:
         d.frame("F", self.psi, base="E")
         across = self.I1 - self.m * self.l**2
         d.body("top", self.m, self.l * AXIS, "F", (across, across, self.I3))
+        self._velocity(self._rate())
+
+    def _rate(self) -> Chain:
+        """Derive the angular velocity along the axes of E."""
+        d = self.d
         turns = [omega("D", "I"), omega("E", "D"), omega("F", "E")]
-        rate = (
+        return (
             d.law(Equation(omega("F"), add(*turns)), "angular velocities add", label="turns")
             .then(
                 "precession about the vertical, nutation about the line of nodes, spin about the axis",
@@ -113,6 +118,10 @@ class Top:
                 label="omega",
             )
         )
+
+    def _velocity(self, rate: Chain) -> None:
+        """Derive the velocity of the centre of mass."""
+        d = self.d
         turning = d.law(
             Equation(der(AXIS), cross(omega("F"), AXIS)),
             "the axis is fixed in the top and turns with it",

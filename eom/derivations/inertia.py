@@ -185,6 +185,17 @@ def _moment(d: Derivation, quadratic: Chain, k: int) -> Chain:
     )
 
 
+def _places(d: Derivation) -> None:
+    """State the same place along the axes of both frames."""
+    for frame in ("A", "B"):
+        d.start(RHO).then(
+            f"the place of an element, along the axes of {frame}",
+            resolved(RHO, frame),
+            label=f"place-{frame}",
+            states=["002:E29"],
+        )
+
+
 def _rotation(d: Derivation) -> None:
     d.only()
     in_A, in_B = column(RHO, "A"), column(RHO, "B")
@@ -194,13 +205,7 @@ def _rotation(d: Derivation) -> None:
         label="turn",
         states=["002:E29"],
     )
-    for frame in ("A", "B"):
-        d.start(RHO).then(
-            f"the place of an element, along the axes of {frame}",
-            resolved(RHO, frame),
-            label=f"place-{frame}",
-            states=["002:E29"],
-        )
+    _places(d)
     written = inertia_by_definition(d, "O", "J-B-definition")
     start = inertia_by_tildes(d, written, "O", label="J-B", states=["002:E30"])
     inserted = start.then(

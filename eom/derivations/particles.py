@@ -94,14 +94,7 @@ def _centre_of_mass(d: Derivation) -> None:
         label="centre",
         states=["002:E7"],
     )
-    named = d.name_scalar(TOTAL, TOTAL_MASS, "total mass", label="m")
-    centre.infer(
-        "divided by the total mass: the mean position, each place weighted by its mass",
-        divided(position("C")),
-        named,
-        label="mean-position",
-        states=["002:E7"],
-    )
+    mean_position(d, centre, TOTAL_MASS, ["002:E7"])
     twice = centre.both(
         "differentiate twice; masses are constant",
         lambda t: differentiate_constant(der(t, times=2)),
@@ -116,6 +109,22 @@ def _centre_of_mass(d: Derivation) -> None:
         label="motion-of-centre",
         states=["002:E8", "002:E9"],
     )
+    _momentum(d, centre)
+
+
+def mean_position(d: Derivation, centre: Chain, mass: Term, states: list[str]) -> None:
+    """Derive the place of the centre of mass as a quotient: the mean of all places."""
+    centre.infer(
+        "divided by the whole mass: the mean position, each place weighted by the mass there",
+        divided(position("C")),
+        d.name_scalar(TOTAL, mass, "mass of all together", label="m"),
+        label="mean-position",
+        states=states,
+    )
+
+
+def _momentum(d: Derivation, centre: Chain) -> None:
+    """Derive the momentum of the system by the motion of its centre of mass."""
     d.define(
         quantity("linear_momentum", "i"),
         "linear momentum of each mass",

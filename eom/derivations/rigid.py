@@ -8,7 +8,7 @@ import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.particles import differentiate_constant
+from eom.derivations.particles import differentiate_constant, mean_position
 from eom.derivations.rotation import explicit
 from eom.mass.inertia import inertia_of_second_moments
 from eom.terms.rules import (
@@ -35,7 +35,6 @@ from eom.terms.rules import (
     use,
     vanish,
 )
-from eom.terms.rules.inferences import divided
 from eom.terms.terms import (
     Equation,
     add,
@@ -55,7 +54,6 @@ W = omega()
 R = position("dm", "C")
 RHO = position("dm", "O")
 BODY_MASS = quantity("total_mass", "body")
-TOTAL = sp.Symbol("m", real=True)
 FIRST = quantity("first_moment", "body", "O")
 ACCELERATION_O = der(velocity("O"))
 FORCE, MOMENTUM = (quantity(n, "body") for n in ("external_force", "linear_momentum"))
@@ -88,14 +86,12 @@ def _linear(d: Derivation) -> None:
         label="centre",
         states=["002:E20"],
     )
-    named = d.name_scalar(TOTAL, BODY_MASS, "mass of the body", label="m")
-    centre.infer(
-        "divided by the mass: the mean position, each place weighted by the mass there",
-        divided(position("C")),
-        named,
-        label="mean-position",
-        states=["002:E20"],
-    )
+    mean_position(d, centre, BODY_MASS, ["002:E20"])
+    _force(d, centre)
+
+
+def _force(d: Derivation, centre: Chain) -> None:
+    """Derive the motion of the centre of mass from Newton's law for every element."""
     d.law(
         Equation(der(MOMENTUM), total(der(quantity("linear_momentum", "dm")), "dm", "elements")),
         "momenta add, and so do their rates",

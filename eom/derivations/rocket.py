@@ -21,9 +21,7 @@ Expr = Any
 def rocket_equation() -> Derived:
     """Derive what speed a rocket gains, in free space and against gravity."""
     d = Derivation("rocket-equation", "The rocket: Tsiolkovsky's logarithm", "Particles")
-    c, g = d.constants(
-        c="speed of the exhaust, relative to the rocket", g="acceleration of gravity, downwards"
-    )
+    (c,) = d.constants(c="speed of the exhaust, relative to the rocket")
     m, m_dot = d.coordinate("m", "mass of the rocket with its fuel", 1)
     m_0 = d.let("m_0", start(expr(m)), "mass at the start")
     thrust = -c * m_dot
@@ -43,6 +41,14 @@ def rocket_equation() -> Derived:
     free = _gain(d, v, v_dot, v + c * sp.log(m), "")
     free.then("Tsiolkovsky's equation", _quotient(m, m_0), label="tsiolkovsky")
     _burn(d, (v - v_0) / c, m, m_0)
+    _against_gravity(d, thrust, m, m_0)
+    return d.finish()
+
+
+def _against_gravity(d: Derivation, thrust: Expr, m: Expr, m_0: Expr) -> None:
+    """Derive what a rocket gains that rises straight up."""
+    c = next(s for s in d.scalars if s.name == "c")
+    (g,) = d.constants(g="acceleration of gravity, downwards")
     t, t_dot = d.coordinate("t", "time", 1)
     d.determine(Equation(expr(t_dot), number(1)), t, reason="time goes on", label="time")
     w, w_dot = d.coordinate("w", "speed upwards against gravity", 1)
@@ -59,7 +65,6 @@ def rocket_equation() -> Derived:
         _quotient(m, m_0),
         label="tsiolkovsky-up",
     )
-    return d.finish()
 
 
 def _quotient(m: Expr, m_0: Expr) -> Rule:

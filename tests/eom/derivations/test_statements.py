@@ -1,4 +1,4 @@
-"""Each display of the lectures, read from LaTeX, is stated by the steps that carry its tag, and not its edits."""
+"""Each display of the lectures, read from LaTeX, is stated by the steps with its tag; its edits are not."""
 
 from collections import Counter
 from dataclasses import replace
