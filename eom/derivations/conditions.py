@@ -34,4 +34,4 @@ def so(
 
 
 def _stands(term: Term, factors: set[Expr]) -> bool:
-    return any(f in factors for f in (term.expression, 1 / term.expression))
+    return any(f in {term.expression, term.expression ** f.as_base_exp()[1]} for f in factors)
