@@ -80,6 +80,7 @@ def inertia_properties() -> Derived:
     form = _sign(d)
     _thin_rod(d)
     _triangle(d, form)
+    _places(d)
     _rotation(d)
     _shift(d)
     _principal(d)
@@ -205,7 +206,6 @@ def _rotation(d: Derivation) -> None:
         label="turn",
         states=["002:E29"],
     )
-    _places(d)
     written = inertia_by_definition(d, "O", "J-B-definition")
     start = inertia_by_tildes(d, written, "O", label="J-B", states=["002:E30"])
     inserted = start.then(
