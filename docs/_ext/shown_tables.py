@@ -57,6 +57,14 @@ def _scenes() -> Rows:
     return [(f"`{name}`", title) for name, title in catalogue.titles().items()]
 
 
+def _derivations() -> Rows:
+    from eom.derivations import titles
+
+    return [
+        (group, f"`{name}`", title) for group, made in titles().items() for name, title in made.items()
+    ]
+
+
 def _targets() -> Rows:
     from codegen.compiling.compiled import ROWS
 
@@ -233,6 +241,7 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "methods": (("method", "what it is", "projects", "finds events"), _methods),
     "assumptions": (("assumption", "meaning", "kind", "needs"), _assumptions),
     "scenes": (("scene", "title"), _scenes),
+    "derivations": (("chapter", "derivation", "title"), _derivations),
     "targets": (("target", "files"), _targets),
     "presets": (("preset", "title"), _presets),
     "quantities": (("quantity", "what it is, with its labels by number", "an entry"), _quantities),
