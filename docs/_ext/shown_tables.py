@@ -224,6 +224,20 @@ def _pictures() -> Rows:
     return [(f"`{name}`", entry.words, entry.needs) for name, entry in PICTURES.items()]
 
 
+def _statements() -> Rows:
+    from tests.statements import ROWS
+
+    return [(row.sentence, _place(row.where), f"`{row.name}`") for row in ROWS]
+
+
+def _place(where: str) -> str:
+    """Return where a sentence stands, in words."""
+    if where.startswith("derive "):
+        _, name, label = where.split(" ")
+        return f"`eom derive {name}`, step `{label}`"
+    return f"`{where}`"
+
+
 TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "books": (
         ("name", "book or program", "matrix", "angles turn about", "scalar", "products", "angles", "axes"),
@@ -238,6 +252,7 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "quantities": (("quantity", "what it is, with its labels by number", "an entry"), _quantities),
     "pictures": (("picture", "what it shows", "of"), _pictures),
     "units": (("unit", "how many", "of"), _units),
+    "statements": (("sentence", "where it stands", "what computes it"), _statements),
     "prefixes": (("prefix", "how many"), _prefixes),
     "tree-outputs": (("word", "outputs"), _tree_outputs),
 }  # fmt: skip

@@ -1,0 +1,185 @@
+"""Rotations: matrices, sequences, quaternions, angular velocity."""
+
+import math
+
+import numpy as np
+import sympy as sp
+
+from eom.kinematics.coordinates import SEQUENCES, attitude, elementary, quaternion_of_sequence
+from eom.kinematics.frames import vector
+from eom.rotations import cosines, matrix_of_quaternion, quaternion_product
+from tests.statements.table import same, says
+
+CONVENTIONS = "docs/explanation/conventions.md"
+ANGLES = (0.4, -0.7, 1.1)
+
+
+def turned(axis, angle):
+    """Return the active rotation of vectors about an axis (Rodrigues)."""
+    k = np.eye(3)[axis - 1]
+    skew = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
+    return np.eye(3) + math.sin(angle) * skew + (1 - math.cos(angle)) * skew @ skew
+
+
+def matrix(name, angles=ANGLES):
+    """Return C_BA of a sequence by numbers."""
+    made = attitude(name)
+    values = dict(zip((q.symbol for q in made.coordinates), angles, strict=True))
+    return np.array(made.matrix.subs(values).evalf().tolist(), dtype=float)
+
+
+@says(CONVENTIONS, "Its rows are the axes of B, written in A.")
+@says(CONVENTIONS, "This is the *passive* matrix, or direction cosine matrix.")
+@says("eom.kinematics.frames.Rotation", "its rows are the unit vectors of B, written in A")
+def rows_are_the_axes_of_the_body():
+    for axis in (1, 2, 3):
+        C = np.array(elementary(axis, 0.6).evalf().tolist(), dtype=float)
+        axes = turned(axis, 0.6)  # as columns: the axes of A, turned
+        np.testing.assert_allclose(C, axes.T, atol=1e-15)
+
+
+@says(
+    CONVENTIONS,
+    "A sequence such as 3-2-1 turns about the body's own axes, as turned so far, the first number first",
+)
+@says(
+    CONVENTIONS,
+    "Turning about axes that stay fixed in space, in the same order, gives something else: it is turning "
+    "about body axes in the opposite order.",
+)
+@says("README.md", "rotation sequences turn about body axes, the first angle first")
+def sequences_turn_about_body_axes():
+    for name in SEQUENCES:
+        axes = [int(n) for n in name.split("-")]
+        body = np.eye(3)
+        for axis, angle in zip(axes, ANGLES, strict=True):
+            body = body @ turned(axis, angle)  # about its own axis
+        np.testing.assert_allclose(matrix(name), body.T, atol=1e-14)
+        space = np.eye(3)
+        for axis, angle in zip(axes, ANGLES, strict=True):
+            space = turned(axis, angle) @ space
+        assert not np.allclose(space, body)
+        back = np.eye(3)
+        for axis, angle in zip(reversed(axes), reversed(ANGLES), strict=True):
+            back = back @ turned(axis, angle)
+        np.testing.assert_allclose(space, back, atol=1e-14)
+
+
+@says(CONVENTIONS, "An elementary matrix has its minus sign in the lower row for axis 3")
+@says(
+    CONVENTIONS,
+    "with the minus sign below the diagonal: a quaternion and the sequence with the same angle are the same attitude",
+)
+@says(CONVENTIONS, "$q$ and $-q$ are the same attitude, too.")
+def quaternions_and_elementary_matrices_agree():
+    a = sp.Symbol("a", positive=True)
+    assert elementary(3, a)[1, 0] == -sp.sin(a)
+    for axis in (1, 2, 3):
+        q = (math.cos(0.3), *(math.sin(0.3) * (k == axis) for k in (1, 2, 3)))
+        C = np.array(elementary(axis, 0.6).evalf().tolist(), dtype=float)
+        np.testing.assert_allclose(matrix_of_quaternion(q), C, atol=1e-15)
+        np.testing.assert_allclose(matrix_of_quaternion([-x for x in q]), C, atol=1e-15)
+
+
+@says(
+    "eom.rotations.quaternion_product",
+    "the turn p is followed by the turn q",
+)
+@says(
+    "eom.kinematics.coordinates.RotationSequence.of_quaternion",
+    "q_0 + i q_i = cos(theta/2) exp(i (psi + phi)/2)",
+)
+def products_of_quaternions_are_turns_in_their_order():
+    p, q = (
+        (math.cos(a / 2), *(math.sin(a / 2) * (k == axis) for k in (1, 2, 3)))
+        for a, axis in ((0.5, 3), (0.8, 1))
+    )
+    first, then = (np.array(matrix_of_quaternion(x)) for x in (p, q))
+    np.testing.assert_allclose(matrix_of_quaternion(quaternion_product(p, q)), then @ first)
+    assert not np.allclose(first @ then, then @ first)
+    psi, theta, phi = ANGLES
+    for name in SEQUENCES:
+        found = quaternion_of_sequence(name, ANGLES)
+        np.testing.assert_allclose(matrix_of_quaternion(found), matrix(name), atol=1e-14)
+        if name[0] == name[-1]:
+            value = complex(found[0], found[int(name[0])])
+            wanted = math.cos(theta / 2) * np.exp(0.5j * (psi + phi))
+            assert abs(abs(value * np.conj(wanted)) - abs(wanted) ** 2) < 1e-12
+
+
+@says(CONVENTIONS, r"\dot C_{BA} = -\tilde\omega\,C_{BA}")
+@says("derive transport-theorem poisson", "the meaning of the angular velocity omega of B in I")
+@says("derive transport-theorem addition", "as v is any vector, angular velocities add")
+@says(
+    "derive transport-theorem reverse", "so the reverse rotation has the opposite angular velocity"
+)
+def angular_velocities():
+    t = sp.Symbol("t", real=True)
+    a, b = sp.Function("a")(t), sp.Function("b")(t)
+
+    def omega(C):
+        """Return the angular velocity of B in A in B, from -C' C^T."""
+        S = sp.simplify(-C.diff(t) * C.T)
+        return sp.Matrix([S[2, 1], S[0, 2], S[1, 0]])
+
+    first, second = elementary(3, a), elementary(1, b)
+    both = second * first
+    assert same(omega(first), [0, 0, a.diff(t)])
+    assert same(omega(both), omega(second) + second * omega(first))
+    assert same(omega(both.T), -both.T * omega(both))
+    made = attitude("3-2-1")
+    angles = [q.symbol for q in made.coordinates]
+    at, speeds = dict(zip(angles, ANGLES, strict=True)), (0.3, -1.2, 0.8)
+    C = np.array(made.matrix.subs(at).evalf().tolist(), dtype=float)
+    rate = sum((made.matrix.diff(q) * v for q, v in zip(angles, speeds, strict=True)), sp.zeros(3))
+    S = -np.array(rate.subs(at).evalf().tolist(), dtype=float) @ C.T
+    np.testing.assert_allclose(S, -S.T, atol=1e-14)
+    w = vector("B", (S[2, 1], S[0, 2], S[1, 0]))
+    found = [float(r.subs(at)) for r in made.rates(w)]
+    np.testing.assert_allclose(found, speeds)
+
+
+@says(
+    "eom.kinematics.coordinates.RotationSequence.rates",
+    "the determinant of the three axes is plus or minus the sine or cosine of the second angle",
+)
+@says(
+    "docs/howto/analysis.md", "Euler's angles are singular where a top is upright; gimbals are not."
+)
+def where_sequences_are_singular():
+    for name in SEQUENCES:
+        made = attitude(name)
+        theta = made.coordinates[1].symbol
+        i, j, k = (int(n) - 1 for n in name.split("-"))
+        unit = [sp.eye(3).col(n) for n in (i, j, k)]
+        axes = [elementary(j + 1, theta) * unit[0], unit[1], unit[2]]
+        determinant = sp.simplify(sp.Matrix.hstack(*axes).det())
+        assert determinant in {s * f(theta) for s in (1, -1) for f in (sp.sin, sp.cos)}
+        upright = determinant.subs(theta, 0)
+        assert (upright == 0) is (name[0] == name[-1])
+
+
+@says("derive tilde-identities turned-tilde", "a cross product may be formed in either frame")
+@says(
+    "derive tilde-identities tilde-of-cross",
+    "the tilde of a cross product: both sides have the same entries",
+)
+@says("derive tilde-identities skew", "skew-symmetric: both sides have the same entries")
+def tildes():
+    a, b = sp.Matrix(sp.symbols("a1:4")), sp.Matrix(sp.symbols("b1:4"))
+
+    def tilde(v):
+        return sp.Matrix([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+
+    assert same(tilde(a) * b, a.cross(b))
+    assert same(tilde(a).T, -tilde(a))
+    assert same(tilde(a.cross(b)), tilde(a) * tilde(b) - tilde(b) * tilde(a))
+    C = elementary(3, sp.Symbol("x")) * elementary(1, sp.Symbol("y"))
+    assert same(C * tilde(a) * C.T, tilde(C * a))
+
+
+@says("eom.rotations.cosines", "C of a quaternion, times its squared norm")
+def cosines_of_any_quaternion():
+    q = np.array([0.3, -1.2, 0.8, 0.5])
+    C = np.array(cosines(q))
+    np.testing.assert_allclose(C @ C.T, (q @ q) ** 2 * np.eye(3), atol=1e-12)
