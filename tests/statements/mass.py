@@ -91,7 +91,7 @@ def inertia_is_definite_but_for_a_rod_through_the_point():
 )
 @says(
     "notebooks/lecture-002-particles-to-euler.ipynb",
-    "proves that no principal moment exceeds the sum of the other two",
+    "No principal moment exceeds the sum of the other two.",
 )
 def the_triangle_inequality():
     a, b, c = sp.symbols("a b c", positive=True)
