@@ -224,6 +224,34 @@ def _pictures() -> Rows:
     return [(f"`{name}`", entry.words, entry.needs) for name, entry in PICTURES.items()]
 
 
+def _sequences() -> Rows:
+    """Return of each sequence its matrix, the rates of its angles, and where they fail."""
+    import sympy as sp
+
+    from eom.kinematics.coordinates import SEQUENCES, attitude
+    from eom.kinematics.frames import vector
+
+    omega = sp.symbols("omega_1:4")
+    rows: Rows = []
+    for name in SEQUENCES:
+        made = attitude(name)
+        i, j, k = (int(n) for n in name.split("-"))
+        first, second, third = made.rates(vector("B", omega))
+        along = sp.simplify((third - omega[k - 1]) / first)
+        last = str(omega[k - 1] + along * sp.Symbol("psi'"))
+        (singular,) = made.singularities
+        rows.append(
+            (
+                name,
+                f"`C_{k}(phi) C_{j}(theta) C_{i}(psi)`",
+                *(f"`{sp.simplify(rate)}`" for rate in (first, second)),
+                f"`{last}`",
+                f"`{singular.expression} = 0`",
+            )
+        )
+    return rows
+
+
 def _statements() -> Rows:
     from tests.statements import ROWS
 
@@ -252,6 +280,10 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "quantities": (("quantity", "what it is, with its labels by number", "an entry"), _quantities),
     "pictures": (("picture", "what it shows", "of"), _pictures),
     "units": (("unit", "how many", "of"), _units),
+    "sequences": (
+        ("sequence", "matrix", "psi'", "theta'", "phi'", "singular where"),
+        _sequences,
+    ),
     "statements": (("sentence", "where it stands", "what computes it"), _statements),
     "prefixes": (("prefix", "how many"), _prefixes),
     "tree-outputs": (("word", "outputs"), _tree_outputs),

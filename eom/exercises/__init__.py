@@ -9,7 +9,7 @@ Imports: `eom.checker.mean`, `eom.checker.note`, `eom.checker.report`, `eom.deri
 
 >>> made = exercise("point-mass", seed=1)
 >>> made.number, made.planted.slip.name
-(3, 'term')
+(3, 'constant')
 """
 
 from eom.exercises.lessons import Exercise, Lesson, lesson, marker, solutions, student, topics

@@ -457,7 +457,7 @@ def marker(exercise: Exercise) -> str:
 
     >>> from eom.exercises import exercise
     >>> marker(exercise("point-mass", seed=1)).splitlines()[4]
-    'Line (3) is false: a term was dropped. It says'
+    'Line (3) is false: what changes is taken for constant. It says'
     """
     lines = [f"# Key: {_line(exercise.right.title)}", ""]
     lines += [f"`{command(exercise)}`", ""]
@@ -475,7 +475,7 @@ def solutions(exercises: Sequence[Exercise]) -> str:
 
     >>> from eom.exercises import exercise
     >>> solutions([exercise("point-mass", seed=1)]).splitlines()[4]
-    'Line (3): a term was dropped.'
+    'Line (3): what changes is taken for constant.'
     """
     if not exercises:
         raise InputError("no exercises", expected="one at least")

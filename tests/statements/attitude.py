@@ -82,6 +82,15 @@ def quaternions_and_elementary_matrices_agree():
 
 
 @says(
+    CONVENTIONS,
+    r"if $p$ is followed by $q$, about axes of the body as turned so far, the attitude is $p\,q$",
+)
+@says(CONVENTIONS, r"$$ C(p\,q) = C(q)\,C(p) $$")
+@says(
+    CONVENTIONS,
+    "In a product of quaternions the first turn stands on the left, in a product of matrices on the right",
+)
+@says(
     "eom.rotations.quaternion_product",
     "the turn p is followed by the turn q",
 )
@@ -105,6 +114,46 @@ def products_of_quaternions_are_turns_in_their_order():
             value = complex(found[0], found[int(name[0])])
             wanted = math.cos(theta / 2) * np.exp(0.5j * (psi + phi))
             assert abs(abs(value * np.conj(wanted)) - abs(wanted) ** 2) < 1e-12
+
+
+@says(CONVENTIONS, r"Because $\omega$ is in components of the body, it stands on the right")
+@says(
+    CONVENTIONS, r"With $\omega$ in components of the reference frame it would stand on the left."
+)
+@says(CONVENTIONS, r"\dot q_0 = -\tfrac12(q_1\omega_1 + q_2\omega_2 + q_3\omega_3)")
+@says(
+    CONVENTIONS,
+    r"$\dot q_1 = \tfrac12(q_0\omega_1 + q_2\omega_3 - q_3\omega_2)$ with 1, 2, 3 going around",
+)
+@says(
+    "eom.kinematics.coordinates.UnitQuaternion.rates",
+    "half the quaternion product of q with (0, omega): an infinitesimal further turn",
+)
+def rates_of_a_quaternion():
+    q = np.array([0.5, -0.1, 0.7, 0.5]) / np.linalg.norm([0.5, -0.1, 0.7, 0.5])
+    w, h = np.array([0.4, -1.1, 0.8]), 1e-6
+    size = np.linalg.norm(w)
+    step = (
+        math.cos(size * h / 2),
+        *(math.sin(size * h / 2) * w / size),
+    )  # a little turn, in the body
+    later = np.array(quaternion_product(q, step))
+    rate = (later - q) / h
+    made = attitude("quaternion")
+    put = dict(zip((c.symbol for c in made.coordinates), q, strict=True))
+    found = [float(sp.sympify(r).subs(put)) for r in made.rates(vector("B", w.tolist()))]
+    np.testing.assert_allclose(found, rate, atol=1e-5)
+    np.testing.assert_allclose(found[0], -(q[1:] @ w) / 2)
+    for a, b, c in ((1, 2, 3), (2, 3, 1), (3, 1, 2)):
+        np.testing.assert_allclose(
+            found[a], (q[0] * w[a - 1] + q[b] * w[c - 1] - q[c] * w[b - 1]) / 2
+        )
+    C = np.array(matrix_of_quaternion(q))
+    np.testing.assert_allclose(np.array(quaternion_product((0, *(C.T @ w)), q)) / 2, found)
+    # the matrix turns as omega says
+    change = (np.array(matrix_of_quaternion(later)) - C) / h
+    skew = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+    np.testing.assert_allclose(change, -skew @ C, atol=1e-5)
 
 
 @says(CONVENTIONS, r"\dot C_{BA} = -\tilde\omega\,C_{BA}")
@@ -144,6 +193,14 @@ def angular_velocities():
     "the determinant of the three axes is plus or minus the sine or cosine of the second angle",
 )
 @says(
+    CONVENTIONS,
+    r"Sequences whose first and last axes are the same are singular where $\theta$ is a multiple of $\pi$, the others a quarter turn beside.",
+)
+@says(
+    CONVENTIONS,
+    "There the first and the last turn are about the same line, and only their sum or difference is known.",
+)
+@says(
     "docs/howto/analysis.md", "Euler's angles are singular where a top is upright; gimbals are not."
 )
 def where_sequences_are_singular():
@@ -157,6 +214,10 @@ def where_sequences_are_singular():
         assert determinant in {s * f(theta) for s in (1, -1) for f in (sp.sin, sp.cos)}
         upright = determinant.subs(theta, 0)
         assert (upright == 0) is (name[0] == name[-1])
+        there = 0.0 if name[0] == name[-1] else math.pi / 2
+        same_line = (matrix(name, (0.3 + s * 0.5, there, 0.4 - 0.5)) for s in (1, -1))
+        known = [np.allclose(C, matrix(name, (0.3, there, 0.4)), atol=1e-12) for C in same_line]
+        assert sum(known) == 1
 
 
 @says("derive tilde-identities turned-tilde", "a cross product may be formed in either frame")
