@@ -28,8 +28,8 @@ class Quantity:
     pages; nothing is computed from them. ``default``: of a state or parameter, its value in runs that give
     none by name. ``held``: of a parameter, whether it is a state that keeps its initial value, which runs
     then take among the initial values too.
-    Raises `InputError` for what is no symbol, no text, an unknown unit, and a default that is no finite
-    number.
+    Raises `InputError` for what is no symbol, no text, no truth value, an unknown unit, and a default that
+    is no finite number.
     """
 
     symbol: Expr
@@ -49,6 +49,10 @@ class Quantity:
             and isinstance(self.latex, str)
         ):
             raise InputError("unit, meaning and LaTeX are texts", where=f"quantity {self.name!r}")
+        if not isinstance(self.held, bool):
+            raise InputError(
+                "held is true or false", where=f"quantity {self.name!r}", got=shown(self.held)
+            )
         if self.unit:
             _known_unit(self)
         if self.default is not None and not is_finite(self.default):

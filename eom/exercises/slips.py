@@ -54,7 +54,10 @@ DIFFICULTIES = ("easy", "medium", "hard")
 
 @dataclass(frozen=True)
 class Kind:
-    """What a teacher knows of a kind of slips: a row of `DIFFICULTIES`, and what is said to the student."""
+    """What a teacher knows of a kind of slips.
+
+    ``difficulty``: a row of `DIFFICULTIES`; ``sentence``: what is said to the student.
+    """
 
     difficulty: str
     sentence: str
