@@ -4,6 +4,7 @@ In a page: a block ``{shown-table} NAME`` with a name of `TABLES`.
 """
 
 import itertools
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar
@@ -11,6 +12,8 @@ from typing import ClassVar
 from docutils import nodes
 from docutils.parsers.rst import Directive
 from sphinx.application import Sphinx
+
+from eom.checker.report.page import mathml
 
 Rows = list[tuple[str, ...]]
 
@@ -255,7 +258,10 @@ def _sequences() -> Rows:
 def _statements() -> Rows:
     from tests.statements import ROWS
 
-    return [(row.sentence, _place(row.where), f"`{row.name}`") for row in ROWS]
+    return [
+        (row.sentence, _place(row.where), row.name.replace(".", ": ").replace("_", " "))
+        for row in ROWS
+    ]
 
 
 def _place(where: str) -> str:
@@ -263,7 +269,7 @@ def _place(where: str) -> str:
     if where.startswith("derive "):
         _, name, label = where.split(" ")
         return f"`eom derive {name}`, step `{label}`"
-    return f"`{where}`"
+    return f"`{where.removeprefix('docs/').removeprefix('notebooks/')}`"
 
 
 TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
@@ -291,14 +297,27 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
 
 
 def inline(text: str) -> list[nodes.Node]:
-    """Return words, with what stands in backticks as code."""
-    pieces = text.split("`")
-    made = [nodes.literal if k % 2 else nodes.Text for k in range(len(pieces))]
-    return [
-        make(piece) if make is nodes.Text else nodes.literal(piece, piece)
-        for make, piece in zip(made, pieces, strict=True)
-        if piece
-    ]
+    """Return words, with what stands in backticks as code, and formulas between dollars as such."""
+    made: list[nodes.Node] = []
+    for k, piece in enumerate(text.split("`")):
+        if k % 2:
+            made.append(nodes.literal(piece, piece))
+        else:
+            made += [
+                _formula(p) if n % 2 else nodes.Text(p)
+                for n, p in enumerate(_MATH.split(piece))
+                if p
+            ]
+    return made
+
+
+_MATH = re.compile(r"\${1,2}([^$]+)\${1,2}")
+
+
+def _formula(latex: str) -> nodes.Node:
+    """Return a formula; where it is a part that has no MathML, as code."""
+    drawn = mathml(latex.strip(), display=False).startswith("<math")
+    return nodes.math(latex, latex.strip()) if drawn else nodes.literal(latex, latex)
 
 
 def _row(cells: Iterable[str]) -> nodes.row:

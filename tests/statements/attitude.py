@@ -120,7 +120,7 @@ def products_of_quaternions_are_turns_in_their_order():
 @says(
     CONVENTIONS, r"With $\omega$ in components of the reference frame it would stand on the left."
 )
-@says(CONVENTIONS, r"\dot q_0 = -\tfrac12(q_1\omega_1 + q_2\omega_2 + q_3\omega_3)")
+@says(CONVENTIONS, r"$\dot q_0 = -\tfrac12(q_1\omega_1 + q_2\omega_2 + q_3\omega_3)$")
 @says(
     CONVENTIONS,
     r"$\dot q_1 = \tfrac12(q_0\omega_1 + q_2\omega_3 - q_3\omega_2)$ with 1, 2, 3 going around",
@@ -156,7 +156,10 @@ def rates_of_a_quaternion():
     np.testing.assert_allclose(change, -skew @ C, atol=1e-5)
 
 
-@says(CONVENTIONS, r"\dot C_{BA} = -\tilde\omega\,C_{BA}")
+@says(
+    CONVENTIONS,
+    r"$$ \dot C_{BA} = -\tilde\omega\,C_{BA}, \qquad \tilde\omega = \begin{bmatrix} 0 & -\omega_3 & \omega_2 \\ \omega_3 & 0 & -\omega_1 \\ -\omega_2 & \omega_1 & 0 \end{bmatrix} $$",
+)
 @says("derive transport-theorem poisson", "the meaning of the angular velocity omega of B in I")
 @says("derive transport-theorem addition", "as v is any vector, angular velocities add")
 @says(
