@@ -7,7 +7,12 @@ import sympy as sp
 
 from eom.kinematics.coordinates import SEQUENCES, attitude, elementary, quaternion_of_sequence
 from eom.kinematics.frames import vector
-from eom.rotations import cosines, matrix_of_quaternion, quaternion_product
+from eom.rotations import (
+    angles_of_matrix,
+    cosines,
+    matrix_of_quaternion,
+    quaternion_product,
+)
 from tests.statements.table import same, says
 
 CONVENTIONS = "docs/explanation/conventions.md"
@@ -247,3 +252,56 @@ def cosines_of_any_quaternion():
     q = np.array([0.3, -1.2, 0.8, 0.5])
     C = np.array(cosines(q))
     np.testing.assert_allclose(C @ C.T, (q @ q) ** 2 * np.eye(3), atol=1e-12)
+
+
+METHODS = "docs/howto/methods.md"
+
+
+@says(
+    METHODS,
+    "*The second angle* is between -90 and 90 degrees, of a sequence such as 3-1-3 between 0 and 180",
+)
+@says(
+    "eom.kinematics.coordinates.RotationSequence.of_quaternion",
+    "The second is between -pi/2 and pi/2, of a sequence whose first and third axes are the same between 0 and pi.",
+)
+def the_range_of_the_second_angle():
+    draw = np.random.default_rng(5)
+    for name in SEQUENCES:
+        for _ in range(20):
+            q = draw.normal(size=4)
+            C = np.array(matrix_of_quaternion(q / np.linalg.norm(q)))
+            found = angles_of_matrix(tuple(map(tuple, C.tolist())), name)
+            again = matrix_of_quaternion(quaternion_of_sequence(name, found))
+            np.testing.assert_allclose(again, C, atol=1e-12)
+            low = 0 if name[0] == name[-1] else -math.pi / 2
+            assert low <= found[1] <= low + math.pi
+
+
+@says(
+    METHODS,
+    "Passing beside it both change by half a turn in a short time; straight through, they jump.",
+)
+def angles_change_by_half_a_turn_beside_a_singular_configuration():
+    """A body that pitches up through the vertical, yawed a little aside."""
+    found = []
+    for pitch in np.linspace(1.3, 1.85, 2001):
+        C = matrix_of_quaternion(quaternion_product(quaternion_of_sequence("3-2-1", (0.0, pitch, 0.0)),
+                                                    quaternion_of_sequence("3-2-1", (0.01, 0.0, 0.0))))  # fmt: skip
+        found.append(angles_of_matrix(C, "3-2-1"))
+    psi, theta, phi = np.unwrap(np.array(found), axis=0).T
+    for angle in (psi, phi):
+        assert abs(abs(angle[-1] - angle[0]) - math.pi) < 0.1
+    close = np.abs(theta - math.pi / 2) < 0.05
+    assert np.ptp(psi[close]) > 2.5
+    assert close.mean() < 0.25
+
+
+@says(METHODS, "Seconds since 1970 are about 1.7e9, and doubles there are 2.4e-7 s apart.")
+@says(
+    "docs/howto/events.md", "The oscillator below is above 0.99999 for 9 ms in each turn of 6.3 s"
+)
+def small_numbers_of_time():
+    assert abs(np.spacing(1.7e9) - 2.4e-7) < 0.05e-7
+    assert abs(2 * math.acos(0.99999) - 9e-3) < 0.5e-3
+    assert abs(2 * math.pi - 6.3) < 0.05
