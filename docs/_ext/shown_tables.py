@@ -269,6 +269,9 @@ def _place(where: str) -> str:
     if where.startswith("derive "):
         _, name, label = where.split(" ")
         return f"`eom derive {name}`, step `{label}`"
+    if where.startswith("eom."):
+        parts = where.split(".")
+        return f"docstring of `{'.'.join(parts[-2:] if parts[-2][0].isupper() else parts[-1:])}`"
     return f"`{where.removeprefix('docs/').removeprefix('notebooks/')}`"
 
 
