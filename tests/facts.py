@@ -147,6 +147,7 @@ FACTS = {
     "eom.exercises.marker": (NONE, NONE, NONE, NONE),
     "eom.exercises.moodle": (NONE, NONE, NONE, NONE),
     "eom.exercises.planted_in": (NONE, NONE, NONE, NONE),
+    "eom.exercises.solutions": (NONE, NONE, NONE, NONE),
     "eom.exercises.student": (NONE, NONE, NONE, NONE),
     "eom.exercises.topics": (NONE, NONE, NONE, NONE),
     "eom.exercises.with_others": (NONE, NONE, NONE, NONE),

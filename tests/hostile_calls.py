@@ -226,7 +226,7 @@ def _eom(folder):
         }),
         "Definition": (eom.Definition, {"quantity": eom.Quantity(y), "expression": y}),
         "Quantity": (eom.Quantity, {
-            "symbol": y, "unit": "", "meaning": "", "latex": "", "default": None,
+            "symbol": y, "unit": "", "meaning": "", "latex": "", "default": None, "held": False,
         }),
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
