@@ -157,6 +157,8 @@ _PYTHON = frozenset(
     {
         *keyword.kwlist,
         *keyword.softkwlist,
+        "jax",
+        "jnp",
         "np",
         "numpy",
         "scipy",

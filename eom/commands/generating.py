@@ -40,7 +40,7 @@ def _integrators() -> Rows:
     "--target",
     default="c",
     show_default=True,
-    metavar="c|c_f32|c_lanes|numpy|python|javascript",
+    metavar="c|c_f32|c_lanes|numpy|python|javascript|jax",
     help="Language.",
 )
 @click.option(
@@ -70,7 +70,8 @@ def generate(scene: str, folder: Path | None, **options: Any) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
-    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
+    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js); jax
+    (pure functions, for jit, vmap and grad).
     --out may be left out with --report.
     """
     if folder is None and not options["report"]:
