@@ -51,6 +51,7 @@ from codegen.targets.c import C_FLOAT
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.jax_ import JAX
 from codegen.targets.lanes import LANES
+from codegen.targets.matlab import MATLAB
 from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
 from codegen.targets.target import Target, refuse_unsupported
@@ -422,7 +423,7 @@ def _javascript_files(
 
 C = Target("c", "c", c.TEMPLATES, c.SLOTS, c.NUMBERS, partial(_c_files, written.Choice()))
 
-ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON, JAX)}
+ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON, JAX, MATLAB)}
 
 _BESIDE = {C.name: _c_files, JAVASCRIPT.name: _javascript_files}
 """What writes functions and integrator, by target."""

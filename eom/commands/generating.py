@@ -40,7 +40,7 @@ def _integrators() -> Rows:
     "--target",
     default="c",
     show_default=True,
-    metavar="c|c_f32|c_lanes|numpy|python|javascript|jax",
+    metavar="c|c_f32|c_lanes|numpy|python|javascript|jax|matlab",
     help="Language.",
 )
 @click.option(
@@ -71,7 +71,7 @@ def generate(scene: str, folder: Path | None, **options: Any) -> None:
 
     Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
     vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js); jax
-    (pure functions, for jit, vmap and grad).
+    (pure functions, for jit, vmap and grad); matlab (for MATLAB and GNU Octave).
     --out may be left out with --report.
     """
     if folder is None and not options["report"]:
