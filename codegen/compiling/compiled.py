@@ -423,7 +423,9 @@ def _javascript_files(
 
 C = Target("c", "c", c.TEMPLATES, c.SLOTS, c.NUMBERS, partial(_c_files, written.Choice()))
 
-ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON, JAX, MATLAB)}
+ROWS: dict[str, Target] = {
+    row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON, JAX, MATLAB)
+}
 
 _BESIDE = {C.name: _c_files, JAVASCRIPT.name: _javascript_files}
 """What writes functions and integrator, by target."""

@@ -97,7 +97,8 @@ function r = mod__(a, b)
     while any(high(:))
         [~, e] = log2(r(high));
         [~, f] = log2(m(high));
-        s = pow2(m(high), e - f);
+        half = floor((e - f) / 2);
+        s = pow2(pow2(m(high), half), e - f - half);
         left = r(high);
         s(s > left) = 0.5 * s(s > left);
         r(high) = left - s;

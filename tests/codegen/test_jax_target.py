@@ -1,4 +1,4 @@
-"""The JAX target: the numbers that the 50-digit interpreter bounds, and what jit, vmap and grad make of them."""
+"""The JAX target: numbers that the 50-digit interpreter bounds; jit, vmap and grad of them."""
 
 import ast
 import math
@@ -79,7 +79,7 @@ def test_modules_of_other_targets():
     n, m = len(heavy.layout.states), len(heavy.layout.parameters)
     got = heavy.module.rates(0.0, [0.5] * n, [1.5] * m)
     assert got == heavy.rhs(0.0, [0.5] * n, [1.5] * m).tolist()
-    assert heavy.module.STATES == heavy.system.state_names
+    assert heavy.system.state_names == heavy.module.STATES
     with pytest.raises(InputError, match="no Python module") as error:
         _ = codegen.Compiled(**{**vars_of(heavy), "target": "c"}).module
     assert "'jax'" in error.value.hint
