@@ -27,7 +27,7 @@ import stat
 import subprocess
 import sysconfig
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from importlib import resources
 from pathlib import Path
@@ -103,12 +103,47 @@ def _which(command: str, search: str | None) -> tuple[str, ...]:
 def compiler() -> tuple[str, ...]:
     """Return the C compiler's command, or an empty tuple.
 
-    The environment variable ``CC`` decides where it is set; otherwise cc, gcc or clang is taken.
+    The environment variable ``CC`` decides where it is set; otherwise cc, gcc or clang is taken, and
+    where there is none of them, zig of the package ziglang (extra ``compiler``).
     """
     search = os.environ.get("PATH")
     if os.environ.get("CC"):
         return _which(os.environ["CC"], search)
-    return next((c for name in ("cc", "gcc", "clang") if (c := _which(name, search))), ())
+    return next((c for name in ("cc", "gcc", "clang") if (c := _which(name, search))), ()) or zig()
+
+
+ZIG_TARGETS = {
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-darwin": "x86_64-macos",
+    "aarch64-darwin": "aarch64-macos",
+}
+"""Machines and systems that zig compiles for, by its names of them; of Linux, those since 2012."""
+
+
+def zig() -> tuple[str, ...]:
+    """Return the command of zig's C compiler, of the package ziglang, or an empty tuple."""
+    spec = importlib.util.find_spec("ziglang")
+    folder = Path(spec.origin).parent if spec and spec.origin else None
+    names = ("zig", "zig.exe")
+    found = next((folder / n for n in names if folder and (folder / n).is_file()), None)
+    return (str(found), "cc") if found else ()
+
+
+def cross_compiler(name: str) -> tuple[str, ...]:
+    """Return the command that compiles for another system, one of `ZIG_TARGETS`.
+
+    Raises `CompilerError` where the package ziglang is not installed.
+    """
+    command = zig()
+    if not command:
+        raise CompilerError(
+            f"no compiler for {name}",
+            got="an installation without the package ziglang",
+            hint="pip install 'eom-toolkit[compiler]'",
+        )
+    return (*command, "-target", ZIG_TARGETS[name])
 
 
 def require_compiler() -> tuple[str, ...]:
@@ -125,7 +160,8 @@ def require_compiler() -> tuple[str, ...]:
         raise CompilerError(
             "no C compiler found",
             got=f"CC={asked}" if asked else "none of cc, gcc, clang on the PATH",
-            hint="install gcc or clang, set CC to its path, or use the target numpy",
+            hint="pip install 'eom-toolkit[compiler]', install gcc or clang, set CC to its path, "
+            "or use the target numpy",
         )
     return command
 
@@ -266,6 +302,31 @@ def _ending(status: int) -> str:
         return f"exit status {status}"
     name = next((s.name for s in signal.Signals if s == -status), "an unknown one")
     return f"ended by signal {-status} ({name})"
+
+
+def build(files: Mapping[str, str], flags: Sequence[str], command: Sequence[str] = ()) -> bytes:
+    """Return the shared library of several texts by file name, of which those of C are compiled.
+
+    ``flags``: of the compiler; those of `NATIVE_FLAGS` are left out, so that it runs on other processors.
+    ``command``: the compiler, by default that of `require_compiler`. Nothing is kept in the cache. Raises
+    `CompilerError` where there is no compiler or it fails.
+    """
+    command = command or require_compiler()
+    with tempfile.TemporaryDirectory(prefix="eom-") as folder:
+        for name, text in files.items():
+            (Path(folder) / name).write_text(text, encoding="ascii", newline="\n")
+        made = Path(folder) / "library"
+        sources = [str(Path(folder) / name) for name in sorted(files) if name.endswith(".c")]
+        run = [*command, *flags, "-o", str(made), *sources, "-lm"]
+        failure = _run(run, folder)
+        if failure is None and made.exists():
+            return made.read_bytes()
+    raise CompilerError(
+        "the C compiler failed",
+        where=" ".join(run),
+        got=(failure or "it made no file")[:2000],
+        hint="set CC to another compiler",
+    )
 
 
 def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:

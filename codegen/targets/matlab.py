@@ -97,8 +97,8 @@ function r = mod__(a, b)
     while any(high(:))
         [~, e] = log2(r(high));
         [~, f] = log2(m(high));
-        half = floor((e - f) / 2);
-        s = pow2(pow2(m(high), half), e - f - half);
+        part = fix((e - f) / 4);  % a power of two of its own may be infinite
+        s = pow2(pow2(pow2(pow2(m(high), part), part), part), e - f - 3 * part);
         left = r(high);
         s(s > left) = 0.5 * s(s > left);
         r(high) = left - s;
