@@ -85,8 +85,9 @@ def _real(a):
     return a.astype(jnp.result_type(a, float))
 """,
     "_results": """\
-def _results(x, *rows):
-    return jnp.stack(jnp.broadcast_arrays(*rows)).astype(x.dtype)
+def _results(t, x, p, u, rows):
+    shape = jnp.broadcast_shapes(t.shape, x.shape[1:], p.shape[1:], u.shape[1:])
+    return jnp.stack([jnp.broadcast_to(row, shape) for row in rows]).astype(x.dtype)
 """,
     "_over": """\
 def _over(a, b):
@@ -269,7 +270,7 @@ def _function(group: str, body: Body) -> str:
         text = line.expression if line.room else f"{line.variable} = {line.expression}"
         lines.append(f"    {text}" + (f"  # {line.comment}" if line.comment else ""))
     results = [f"        {result}," for result in body.results]
-    return "\n".join([*lines, "    return _results(", "        x,", *results, "    )", ""])
+    return "\n".join([*lines, "    return _results(t, x, p, u, [", *results, "    ])", ""])
 
 
 JAX = Target(
