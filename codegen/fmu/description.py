@@ -59,7 +59,7 @@ def of_version_2(unit: Unit, token: str, sources: Iterable[str]) -> str:
     )  # fmt: skip
     for kind in ("ModelExchange", "CoSimulation"):
         further = {"canHandleVariableCommunicationStepSize": "true"} if kind[0] == "C" else {}
-        part = ET.SubElement(root, kind, modelIdentifier=_name(unit), **flags, **further)
+        part = ET.SubElement(root, kind, {"modelIdentifier": _name(unit), **flags, **further})
         listed = ET.SubElement(part, "SourceFiles")
         for name in files:
             ET.SubElement(listed, "File", name=name)
@@ -81,9 +81,9 @@ def of_version_3(unit: Unit, token: str) -> str:
         ("canGetAndSetFMUState", "canSerializeFMUState", "providesDirectionalDerivatives",
          "providesAdjointDerivatives"), "true"
     )  # fmt: skip
-    ET.SubElement(root, "ModelExchange", modelIdentifier=_name(unit), **flags)
-    flags["canHandleVariableCommunicationStepSize"] = "true"
-    ET.SubElement(root, "CoSimulation", modelIdentifier=_name(unit), **flags)
+    flags["modelIdentifier"] = _name(unit)
+    ET.SubElement(root, "ModelExchange", flags)
+    ET.SubElement(root, "CoSimulation", {**flags, "canHandleVariableCommunicationStepSize": "true"})
     _shared(unit, root)
     variables = ET.SubElement(root, "ModelVariables")
     for v in unit.variables:
@@ -174,21 +174,29 @@ def _unknowns(unit: Unit) -> dict[str, list[tuple[Variable, tuple[int, ...]]]]:
 def _structure_2(unit: Unit, root: ET.Element) -> None:
     """Write the structure by places of variables, from one."""
     structure, found = ET.SubElement(root, "ModelStructure"), _unknowns(unit)
-    for title, key in (("Outputs", "outputs"), ("Derivatives", "rates"), ("InitialUnknowns", "calculated")):  # fmt: skip
+    titles = {"Outputs": "outputs", "Derivatives": "rates", "InitialUnknowns": "calculated"}
+    for title, key in titles.items():
         if found[key]:
             part = ET.SubElement(structure, title)
             for v, needs in found[key]:
-                listed = {"dependencies": _listed(k + 1 for k in needs)} if key != "calculated" else {}
-                ET.SubElement(part, "Unknown", index=str(v.reference + 1), **listed)
+                listed = (
+                    {"dependencies": _listed(k + 1 for k in needs)} if key != "calculated" else {}
+                )
+                ET.SubElement(part, "Unknown", {"index": str(v.reference + 1), **listed})
 
 
 def _structure_3(unit: Unit, root: ET.Element) -> None:
     """Write the structure by value references."""
     structure, found = ET.SubElement(root, "ModelStructure"), _unknowns(unit)
-    for title, key in (("Output", "outputs"), ("ContinuousStateDerivative", "rates"), ("InitialUnknown", "calculated")):  # fmt: skip
+    titles = {
+        "Output": "outputs",
+        "ContinuousStateDerivative": "rates",
+        "InitialUnknown": "calculated",
+    }
+    for title, key in titles.items():
         for v, needs in found[key]:
             listed = {"dependencies": _listed(needs)} if key != "calculated" else {}
-            ET.SubElement(structure, title, valueReference=str(v.reference), **listed)
+            ET.SubElement(structure, title, {"valueReference": str(v.reference), **listed})
     for v in unit.of(INDICATOR):
         ET.SubElement(structure, "EventIndicator", valueReference=str(v.reference))
 

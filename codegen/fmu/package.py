@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import platform
 import tempfile
 import zipfile
@@ -83,16 +82,18 @@ def write_fmu(
 
     States are outputs with exact start values, parameters are tunable, what sampled laws hold is local;
     values have their units. Derivatives by states and inputs are exact. Branches of the rates are event
-    indicators, samples are time events. Raises `InputError` for wrong names and values, for inputs that are
-    functions, for an operation that C lacks, and where the file cannot be written; `CompilerError` where the
-    compiler fails. Source: Functional Mock-up Interface Specification 3.0.1 and 2.0.4.
+    indicators, samples are time events. Raises `InputError` for wrong names and values, for inputs that
+    are functions, for an operation that C lacks, and where the file cannot be written; `CompilerError`
+    where the compiler fails. Source: Functional Mock-up Interface Specification 3.0.1 and 2.0.4.
     """
     if version not in VERSIONS:
         raise unknown_name("version of FMI", version, VERSIONS)
     for name in platforms:
         if name not in PLATFORMS:
             raise unknown_name("platform", name, PLATFORMS)
-    compiled = system if isinstance(system, Compiled) else compile(system, "numpy", progress=progress)  # fmt: skip
+    compiled = system
+    if not isinstance(compiled, Compiled):
+        compiled = compile(system, "numpy", progress=progress)
     made = unit(compiled, initial, parameters, inputs, t_span, rtol)
     target = Path(path)
     if target.suffix != ".fmu":
@@ -172,7 +173,7 @@ def _template(name: str) -> str:
 
 def _filled(made: Unit, text: str) -> str:
     """Return the template of a unit with its keys replaced."""
-    program, layout = made.parts
+    layout = made.parts[1]
     name, jacobian = identifier(layout.name), made.jacobian
     counts = {"OUTPUTS": OUTPUTS, "INVARIANTS": INVARIANTS, "INDICATORS": INDICATORS}
     values = {
@@ -209,9 +210,8 @@ def _samples(made: Unit) -> dict[str, str]:
         count, waits = len(law.applied), bool(law.whole or law.rest)
         ring = law.whole + 2 if waits else 0
         whole = count + len(law.stepped)
-        rows.append(
-            f"{{{law.period!r}, {law.rest!r}, {law.whole}, {int(waits)}, {count}, {whole}, {len(places)}, {ring}}}"
-        )
+        numbers = law.period, law.rest, law.whole, int(waits), count, whole, len(places), ring
+        rows.append(f"{{{_list(numbers)}}}")
         places += [*law.applied, *law.stepped]
         room += ring * count
     return {
@@ -233,7 +233,7 @@ def _write(target: Path, content: bytes) -> None:
         with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".eom-", delete=False) as made:
             made.write(content)
         Path(made.name).chmod(0o644)
-        os.replace(made.name, target)
+        Path(made.name).replace(target)
     except OSError as error:
         raise InputError(
             "the unit cannot be written",

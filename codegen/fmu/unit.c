@@ -45,10 +45,12 @@ static const double smallest[N] = {@SMALLEST@}; /* absolute over relative tolera
 static const unsigned char is_held[U + 1] = {@HELD@};
 static const int entry_row[ENTRIES + 1] = {@ENTRY_ROWS@}, entry_column[ENTRIES + 1] = {@ENTRY_COLUMNS@};
 
+#if LAWS
 /* A law that is sampled: count inputs take their values after whole periods and a rest, the states of the
  * control, up to all, at once. places: of what is set among the inputs, from first on. */
 static const struct { double period, rest; int whole, waits, count, all, first, ring; } laws[LAWS + 1] = {@LAW_ROWS@};
 static const int places[ROWS + 1] = {@PLACES@};
+#endif
 
 typedef struct {
     double t, start, x[N], p[P + 1], u[U + 1], rtol, h;
@@ -77,6 +79,7 @@ static const @NAME@_constants *constants(model *m) {
     return &m->constants;
 }
 
+#if LAWS
 static double sample_time(const model *m, int l, long long k) {
     volatile double along = (double)k * laws[l].period; /* rounded by itself */
     return m->start + along;
@@ -85,6 +88,7 @@ static double sample_time(const model *m, int l, long long k) {
 static double effect_time(const model *m, int l, long long k) {
     return sample_time(m, l, k + laws[l].whole) + laws[l].rest;
 }
+#endif
 
 static void begin_samples(model *m) {
     m->start = m->t;

@@ -46,8 +46,8 @@ TIME, STATE, RATE, PARAMETER, INPUT, HELD, OUTPUT, INVARIANT, INDICATOR = (
 class Variable(NamedTuple):
     """A variable of a unit.
 
-    ``reference``: its value reference; ``kind``: state, rate and so on; ``number``: its place among those of
-    its kind; ``start``: the value that it begins with, where it can be set.
+    ``reference``: its value reference; ``kind``: state, rate and so on; ``number``: its place among
+    those of its kind; ``start``: the value that it begins with, where it can be set.
     """
 
     reference: int
@@ -112,9 +112,8 @@ class Unit:
     def variables(self) -> tuple[Variable, ...]:
         """All variables, in the order of their value references; no two have one name."""
         taken: set[str] = set()
-        rows = [row for row in _rows(self)]
         found = []
-        for reference, row in enumerate(rows):
+        for reference, row in enumerate(_rows(self)):
             name = row.name if row.name not in taken else f"{row.name} ({row.kind})"
             taken.add(name)
             found.append(row._replace(reference=reference, name=name))
@@ -222,9 +221,7 @@ def _rows(unit: Unit) -> list[Variable]:
         known = {q.name: q for q in layout.described.get(group, ())}
         for k, name in enumerate(layout.results[group]):
             q = known.get(name)
-            rows.append(
-                Variable(0, kind, k, name, q.unit if q else "", q.description if q else "")
-            )
+            rows.append(Variable(0, kind, k, name, q.unit if q else "", q.description if q else ""))
     for k, name in enumerate(unit.parts[1].results[INDICATORS]):
         meaning = "a branch of the rates changes where its sign does"
         rows.append(Variable(0, INDICATOR, k, name, "", meaning))
