@@ -43,8 +43,8 @@ PLATFORMS: Mapping[str, Platform] = {
 }
 """By the name of the folder in an archive of FMI 3.0; FMI 2.0 has none for ARM, there the name stands."""
 _MACHINES = {"amd64": "x86_64", "x86-64": "x86_64", "arm64": "aarch64"}
-FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-fno-math-errno",
-         "-fno-trapping-math", "-ffp-contract=off")  # fmt: skip
+FLAGS = ("-std=c99", "-O3", "-fvisibility=hidden", "-fno-math-errno", "-fno-trapping-math",
+         "-ffp-contract=off")  # fmt: skip
 
 
 def this_platform(system: str = "", machine: str = "") -> str:
@@ -161,7 +161,7 @@ def _libraries(
     for wanted in dict.fromkeys(platforms):
         row = PLATFORMS[wanted]
         command = () if wanted == here and native.compiler() else native.cross_compiler(wanted)
-        flags = [f for f in FLAGS if f != "-fPIC" or not wanted.endswith("windows")]
+        flags = [*FLAGS, *native.shared_flags("win32" if wanted.endswith("windows") else "linux")]
         folder = row.folder if version == "2.0" else wanted
         found[f"binaries/{folder}/{name}{row.suffix}"] = native.build(texts, flags, command)
     return found

@@ -218,10 +218,9 @@ def _rows(unit: Unit) -> list[Variable]:
     for row in _given(INPUT, layout.inputs, unit.u):
         rows.append(row._replace(kind=HELD) if row.name in held else row)
     for kind, group in ((OUTPUT, OUTPUTS), (INVARIANT, INVARIANTS)):
-        known = {q.name: q for q in layout.described.get(group, ())}
+        known = {q.name: (q.unit, q.description) for q in layout.described.get(group, ())}
         for k, name in enumerate(layout.results[group]):
-            q = known.get(name)
-            rows.append(Variable(0, kind, k, name, q.unit if q else "", q.description if q else ""))
+            rows.append(Variable(0, kind, k, name, *known.get(name, ("", ""))))
     for k, name in enumerate(unit.parts[1].results[INDICATORS]):
         meaning = "a branch of the rates changes where its sign does"
         rows.append(Variable(0, INDICATOR, k, name, "", meaning))

@@ -25,6 +25,7 @@ import shutil
 import signal
 import stat
 import subprocess
+import sys
 import sysconfig
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -39,7 +40,29 @@ import platformdirs
 from codegen.native import children
 from eom.errors import InputError
 
-FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math")
+SUFFIXES = {"win32": ".dll", "cygwin": ".dll", "darwin": ".dylib"}
+"""How shared libraries end, by `sys.platform`; elsewhere in .so."""
+
+
+def library_suffix(system: str = sys.platform) -> str:
+    """Return how the names of shared libraries end on a system, as `sys.platform` names it.
+
+    >>> library_suffix("linux"), library_suffix("win32"), library_suffix("darwin")
+    ('.so', '.dll', '.dylib')
+    """
+    return SUFFIXES.get(system, ".so")
+
+
+def shared_flags(system: str = sys.platform) -> tuple[str, ...]:
+    """Return what makes a compiler write a shared library; all code of Windows may be moved anyway.
+
+    >>> shared_flags("win32"), shared_flags("linux")
+    (('-shared',), ('-fPIC', '-shared'))
+    """
+    return ("-shared",) if library_suffix(system) == ".dll" else ("-fPIC", "-shared")
+
+
+FLAGS = ("-std=c99", "-O3", *shared_flags(), "-fno-math-errno", "-fno-trapping-math")
 NATIVE_FLAGS = ("-march=native", "-fno-semantic-interposition", "-ffp-contract=off")
 """Flags that some compilers lack. The second lets functions of one library be inlined; the third
 keeps clang from fusing products into sums, so that every compiler gives the same numbers."""
@@ -85,17 +108,25 @@ class CacheError(CompilerError):
         )
 
 
-def _words(command: str) -> list[str]:
-    """Return the words of a command as a shell splits them; none where a quote is not closed."""
+def words(command: str, system: str = sys.platform) -> list[str]:
+    r"""Return the words of a command as a shell splits them; none where a quote is not closed.
+
+    On Windows a backslash separates folders, elsewhere it quotes.
+
+    >>> words(r'"C:\my tools\cc.exe" -O2', "win32")
+    ['C:\\my tools\\cc.exe', '-O2']
+    """
     try:
-        return shlex.split(command)
+        if system != "win32":
+            return shlex.split(command)
+        return [w.strip('"') for w in shlex.split(command, posix=False)]
     except ValueError:
         return []
 
 
 @cache
 def _which(command: str, search: str | None) -> tuple[str, ...]:
-    parts = _words(command)
+    parts = words(command)
     found = shutil.which(parts[0], path=search) if parts else None
     return (found, *parts[1:]) if found else ()
 
@@ -151,7 +182,7 @@ def require_compiler() -> tuple[str, ...]:
     command = compiler()
     if not command:
         asked = os.environ.get("CC")
-        if asked and asked.strip() and not _words(asked):
+        if asked and asked.strip() and not words(asked):
             raise CompilerError(
                 "the variable CC is not a command: a quote is not closed",
                 got=f"CC={asked}",
@@ -219,12 +250,13 @@ def flags_for(results: int, instructions: int = 0) -> tuple[str, ...]:
     return long + (STORES_APART if results > MANY_RESULTS else ())
 
 
-def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = ".so") -> Path:
+def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = "") -> Path:
     """Return the shared library of a C source text, compiled if the cache does not have it.
 
     Raises `CompilerError` where there is no compiler, it fails, or the cache cannot be written; the
     cache is then unchanged.
     """
+    suffix = suffix or library_suffix()
     command = require_compiler()
     flags = (*FLAGS, *NATIVE_FLAGS, *extra_flags)
     key = "\0".join([source, *flags, _identity(command), _processor()])
@@ -283,7 +315,8 @@ def _run(command: Sequence[str], folder: str) -> str | None:
 
     Its temporary files go into ``folder``, as it cannot remove them itself where it is ended.
     """
-    environment = {**os.environ, "LC_ALL": "C", "TMPDIR": folder}
+    temporary = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), folder)
+    environment = {**os.environ, "LC_ALL": "C", **temporary}
     try:
         done = children.finished(command, seconds=TIMEOUT_SECONDS, environment=environment)
     except OSError as error:
