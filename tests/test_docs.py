@@ -26,6 +26,8 @@ NEEDS = {
     "many-bodies": ("yourdfpy",),
     "robots": ("yourdfpy", "mujoco"),
     "monte-carlo": ("zarr",),
+    "fmu": ("fmpy",),
+    "jax": ("jax", "diffrax"),
     "tutorial": ("matplotlib",),
     "control": ("matplotlib",),
     "rotary-pendulum": ("matplotlib",),

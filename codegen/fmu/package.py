@@ -21,7 +21,7 @@ from codegen.loops import written
 from codegen.native import native
 from codegen.targets import c
 from codegen.targets.c import string
-from eom.errors import InputError, typed, unknown_name
+from eom.errors import InputError, shown, typed, unknown_name
 from eom.system import System
 
 VERSIONS = ("3.0", "2.0")
@@ -67,7 +67,7 @@ def write_fmu(
     t_span: tuple[float, float] = (0.0, 10.0),
     rtol: float = 1e-9,
     version: str = "3.0",
-    platforms: Sequence[str] = (),
+    platforms: Sequence[str] | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Path:
     """Write a system as a functional mock-up unit, for Model Exchange and Co-Simulation.
@@ -76,19 +76,25 @@ def write_fmu(
     which gets NAME.fmu. ``initial``, ``parameters``, ``inputs``: start values by name, as of
     `codegen.simulate`; whoever runs the unit may set others. ``t_span``: of the default experiment (s);
     ``rtol``: of the integrator inside, DOP853, for Co-Simulation. ``version``: 3.0 or 2.0.
-    ``platforms``: of `PLATFORMS`, those that it runs on; by default this one, and where there is no C
-    compiler none: the archive then holds sources alone. Others than this one are built by zig (extra
-    ``compiler``). ``progress``: as of `codegen.compile`. Returns the path.
+    ``platforms``: of `PLATFORMS`, those that it runs on; none: the archive holds sources alone; by default
+    this one, where there is a C compiler. Others than this one are built by zig (extra ``compiler``). ``progress``: as of `codegen.compile`. Returns the path.
 
     States are outputs with exact start values, parameters are tunable, what sampled laws hold is local;
     values have their units. Derivatives by states and inputs are exact. Branches of the rates are event
     indicators, samples are time events. Raises `InputError` for wrong names and values, for inputs that
     are functions, for an operation that C lacks, and where the file cannot be written; `CompilerError`
-    where the compiler fails. Source: Functional Mock-up Interface Specification 3.0.1 and 2.0.4.
+    where the compiler fails. Source: Functional Mock-up Interface Specification 3.0.1 (2023) and 2.0.4.
+
+    >>> import sympy as sp, tempfile
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_fmu(oscillator, folder, {"y": 1, "v": 0}, {"k": 4}, platforms=[]).name
+    'oscillator.fmu'
     """
     if version not in VERSIONS:
         raise unknown_name("version of FMI", version, VERSIONS)
-    for name in platforms:
+    for name in platforms or ():
         if name not in PLATFORMS:
             raise unknown_name("platform", name, PLATFORMS)
     compiled = system
@@ -102,7 +108,7 @@ def write_fmu(
     return target
 
 
-def files(made: Unit, version: str = "3.0", platforms: Sequence[str] = ()) -> dict[str, bytes]:
+def files(made: Unit, version: str = "3.0", platforms: Sequence[str] | None = None) -> dict[str, bytes]:
     """Return the files of the archive by path; the same unit gives the same bytes, libraries apart."""
     texts = sources(made, version)
     token = _token(made, texts, version)
@@ -151,11 +157,11 @@ def _token(made: Unit, texts: Mapping[str, str], version: str) -> str:
 
 
 def _libraries(
-    made: Unit, texts: Mapping[str, str], version: str, platforms: Sequence[str]
+    made: Unit, texts: Mapping[str, str], version: str, platforms: Sequence[str] | None
 ) -> dict[str, bytes]:
     """Return the shared libraries by path; none where there is no compiler, and none is asked for."""
     here = this_platform()
-    if not platforms:
+    if platforms is None:
         platforms = [here] if here in PLATFORMS and native.compiler() else []
     name, found = identifier(made.compiled.layout.name), {}
     for wanted in dict.fromkeys(platforms):
@@ -234,10 +240,10 @@ def _write(target: Path, content: bytes) -> None:
             made.write(content)
         Path(made.name).chmod(0o644)
         Path(made.name).replace(target)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # a name may hold what no file is called
         raise InputError(
             "the unit cannot be written",
-            where=str(target),
-            got=error.strerror or str(error),
+            where=shown(str(target)),
+            got=getattr(error, "strerror", None) or str(error),
             hint="choose a folder that you can write",
         ) from None

@@ -30,6 +30,7 @@ from codegen.ir.program import (
 )
 from codegen.native.trajectory import Law
 from codegen.passes.pipeline import join
+from codegen.runs import arguments
 from eom.errors import InputError, shown
 from eom.quantities import Quantity
 from eom.units import read
@@ -164,7 +165,9 @@ def unit(
     Raises `InputError` for unknown and missing names, for inputs that are functions of time, and for a
     tolerance that is not between 0 and 1.
     """
-    layout = compiled.layout
+    layout, (begin, end) = compiled.layout, arguments.span(t_span)
+    if begin >= end:
+        raise InputError("an experiment ends before it begins", got=t_span)
     if not 0.0 < rtol < 1.0:
         raise InputError("rtol is no tolerance", got=rtol, expected="between 0 and 1")
     initial, inputs = start_values(compiled, initial, inputs or {})
@@ -173,8 +176,8 @@ def unit(
              ("input", inputs, layout.inputs))  # fmt: skip
     x, p, u = (to_array(completed(v, q), names_of(q), kind) for kind, v, q in kinds)
     point = scales.Point(x, p, u, 0.0)
-    absolute, _ = scales.of_run(compiled, point, t_span, rtol, None)
-    return Unit(compiled, x, p, u, absolute / rtol, rtol, t_span)
+    absolute, _ = scales.of_run(compiled, point, (begin, end), rtol, None)
+    return Unit(compiled, x, p, u, absolute / rtol, rtol, (begin, end))
 
 
 def _refuse_functions(inputs: Any) -> None:

@@ -136,7 +136,7 @@ def _write_fmu(
     values = scene.initial_values(), scene.parameter_values(), scene.input_values()
     with waiting_for("writing the unit") as show:
         path = codegen.write_fmu(
-            scene.derive(), folder, *values, (0.0, how.t_end), how.rtol, fmi or "3.0", platform,
+            scene.derive(), folder, *values, (0.0, how.t_end), how.rtol, fmi or "3.0", platform or None,
             compiling(show),
         )  # fmt: skip
     report_files([path])
