@@ -2,6 +2,6 @@
 
 In: compiled systems, values by name. Out: files of an archive as bytes, and the archive.
 Imports: `codegen.compiling`, `codegen.frontend`, `codegen.integrate`, `codegen.ir`, `codegen.loops`,
-`codegen.native`, `codegen.passes`, `codegen.runs`, `codegen.targets`, `eom`, `eom.errors`,
+`codegen.native`, `codegen.passes`, `codegen.runs`, `codegen.targets`, `eom.errors`,
 `eom.quantities`, `eom.system`, `eom.units`.
 """

@@ -23,7 +23,6 @@ from codegen.fmu.unit import (
 )
 from codegen.ir.names import identifier
 from codegen.ir.program import OUTPUTS, RATES
-from eom import __version__
 from eom.errors import InputError
 from eom.units import read
 
@@ -115,7 +114,7 @@ def _root(unit: Unit, version: str, key: str, token: str) -> ET.Element:
     layout = unit.compiled.layout
     return ET.Element("fmiModelDescription", {
         "fmiVersion": version, "modelName": layout.name, key: token, "description": _plain(layout.title),
-        "generationTool": f"eom {__version__}", "variableNamingConvention": "flat",
+        "generationTool": "eom", "variableNamingConvention": "flat",
     })  # fmt: skip
 
 

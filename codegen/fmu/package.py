@@ -77,7 +77,8 @@ def write_fmu(
     `codegen.simulate`; whoever runs the unit may set others. ``t_span``: of the default experiment (s);
     ``rtol``: of the integrator inside, DOP853, for Co-Simulation. ``version``: 3.0 or 2.0.
     ``platforms``: of `PLATFORMS`, those that it runs on; none: the archive holds sources alone; by default
-    this one, where there is a C compiler. Others than this one are built by zig (extra ``compiler``). ``progress``: as of `codegen.compile`. Returns the path.
+    this one, where there is a C compiler. Others than this one are built by zig (extra ``compiler``).
+    ``progress``: as of `codegen.compile`. Returns the path.
 
     States are outputs with exact start values, parameters are tunable, what sampled laws hold is local;
     values have their units. Derivatives by states and inputs are exact. Branches of the rates are event
@@ -108,7 +109,9 @@ def write_fmu(
     return target
 
 
-def files(made: Unit, version: str = "3.0", platforms: Sequence[str] | None = None) -> dict[str, bytes]:
+def files(
+    made: Unit, version: str = "3.0", platforms: Sequence[str] | None = None
+) -> dict[str, bytes]:
     """Return the files of the archive by path; the same unit gives the same bytes, libraries apart."""
     texts = sources(made, version)
     token = _token(made, texts, version)
