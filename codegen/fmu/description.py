@@ -20,6 +20,7 @@ from codegen.fmu.unit import (
     TIME,
     Unit,
     Variable,
+    plain,
 )
 from codegen.ir.names import identifier
 from codegen.ir.program import OUTPUTS, RATES
@@ -113,8 +114,8 @@ def _state_of(unit: Unit, rate: Variable) -> int:
 def _root(unit: Unit, version: str, key: str, token: str) -> ET.Element:
     layout = unit.compiled.layout
     return ET.Element("fmiModelDescription", {
-        "fmiVersion": version, "modelName": layout.name, key: token, "description": _plain(layout.title),
-        "generationTool": "eom", "variableNamingConvention": "flat",
+        "fmiVersion": version, "modelName": plain(layout.name), key: token,
+        "description": plain(layout.title), "generationTool": "eom", "variableNamingConvention": "flat",
     })  # fmt: skip
 
 
@@ -148,18 +149,13 @@ def _powers(name: str) -> dict[str, str] | None:
 
 
 def _attributes(v: Variable) -> dict[str, str]:
-    meaning = {"description": _plain(v.meaning)} if v.meaning else {}
+    meaning = {"description": v.meaning} if v.meaning else {}
     return {"name": v.name, "valueReference": str(v.reference), **meaning, **ROLES[v.kind]}
 
 
 def _measure(v: Variable) -> dict[str, str]:
     start = {"start": repr(v.start)} if v.start is not None and v.kind != HELD else {}
     return {"unit": v.unit or "1", **start}
-
-
-def _plain(text: str) -> str:
-    """Return a text in one line, of characters that XML takes."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def _unknowns(unit: Unit) -> dict[str, list[tuple[Variable, tuple[int, ...]]]]:

@@ -148,7 +148,9 @@ def archive(found: Mapping[str, bytes]) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as packed:
         for name in sorted(found):
-            packed.writestr(zipfile.ZipInfo(name), found[name], zipfile.ZIP_DEFLATED)
+            entry = zipfile.ZipInfo(name)
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            packed.writestr(entry, found[name], zipfile.ZIP_DEFLATED)
     return buffer.getvalue()
 
 

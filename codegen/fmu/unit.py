@@ -115,9 +115,14 @@ class Unit:
         taken: set[str] = set()
         found = []
         for reference, row in enumerate(_rows(self)):
-            name = row.name if row.name not in taken else f"{row.name} ({row.kind})"
+            name = plain(row.name)
+            while name in taken:
+                name = f"{name} ({row.kind})"
             taken.add(name)
-            found.append(row._replace(reference=reference, name=name))
+            meaning, measure = plain(row.meaning), plain(row.unit)
+            found.append(
+                row._replace(reference=reference, name=name, meaning=meaning, unit=measure)
+            )
         return tuple(found)
 
     def of(self, *kinds: str) -> tuple[Variable, ...]:
@@ -178,6 +183,15 @@ def unit(
     point = scales.Point(x, p, u, 0.0)
     absolute, _ = scales.of_run(compiled, point, (begin, end), rtol, None)
     return Unit(compiled, x, p, u, absolute / rtol, rtol, (begin, end))
+
+
+def plain(text: str) -> str:
+    r"""Return a text in one line, of characters that XML takes.
+
+    >>> plain("angle\n\x00of tilt")
+    'angle of tilt'
+    """
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def _refuse_functions(inputs: Any) -> None:

@@ -1,5 +1,6 @@
 """Functional mock-up units, run by FMPy: our own trajectories, and calls that no tool should make."""
 
+import io
 import shutil
 import subprocess
 import xml.etree.ElementTree as ET
@@ -9,12 +10,14 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 import sympy as sp
+from click.testing import CliRunner
 
 import codegen
 import eom
 from codegen.fmu import package
 from codegen.fmu.unit import INPUT, PARAMETER, STATE, unit
 from codegen.native import native
+from eom.__main__ import main
 from eom.errors import InputError
 from tests.codegen.test_targets import STRICT
 
@@ -88,6 +91,35 @@ def test_dependencies_are_those_of_the_formulas_and_no_two_variables_have_one_na
     assert whole.dependencies("rates", 1) == (states[0].reference, u.reference)
     assert whole.dependencies("outputs", 0) == (states[1].reference,)
     assert whole.dependencies("outputs", 1) == ()
+
+
+def test_hostile_names_are_told_apart_and_do_no_harm():
+    names = ["a<b>&\"'", "two\nlines", "two lines", "%s%n", "der(%s%n)", "*/ #error"]
+    states = [sp.Symbol(n, real=True) for n in names]
+    rates = dict(zip(states, [*states[1:], states[0]], strict=True))
+    whole = made(eom.System.from_rates("hostile", rates), dict.fromkeys(names, 1.0), {}, {})
+    for version in package.VERSIONS:
+        files = package.files(whole, version, ())
+        rows = described(files["modelDescription.xml"]).findall("ModelVariables/*")
+        found = [row.get("name") for row in rows]
+        assert len(set(found)) == len(found) == 1 + 2 * len(names)
+        assert found[1:4] == ["a<b>&\"'", "two lines", "two lines (state)"]
+        assert all(text.isascii() for text in package.sources(whole, version).values())
+
+
+def test_files_of_the_archive_can_be_read_and_libraries_run():
+    packed = package.archive({"binaries/x86_64-linux/a.so": b"", "sources/a.c": b""})
+    listed = zipfile.ZipFile(io.BytesIO(packed)).infolist()
+    assert [oct(entry.external_attr >> 16) for entry in listed] == ["0o755", "0o644"]
+
+
+def test_the_command_line_refuses_what_does_not_go_with_units(tmp_path):
+    for more in (["--fixed"], ["--jacobian", "states"], ["--fmi", "1.0"], ["--platform", "amiga"]):
+        command = ["generate", "t-handle", "--target", "fmu", "--out", str(tmp_path), *more]
+        assert CliRunner().invoke(main, command).exit_code == 2
+    command = ["generate", "t-handle", "--target", "c", "--out", str(tmp_path), "--fmi", "2.0"]
+    assert CliRunner().invoke(main, command).exit_code == 2
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_same_values_give_the_same_bytes_and_other_values_another_token():
