@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.ir.stumpff import SERIES
 from codegen.targets.render import ARITHMETIC, Body, Template, call, calls, table_names
 from codegen.targets.target import (
@@ -234,7 +234,8 @@ def module(program: Program, layout: Layout) -> str:
     functions = [_function(group, body) for group, body in written.items()]
     helpers = [_HELPERS["_real"], _HELPERS["_results"], *used_helpers(JAX, written)]
     helpers += used_tables(JAX, table_names(program), written)
-    return "\n\n".join([head, *helpers, *functions, "rhs = rates\n"])
+    other_name = ["rhs = rates\n"] if RATES in written else []
+    return "\n\n".join([head, *helpers, *functions, *other_name])
 
 
 def _table(name: str, table: Table) -> str:

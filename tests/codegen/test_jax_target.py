@@ -39,6 +39,8 @@ from tests.codegen.test_target_functions import ARGUMENTS, functions_of_the_firs
 from tests.codegen.test_targets import hostile_system
 
 needs_jax = pytest.mark.skipif(not jax_.available(), reason="no JAX")
+FEW = ("heavy-top", "four-bar-linkage", "quadrotor", "rolling-disc")
+"""Scenes whose programs XLA compiles in seconds; all others (the largest take a minute) are `long`."""
 TINIEST = 2.3e-308
 """JAX takes smaller numbers for zero on processors."""
 
@@ -93,7 +95,7 @@ def vars_of(compiled):
 
 
 @needs_jax
-@pytest.mark.sparse(only=["t-handle"])
+@pytest.mark.sparse(only=["t-handle"], slow=FEW)
 @pytest.mark.parametrize("name", catalogue.names())
 def test_every_scene_stays_within_the_error_bound_and_has_our_derivatives(name):
     """Values to the bound of the interpreter; derivatives by jax.jacfwd are those of the house."""
@@ -279,7 +281,9 @@ def test_the_precision_is_that_of_the_arguments():
 
 @needs_jax
 @pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize(
+    "name", [n if n in FEW else pytest.param(n, marks=pytest.mark.long) for n in catalogue.names()]
+)
 def test_vmap_over_ten_thousand_points_is_our_batch(name):
     import jax
 
@@ -298,7 +302,62 @@ def test_vmap_over_ten_thousand_points_is_our_batch(name):
 
 @needs_jax
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["t-handle", "double-pendulum", "heavy-top", "rotary-pendulum"])
+def test_what_asks_for_another_target_takes_this_one_too():
+    """Runs, our Jacobian and sensitivities, over functions of JAX."""
+    scene = eom.load_scene("t-handle")
+    found = []
+    for target in ("jax", "numpy"):
+        compiled = compile_system(scene.derive(), target)
+        values = scene.initial_values(), (0, 0.2), scene.parameter_values()
+        run = codegen.simulate(compiled, *values, "scipy:DOP853", rtol=1e-10)
+        assert run.success
+        slopes = compiled.jacobian().dense(0.0, [1.0, 2.0, 3.0], [1.0, 2.0, 3.0])
+        grown = codegen.sensitivities(compiled, ["I1"]).compiled
+        n = len(grown.layout.states)
+        rates = grown.rhs(0.0, np.linspace(1, 2, n), [1.0, 2.0, 3.0])
+        found.append(np.concatenate([run.y[:, -1], slopes.ravel(), rates]))
+    np.testing.assert_allclose(*found, rtol=1e-9, atol=1e-12)
+
+
+@needs_jax
+@pytest.mark.slow
+def test_ten_thousand_trajectories_at_once_are_our_ensemble():
+    diffrax = pytest.importorskip("diffrax")
+    import jax
+
+    scene = eom.load_scene("t-handle")
+    module = compile_system(scene.derive(), "jax").module
+    p = np.array([*scene.parameter_values().values()])
+    first = np.array([*scene.initial_values().values()])[:, None] + np.zeros((3, 10_000))
+    first[0] += np.linspace(-0.01, 0.01, 10_000)
+    fleet = codegen.ensemble(
+        scene.derive(), dict(zip(module.STATES, first, strict=True)), (0, 1), scene.parameter_values(),
+        rtol=1e-11, keep=True,
+    )  # fmt: skip
+
+    def last(x0):
+        return diffrax.diffeqsolve(
+            diffrax.ODETerm(module.rhs), diffrax.Dopri8(), 0.0, 1.0, 1e-3, x0, p,
+            stepsize_controller=diffrax.PIDController(rtol=1e-10, atol=1e-12),
+        ).ys[0]  # fmt: skip
+
+    with jax.enable_x64(True):
+        got = np.asarray(jax.jit(jax.vmap(last, 1, 1))(first))
+    np.testing.assert_allclose(got, fleet.columns["y_stop"], rtol=1e-8, atol=1e-9)
+
+
+@needs_jax
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [
+        "heavy-top",
+        *(
+            pytest.param(n, marks=pytest.mark.long)
+            for n in ("t-handle", "double-pendulum", "rotary-pendulum")
+        ),
+    ],
+)
 def test_gradients_of_trajectories_by_diffrax_are_our_sensitivities(name):
     """Backwards through an adaptive solver, and forwards by the variational equations."""
     diffrax = pytest.importorskip("diffrax")
