@@ -172,7 +172,9 @@ def _libraries(
     for wanted in dict.fromkeys(platforms):
         row = PLATFORMS[wanted]
         command = () if wanted == here and native.compiler() else native.cross_compiler(wanted)
-        flags = [*FLAGS, *native.shared_flags("win32" if wanted.endswith("windows") else "linux")]
+        system = "win32" if wanted.endswith("windows") else "linux"
+        length = len(made.compiled.program.instructions)
+        flags = [*FLAGS, *native.shared_flags(system), *native.flags_for(0, length)]
         folder = row.folder if version == "2.0" else wanted
         found[f"binaries/{folder}/{name}{row.suffix}"] = native.build(texts, flags, command)
     return found

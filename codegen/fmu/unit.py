@@ -235,7 +235,7 @@ def _rows(unit: Unit) -> list[Variable]:
     for row in _given(INPUT, layout.inputs, unit.u):
         rows.append(row._replace(kind=HELD) if row.name in held else row)
     for kind, group in ((OUTPUT, OUTPUTS), (INVARIANT, INVARIANTS)):
-        known = {q.name: (q.unit, q.description) for q in layout.described.get(group, ())}
+        known = {q.name: (q.unit, q.meaning) for q in layout.described.get(group, ())}
         for k, name in enumerate(layout.results[group]):
             rows.append(Variable(0, kind, k, name, *known.get(name, ("", ""))))
     for k, name in enumerate(unit.parts[1].results[INDICATORS]):
@@ -246,6 +246,6 @@ def _rows(unit: Unit) -> list[Variable]:
 
 def _given(kind: str, quantities: Sequence[Quantity], values: Array) -> list[Variable]:
     return [
-        Variable(0, kind, k, q.name, q.unit, q.description, float(v))
+        Variable(0, kind, k, q.name, q.unit, q.meaning, float(v))
         for k, (q, v) in enumerate(zip(quantities, values, strict=True))
     ]

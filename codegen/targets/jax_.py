@@ -213,9 +213,7 @@ vmap, jacfwd and grad apply. JAX computes in single precision unless told otherw
 anything else: jax.config.update("jax_enable_x64", True).
 """
 
-import math
-
-import jax
+{imports}import jax
 import jax.numpy as jnp
 '''
 
@@ -230,10 +228,11 @@ def module(program: Program, layout: Layout) -> str:
     written = bodies(JAX, program, layout)
     title = comment(layout.title).replace('"', "'")
     names = [f"{key} = {names!a}" for key, names in name_tables(layout).items()]
-    head = "\n".join([_DOCSTRING.format(title=title), *names, ""])
     functions = [_function(group, body) for group, body in written.items()]
     helpers = [_HELPERS["_real"], _HELPERS["_results"], *used_helpers(JAX, written)]
     helpers += used_tables(JAX, table_names(program), written)
+    imports = "import math\n\n" if any("math." in text for text in helpers) else ""
+    head = "\n".join([_DOCSTRING.format(title=title, imports=imports), *names, ""])
     other_name = ["rhs = rates\n"] if RATES in written else []
     return "\n\n".join([head, *helpers, *functions, *other_name])
 
