@@ -212,8 +212,10 @@ EXPORT int fmi2EnterContinuousTimeMode(void *v) {
 }
 
 EXPORT int fmi2CompletedIntegratorStep(void *v, int is_final, int *enter_events, int *terminate) {
-    (void)v, (void)is_final;
-    *enter_events = *terminate = 0;
+    instance *c = v;
+    (void)is_final;
+    *enter_events = 0;
+    *terminate = is_singular(c, &c->m);
     return OK;
 }
 

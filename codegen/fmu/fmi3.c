@@ -250,8 +250,10 @@ EXPORT int fmi3EnterContinuousTimeMode(void *v) {
 }
 
 EXPORT int fmi3CompletedIntegratorStep(void *v, bool is_final, bool *enter_events, bool *terminate) {
-    (void)v, (void)is_final;
-    *enter_events = *terminate = false;
+    instance *c = v;
+    (void)is_final;
+    *enter_events = false;
+    *terminate = is_singular(c, &c->m);
     return OK;
 }
 

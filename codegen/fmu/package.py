@@ -16,7 +16,7 @@ from codegen.compiling.compiled import Compiled, compile
 from codegen.fmu import description
 from codegen.fmu.unit import HELD, INDICATORS, INPUT, Unit, unit
 from codegen.ir.names import comment, identifier
-from codegen.ir.program import INVARIANTS, OUTPUTS, SAMPLES
+from codegen.ir.program import INVARIANTS, OUTPUTS, SAMPLES, SINGULARITIES
 from codegen.loops import written
 from codegen.native import native
 from codegen.targets import c
@@ -188,7 +188,8 @@ def _filled(made: Unit, text: str) -> str:
     """Return the template of a unit with its keys replaced."""
     layout = made.parts[1]
     name, jacobian = identifier(layout.name), made.jacobian
-    counts = {"OUTPUTS": OUTPUTS, "INVARIANTS": INVARIANTS, "INDICATORS": INDICATORS}
+    counts = {"OUTPUTS": OUTPUTS, "INVARIANTS": INVARIANTS, "INDICATORS": INDICATORS,
+              "SINGULARITIES": SINGULARITIES}  # fmt: skip
     values = {
         **{key: str(len(layout.results[group])) for key, group in counts.items()},
         **_samples(made),

@@ -22,6 +22,8 @@
 #define O @OUTPUTS@
 #define V @INVARIANTS@
 #define E @INDICATORS@
+#define S @SINGULARITIES@
+#define MARGIN 1e-6 /* nearer to a singular configuration nothing goes on */
 #define LAWS @LAWS@
 #define ROWS @ROWS@ /* values of all laws together */
 #define ROOM @ROOM@ /* values that wait for their delay, at most */
@@ -208,6 +210,21 @@ static int set_states(instance *c, model *m, const double *x) {
     return OK;
 }
 
+/* Whether the configuration is singular: what is computed from here on is worth nothing. */
+static int is_singular(instance *c, model *m) {
+#if S
+    double distance[S];
+    @NAME@_singularities(m->t, m->x, constants(m), m->u, distance);
+    for (int i = 0; i < S; ++i) {
+        if (!(fabs(distance[i]) <= MARGIN)) continue;
+        say(c, ERROR, "the coordinates are singular at time %.17g", m->t);
+        return 1;
+    }
+#endif
+    (void)c, (void)m;
+    return 0;
+}
+
 static int get_range(instance *c, model *m, uint32_t first, size_t count, double *value) {
     int status = OK;
     for (size_t k = 0; k < count && status < ERROR; k += 64) {
@@ -283,7 +300,7 @@ static int advance(instance *c, model *m, double t_end) {
         memset(&o, 0, sizeof o);
         o.t = &t, o.x = x, o.grid = &stop;
         o.capacity = o.grid_count = 1;
-        s->t = m->t, s->t_end = stop, s->h = m->h, s->h_max = HUGE_VAL, s->rtol = m->rtol, s->margin = 1e-6;
+        s->t = m->t, s->t_end = stop, s->h = m->h, s->h_max = HUGE_VAL, s->rtol = m->rtol, s->margin = MARGIN;
         for (int i = 0; i < N; ++i) s->x[i] = m->x[i], s->atol[i] = m->rtol * smallest[i];
         state = @NAME@_dop853_start(s, m->p, m->u);
         while (state == @UPPER@_DOP853_PAUSED) state = @NAME@_dop853_run(s, m->u, &o, 100000);

@@ -345,6 +345,30 @@ def test_what_is_not_finite_or_not_there_is_an_error_with_a_message(pendulum):
 
 
 @needs_compiler
+@pytest.mark.slow
+def test_a_singular_configuration_ends_both_kinds_of_runs(tmp_path):
+    from fmpy.fmi1 import FMICallException
+
+    angle, rate = sp.symbols("theta rate", real=True)
+    body = eom.System(
+        "angles", (eom.Quantity(angle), eom.Quantity(rate)), (rate, sp.tan(angle)),
+        singularities=(eom.Singularity(sp.cos(angle), angle),),
+    )  # fmt: skip
+    path = codegen.write_fmu(body, tmp_path, {"theta": 1.0, "rate": 1.0}, {}, {}, SPAN)
+    with opened(path) as ((one,), _, said):
+        with pytest.raises(FMICallException):
+            one.doStep(0.0, 1.0)
+        assert "singular at time 0." in said[-1]
+    with opened(path, "ME", begin=False) as ((one,), at, said):
+        one.setFloat64([at["theta"]], [np.pi / 2])
+        started(one)
+        one.updateDiscreteStates()
+        one.enterContinuousTimeMode()
+        assert one.completedIntegratorStep()[1]
+        assert "singular at time 0" in said[-1]
+
+
+@needs_compiler
 def test_instances_know_nothing_of_each_other_and_parameters_may_change(pendulum):
     with opened(pendulum, count=2) as ((one, two), at, _):
         one.setFloat64([at["k"]], [3.0])
