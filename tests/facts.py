@@ -620,6 +620,12 @@ FACTS = {
         "backwards if the end is earlier",
         "Jorba and Zou, Experimental Mathematics 14 (2005)",
     ),
+    "codegen.write_fmu": (
+        NONE,
+        "values have their units",
+        NONE,
+        "Functional Mock-up Interface Specification 3.0.1 (2023)",
+    ),
     "eom.scenes.conventions.Convention": (
         NONE,
         NONE,

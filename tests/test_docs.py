@@ -30,6 +30,8 @@ NEEDS = {
     "many-bodies": ("yourdfpy",),
     "robots": ("yourdfpy", "mujoco"),
     "monte-carlo": ("zarr",),
+    "fmu": ("fmpy",),
+    "jax": ("jax", "diffrax"),
     "tutorial": ("matplotlib",),
     "conventions": ("matplotlib",),
     "control": ("matplotlib",),
