@@ -32,7 +32,7 @@ MAX_ROWS, MAX_VARIANTS, MAX_CHOICES = 5, 8, 24
 
 
 IN_A_MOTION = re.compile(r" (?:at|before|after) |^impulse ")
-"""How meanings say that they are values in a motion of the system, which may be none that the note means."""
+"""How meanings say that they are values in a motion of the system, perhaps none that the note means."""
 
 
 @dataclass(frozen=True)
