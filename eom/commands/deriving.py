@@ -16,6 +16,7 @@ from eom.scenes import catalogue
 if TYPE_CHECKING:
     from eom.derivations.derived import Derived
     from eom.multibody import Tree
+    from eom.opening import AnyScene
 
 
 @click.command()
@@ -151,13 +152,18 @@ def tree_of(name: str, attitude: str | None, what: str) -> Tree:
     if tree is None:
         hint = f"leave out {what}" if what.startswith("--") else 'model = "tree" makes one'
         raise InputError(f"{what} is for {_TREES}", where=name, hint=hint)
+    refuse_control(scene, name, what)
+    return with_attitude(tree, attitude) if attitude else tree
+
+
+def refuse_control(scene: AnyScene, name: str, what: str) -> None:
+    """Raise `InputError` for a scene with laws of control; ``what`` is of the open loop."""
     if scene.control.laws:
         raise InputError(
             "the closed form is that of the open loop: laws of control are no part of it",
             where=f"{name}: {what}",
             hint=f"leave out {what}, or [control]",
         )
-    return with_attitude(tree, attitude) if attitude else tree
 
 
 def _angles(name: str, tree: Tree) -> dict[Any, Any]:

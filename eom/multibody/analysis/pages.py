@@ -21,7 +21,7 @@ from eom.multibody.analysis.steady import (
     stability,
     steady_motion,
 )
-from eom.multibody.closed.forms import closed_form
+from eom.multibody.closed.forms import closed_form, in_angles
 from eom.multibody.closed.mechanism import dotted
 from eom.multibody.model.model import Tree
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line, Paragraph
@@ -47,12 +47,12 @@ def analysis_page(
 ) -> str:
     """Return what analysis finds of a tree or Lagrangian, the ``source``, as a page.
 
-    ``style``: a format of `eom.derivations.derived.FORMATS`. ``names``: as of `closed_form`.
-    ``values``: of a steady motion, as of `steady_motion`; ``solve``: symbols that its conditions are
-    solved for. ``order``: of the equations for small changes (0: left out); ``rates``, ``harmonics``: of
-    the ansatz for conserved quantities, as of `conserved_quantities`. ``positive``: names of parameters
-    that are taken to be so. Raises `InputError` as these. Units and signs are those of the source, as are
-    frames.
+    ``style``: a format of `eom.derivations.derived.FORMATS`. ``names``: as of `closed_form`. ``values``:
+    of a steady motion, as of `steady_motion`; ``solve``: symbols that its conditions are solved for.
+    ``order``: of the equations for small changes (0: left out); ``rates``, ``harmonics``: of the ansatz
+    for conserved quantities, as of `conserved_quantities`. ``positive``: names of parameters that are
+    taken to be so. Quaternions of a tree are replaced by angles, which is told. Raises `InputError` as
+    these. Units and signs are those of the source, as are frames.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> page = analysis_page(Lagrangian("free", {q: u}, u**2 / 2))
@@ -65,7 +65,13 @@ def analysis_page(
         raise InputError("the order is below zero", where="analysis", got=order)
     check_degrees("analysis", rates=rates, harmonics=harmonics)
     shown: list[Block] = [Heading(f"{source.name.replace('_', ' ')}: analysis", 1)]
+    sequences: tuple[str, ...] = ()
+    if isinstance(source, Tree):
+        source, sequences = in_angles(source)
     made, why = _source(source, names)
+    if sequences:
+        turns = ", ".join(dict.fromkeys(sequences))
+        shown.append(Paragraph(f"Attitude by angles instead of a quaternion: {turns}."))
     if why:
         shown.append(Paragraph(f"No Lagrangian: {why}."))
     taken = _taken(made, positive)
@@ -93,7 +99,7 @@ def _source(
     try:
         return lagrangian(source, names=names), ""
     except InputError as error:
-        return equations_of(closed_form(source, names=names)), error.what
+        return equations_of(closed_form(source, names=names, rates=True)), error.what
 
 
 def _taken(of: Lagrangian | Equations, positive: Sequence[str]) -> dict[Expr, Expr]:
