@@ -106,6 +106,14 @@ def test_a_disc_rolls_upright_where_it_is_fast():
     assert "φ̇ = −(4 g + 5 ψ̇² r cos(θ)) sin(θ)/(6 ψ̇ r cos(θ))" in turns
 
 
+def test_a_slider_crank_swings_about_its_lowest_place():
+    """The rod and the piston move as one with the pin: J + (m2 + m3) r^2; the rod's middle rises half."""
+    done = analysed("slider-crank", "--at=q_crank=-pi/2", "--rates", "0", "--harmonics", "0")
+    assert done.exit_code == 0
+    assert "What is left closes the chain" in done.output
+    assert "p = g m₂ r/(2 (J + r² (m₂ + m₃))) + s²" in done.output
+
+
 def test_laws_of_control_are_no_part_of_it(tmp_path):
     done = CliRunner().invoke(main, ["analyse", "reaction-wheels"])
     assert done.exit_code == 2

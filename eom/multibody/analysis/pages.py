@@ -204,12 +204,14 @@ def _steady(
     known = [(q, x) for q, x in found.values.items() if q != x]
     if known:
         yield Display(tuple(pen.line(Formula(pen.put(q)), x) for q, x in known))
-    if found.conditions:
+    if not found.placed:
         yield Paragraph(
             "Linear motion needs values that are steady, or conditions that are solved."
         )
-    else:
-        yield from _linear(pen, found)
+        return
+    if found.conditions:
+        yield Paragraph("What is left closes the chain; what follows holds where it does.")
+    yield from _linear(pen, found)
 
 
 def _linear(pen: _Pen, about: SteadyMotion) -> Iterator[Block]:

@@ -40,8 +40,8 @@ from tests.eom.multibody.bound_forms import (
     m,
     r,
     rolling_disc,
-    slider_crank,
     sleigh,
+    slider_crank,
     t,
 )
 
