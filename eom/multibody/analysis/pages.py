@@ -65,15 +65,8 @@ def analysis_page(
         raise InputError("the order is below zero", where="analysis", got=order)
     check_degrees("analysis", rates=rates, harmonics=harmonics)
     shown: list[Block] = [Heading(f"{source.name.replace('_', ' ')}: analysis", 1)]
-    sequences: tuple[str, ...] = ()
-    if isinstance(source, Tree):
-        source, sequences = in_angles(source)
-    made, why = _source(source, names)
-    if sequences:
-        turns = ", ".join(dict.fromkeys(sequences))
-        shown.append(Paragraph(f"Attitude by angles instead of a quaternion: {turns}."))
-    if why:
-        shown.append(Paragraph(f"No Lagrangian: {why}."))
+    made, told = _source(source, names)
+    shown += map(Paragraph, told)
     taken = _taken(made, positive)
     if taken:
         shown.append(Paragraph(f"Taken to be positive: {', '.join(map(str, taken.values()))}."))
@@ -92,14 +85,18 @@ def analysis_page(
 
 def _source(
     source: Tree | Lagrangian, names: Mapping[str, str] | None
-) -> tuple[Lagrangian | Equations, str]:
-    """Return the Lagrangian, or the equations and why there is none."""
+) -> tuple[Lagrangian | Equations, tuple[str, ...]]:
+    """Return the Lagrangian, or the equations and why there is none; with the angles that were chosen."""
     if isinstance(source, Lagrangian):
-        return source, ""
+        return source, ()
+    tree, sequences = in_angles(source)
+    turns = ", ".join(dict.fromkeys(sequences))
+    told = (f"Attitude by angles instead of a quaternion: {turns}.",) if turns else ()
     try:
-        return lagrangian(source, names=names), ""
+        return lagrangian(tree, names=names), told
     except InputError as error:
-        return equations_of(closed_form(source, names=names, rates=True)), error.what
+        made = equations_of(closed_form(tree, names=names, rates=True))
+        return made, (*told, f"No Lagrangian: {error.what}.")
 
 
 def _taken(of: Lagrangian | Equations, positive: Sequence[str]) -> dict[Expr, Expr]:

@@ -46,7 +46,10 @@ class SteadyMotion:
 
     @property
     def placed(self) -> bool:
-        """Whether all that is left to be met are closures between coordinates: where, not how it moves."""
+        """Whether all that is left to be met are closures between coordinates: where, not how it moves.
+
+        Raises `DerivationError` if a formula were not written equal.
+        """
         put = dict(self.values)
         closures = (tidy(c.xreplace(put)) for c in self.equations.closures)
         return {*self.conditions} <= {_factored(c) for c in closures}

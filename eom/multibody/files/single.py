@@ -8,7 +8,6 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.expressions import as_expression
 from eom.kinematics.coordinates import SEQUENCES, elementary, rotation_sequence
 from eom.kinematics.frames import vector
 from eom.mechanics.spinning import OMEGA, PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT
@@ -86,7 +85,7 @@ def _with_couple(tree: Tree, scene: Scene) -> Tree:
     rates = rotation_sequence(SPINNER, q).rates(vector("B", w))
     known = dict(zip((PSI, THETA, PHI, PSI_DOT, THETA_DOT, OMEGA), (*q, *rates), strict=True))
     turned = elementary(2, PHI) * sp.Matrix(list(couple.components.components))
-    torque = tuple(as_expression(x).xreplace(known | {SPIN: w[1]}) for x in turned)
+    torque = tuple(x.xreplace(known | {SPIN: w[1]}) for x in turned)
     if not any(torque):
         return tree
     load = Load(joint.child, torque=torque, axes="body")
