@@ -350,7 +350,7 @@ def _multibody():
         "examine": (m.examine, {"tree": tree, "start": None}),
         "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
-            "tree": tree, "method": "lagrange", "style": "text", **wishes,
+            "tree": tree, "method": "lagrange", "style": "text", "rates": False, **wishes,
         }),
     }  # fmt: skip
 

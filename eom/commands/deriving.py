@@ -85,6 +85,13 @@ if TYPE_CHECKING:
     "those that leave the simplest equations]",
 )
 @click.option(
+    "--rates",
+    is_flag=True,
+    default=None,
+    help="With --method: speeds are rates of coordinates, also of planar, spherical and free joints, not "
+    "components of velocities.",
+)
+@click.option(
     "--run",
     "running",
     is_flag=True,
@@ -104,6 +111,7 @@ def derive(
     named: tuple[str, ...],
     attitude: str | None,
     independent: tuple[str, ...],
+    rates: bool | None,
     running: bool | None,
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
@@ -112,7 +120,8 @@ def derive(
     (.md, .tex, .ipynb) whose every line eom check judges true, as a derivation; a program with derivations
     of your own (.py), by --run alone.
     """
-    wishes = {"--name": named or None, "--attitude": attitude, "--independent": independent or None}
+    wishes: dict[str, object] = {"--name": named or None, "--attitude": attitude, "--rates": rates}
+    wishes["--independent"] = independent or None
     own = is_kept(name)
     if not name.lower().endswith(PROGRAM):
         _refuse(name, "programs in Python", {"--run": running})
@@ -136,7 +145,8 @@ def derive(
             with waiting_for("deriving"):
                 tree = tree_of(name, attitude, "--method")
                 angles = _angles(name, tree) if absolute else {}
-                shown = _closed_form(name, tree, method, style, angles, named, independent)
+                wanted = {"independent": independent, "rates": bool(rates)}
+                shown = _closed_form(name, tree, method, style, angles, named, wanted)
             click.echo(shown)
 
 
@@ -186,14 +196,14 @@ def _closed_form(
     style: str,
     angles: dict[Any, Any],
     named: tuple[str, ...],
-    independent: tuple[str, ...],
+    wanted: Mapping[str, Any],
 ) -> str:
     """Return the page of a tree's closed form."""
     from eom.multibody import tree_page
 
     names = named_pairs(name, named)
     chosen = angles or None
-    return tree_page(tree, method, style, coordinates=chosen, names=names, independent=independent)
+    return tree_page(tree, method, style, coordinates=chosen, names=names, **wanted)
 
 
 def named_pairs(name: str, named: Sequence[str]) -> dict[str, str]:
