@@ -120,8 +120,7 @@ def derive(
     (.md, .tex, .ipynb) whose every line eom check judges true, as a derivation; a program with derivations
     of your own (.py), by --run alone.
     """
-    wishes: dict[str, object] = {"--name": named or None, "--attitude": attitude, "--rates": rates}
-    wishes["--independent"] = independent or None
+    wishes = _wishes(named, attitude, independent, rates)
     own = is_kept(name)
     if not name.lower().endswith(PROGRAM):
         _refuse(name, "programs in Python", {"--run": running})
@@ -151,6 +150,14 @@ def derive(
 
 
 _TREES = "scenes of many bodies"
+
+
+def _wishes(
+    named: tuple[str, ...], attitude: str | None, independent: tuple[str, ...], rates: bool | None
+) -> dict[str, object]:
+    """Return what is wished of a closed form alone, by its option; None where it is not given."""
+    more = {"--independent": independent or None, "--rates": rates}
+    return {"--name": named or None, "--attitude": attitude, **more}
 
 
 def tree_of(name: str, attitude: str | None, what: str) -> Tree:
