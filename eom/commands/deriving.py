@@ -143,9 +143,7 @@ def derive(
             _refuse(name, "equations without --method", {"--explain": explain})
             with waiting_for("deriving"):
                 tree = tree_of(name, attitude, "--method")
-                angles = _angles(name, tree) if absolute else {}
-                wanted = {"independent": independent, "rates": bool(rates)}
-                shown = _closed_form(name, tree, method, style, angles, named, wanted)
+                shown = _closed_form(name, tree, method, style, bool(absolute), wishes)
             click.echo(shown)
 
 
@@ -197,20 +195,16 @@ def _angles(name: str, tree: Tree) -> dict[Any, Any]:
 
 
 def _closed_form(
-    name: str,
-    tree: Tree,
-    method: str,
-    style: str,
-    angles: dict[Any, Any],
-    named: tuple[str, ...],
-    wanted: Mapping[str, Any],
+    name: str, tree: Tree, method: str, style: str, absolute: bool, wishes: Mapping[str, Any]
 ) -> str:
-    """Return the page of a tree's closed form."""
+    """Return the page of a tree's closed form; ``wishes``: by option."""
     from eom.multibody import tree_page
 
-    names = named_pairs(name, named)
-    chosen = angles or None
-    return tree_page(tree, method, style, coordinates=chosen, names=names, **wanted)
+    return tree_page(
+        tree, method, style, coordinates=_angles(name, tree) if absolute else None,
+        names=named_pairs(name, wishes["--name"] or ()),
+        independent=wishes["--independent"] or (), rates=bool(wishes["--rates"]),
+    )  # fmt: skip
 
 
 def named_pairs(name: str, named: Sequence[str]) -> dict[str, str]:
