@@ -42,9 +42,11 @@ if TYPE_CHECKING:
     from codegen.native.trajectory import Stop as Stop
     from codegen.precision.accuracy import accuracy as accuracy
     from codegen.precision.domain import AccuracyReport as AccuracyReport
+    from codegen.runs.prepared import Integrator as Integrator
+    from codegen.runs.prepared import integrator as integrator
     from codegen.runs.pruning import Drift as Drift
     from codegen.runs.run_accuracy import Accuracy as Accuracy
-    from codegen.runs.simulation import Result as Result
+    from codegen.runs.result import Result as Result
     from codegen.runs.simulation import simulate as simulate
 
 _HOME = {
@@ -58,11 +60,12 @@ _HOME = {
     "Event": "compiling.events",
     "FreeMotion": "closed.exact",
     "Grid": "ensembles.sampler",
+    "Integrator": "runs.prepared",
     "Linear": "linearisation.linear_motion",
     "LinearMotion": "linearisation.linear_motion",
     "METHODS": "integrate.methods",
     "Normal": "ensembles.sampler",
-    "Result": "runs.simulation",
+    "Result": "runs.result",
     "Sampled": "compiling.sampled",
     "Sampler": "ensembles.sampler",
     "Sensitivities": "linearisation.sensitivity",
@@ -81,6 +84,7 @@ _HOME = {
     "equilibrium": "linearisation.equilibria",
     "free_body": "closed.exact",
     "free_motion": "closed.exact",
+    "integrator": "runs.prepared",
     "linearise": "linearisation.linear_motion",
     "linearise_about": "linearisation.linear_motion",
     "sensitivities": "linearisation.sensitivity",

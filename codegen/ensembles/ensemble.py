@@ -56,7 +56,8 @@ from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
 from codegen.runs.arguments import span as span_of
 from codegen.runs.arguments import tolerances as tolerances_of
-from codegen.runs.simulation import DEFAULT_MARGIN, InputsGiven, compile_once
+from codegen.runs.given import InputsGiven, compile_once
+from codegen.runs.prepared import DEFAULT_MARGIN
 from eom.errors import InputError, typed, unknown_name
 from eom.system import System
 

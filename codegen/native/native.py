@@ -302,7 +302,11 @@ def _extension() -> Any | None:
     headers = python_headers()
     if headers is None:
         return None
-    source = resources.files("codegen.native").joinpath("fastcall.c").read_text(encoding="ascii")
+    calls, runs = (
+        resources.files("codegen.native").joinpath(f"{name}.c").read_text(encoding="ascii")
+        for name in ("fastcall", "runs")
+    )
+    source = calls.replace("/* @RUNS@ */", runs)
     try:
         library = compile_library(source, (f"-I{headers}",))
         loader = importlib.machinery.ExtensionFileLoader("eom_fastcall", str(library))
@@ -313,6 +317,15 @@ def _extension() -> Any | None:
     except (CompilerError, ImportError):
         return None
     return module
+
+
+def extension() -> Any | None:
+    """Return the module of quick calls, None without a compiler or the headers of Python.
+
+    Beside ``bind`` it has what runs cost beside their loops (`runs.c`): ``taken``, ``scales``, ``steepest``,
+    ``begun``; whoever calls these has a form of his own for where it is not there.
+    """
+    return _extension()
 
 
 def bind(
@@ -327,10 +340,10 @@ def bind(
     preparation fills. ``fallback`` serves every call
     that is not (float, contiguous arrays of doubles of these lengths); it must keep the code loaded.
     """
-    extension = _extension()
-    if extension is None:
+    quick = _extension()
+    if quick is None:
         return fallback
-    function: Callable[..., Any] = extension.bind(
+    function: Callable[..., Any] = quick.bind(
         *addresses, lengths, constants, fallback, partial(np.empty, lengths[3])
     )
     return function

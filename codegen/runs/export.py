@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from codegen.native.trajectory import Array
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 from eom.errors import InputError
 
 

@@ -38,7 +38,7 @@ from codegen.measure.workprecision.case import Case
 from codegen.native.trajectory import Array
 from codegen.precision import extended
 from codegen.runs.run_accuracy import Accuracy
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 from eom.errors import InputError, unknown_name
 
 PARTS = 16

@@ -1,0 +1,100 @@
+"""Values tested against what a system assumes, quickly where they pass: `codegen.frontend.structure.Guard`.
+
+Of many runs of one system most have the parameters of the one before, bit for bit: conditions on parameters
+alone are then known to hold. The others are computed by functions of plain floats, generated of the same
+programs. Where these do not say clearly that all is well, the guard itself decides, and says what is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from codegen.compiling.compiled import Compiled, generate
+from codegen.frontend.layout import Layout, names_of
+from codegen.frontend.structure import Condition
+from codegen.ir.names import identifier
+from codegen.ir.program import GROUPS, RATES
+from codegen.native.trajectory import Array
+from codegen.targets import load_module
+from eom.quantities import TIME, Quantity
+
+CLEARLY = 0.99
+"""Part of what an assumption allows within which a value passes by the quick form."""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A condition that depends on more than parameters; ``places``: of its values among those of a run."""
+
+    condition: Condition
+    places: tuple[int, ...]
+    value: Callable[..., Sequence[float]]
+
+    def holds(self, values: Sequence[float]) -> bool:
+        """Return whether it holds clearly for the values of a run."""
+        if not self.places:
+            return False
+        numbers = [values[k] for k in self.places]
+        slack = self.condition.assumption.tolerance * max(map(abs, numbers)) * CLEARLY
+        found = self.value(0.0, (), numbers, ())[0]
+        if self.condition.is_zero:
+            return len(numbers) > 1 and abs(found) <= slack
+        return found >= (-slack if len(numbers) > 1 else 0.0)
+
+
+class Tested:
+    """The guard of a compiled system for runs that start at one ``time`` (s)."""
+
+    def __init__(self, compiled: Compiled, time: float) -> None:
+        layout, self.compiled, self.time = compiled.layout, compiled, time
+        self.names = tuple(
+            n for q in (layout.states, layout.inputs, layout.parameters) for n in names_of(q)
+        )
+        self.passed: bytes | None = None
+        self.rows = tuple(_rows(compiled, self.names))
+
+    def test(self, x: Array, u: Array, p: Array) -> None:
+        """Raise `AssumptionError` or `InputError` for values that contradict what is assumed."""
+        own = p.tobytes()
+        if own == self.passed:
+            if not self.rows:
+                return
+            values = [*x.tolist(), *u.tolist(), *p.tolist()]
+            if all(row.holds(values) for row in self.rows):
+                return
+        values = [*x.tolist(), *u.tolist(), *p.tolist()]
+        known = dict(zip(self.names, values, strict=True))
+        self.compiled.guard.check(self.compiled.structure.completed(known), self.time)
+        self.passed = own
+
+
+def _rows(compiled: Compiled, names: tuple[str, ...]) -> list[_Row]:
+    """Return the conditions to test at each run: those on states and inputs, all of whose values are given.
+
+    One that needs what is compiled in or the time beside these goes by the guard: it has no quick form.
+    """
+    fixed = {*names_of(compiled.layout.parameters), *compiled.structure.names, TIME.name}
+    known = fixed | {*names}
+    found = [c for c in compiled.guard.conditions if {*c.names} <= known and not {*c.names} <= fixed]
+    return [
+        _Row(c, tuple(map(names.index, c.names)), _value(c))
+        if {*c.names} <= {*names}
+        else _Row(c, (), tuple)
+        for c in found
+    ]
+
+
+def _value(condition: Condition) -> Callable[..., Sequence[float]]:
+    """Return the expression of a condition as a function of floats."""
+    quantities = tuple(Quantity(sp.Symbol(n, real=True)) for n in condition.names)
+    results = {**dict.fromkeys(GROUPS, ()), RATES: ("value",)}
+    layout = Layout("condition", "condition", (), quantities, (), results)
+    program = condition.program
+    program = replace(program, results={RATES: program.results["value"]})
+    files = generate(program, layout, "python")
+    name = identifier(layout.name)
+    function: Callable[..., Sequence[float]] = getattr(load_module(files[f"{name}.py"], name), RATES)
+    return function
