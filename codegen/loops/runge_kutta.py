@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import struct
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -369,7 +368,7 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     """Integrate a problem; stop at its end, at a singular configuration, or where numbers fail."""
     quick = method.quick
     if quick is not None and quick.takes(problem):
-        return quick.integrate(problem)
+        return quick.integrate(problem, problem.x0, problem.parameters, problem.inputs, problem.atol)
     s = method.state(
         t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin
     )
@@ -427,7 +426,7 @@ class Quick:
     several threads.
     """
 
-    def __init__(self, method: NativeMethod, begun: Callable[..., int]) -> None:
+    def __init__(self, method: NativeMethod, begun: Callable[..., Any]) -> None:
         self.method, self.begun, state = method, begun, method.state
         self.start, self.run = (
             ctypes.cast(f, ctypes.c_void_p).value for f in (method.start, method.run)
@@ -438,7 +437,6 @@ class Quick:
         self.x, self.atol, self.closest = (_places(state, n) for n in ("x", "atol", "closest"))
         self.counts = state.steps.offset
         assert [getattr(state, n).offset - self.counts for n in _COUNTED] == [0, 8, 16, 24, 28]
-        self.count = 8 * (self.size + [n for n, *_ in method.output._fields_].index("count"))
         self.tells = hasattr(state, "off_at") or method.notice is not crossings.silent
         self.n = self.x.stop - self.x.start
         self.template = np.zeros(self.size + WORDS_OF_OUTPUT)
@@ -451,37 +449,33 @@ class Quick:
             return False
         return problem.watch is None or problem.watch_every > FIRST_CALL
 
-    def integrate(self, problem: Problem) -> Trajectory:
-        """Integrate a problem without dense output, events and sampled laws."""
+    def integrate(
+        self, problem: Problem, x0: Array, parameters: Array, inputs: Array, atol: Array
+    ) -> Trajectory:
+        """Integrate a problem that it `takes`, with these values in the place of its own."""
         grid, memory = problem.t_eval, self.template.copy()
         (memory[self.t], memory[self.t_end]), memory[self.rtol] = problem.t_span, problem.rtol
         memory[self.margin], memory[self.h_max] = problem.margin, problem.max_step
         if problem.first_step:
             memory[self.h] = problem.first_step
-        memory[self.x], memory[self.atol] = problem.x0, problem.atol
-        t, x = rows_of(problem, grid)
-        attempts, head = min(FIRST_CALL, STEPS_A_CALL, problem.max_steps), head_of(grid)
+        memory[self.x], memory[self.atol] = x0, atol
+        t, x = rows_of(grid, self.n)
+        first = self.x.start if grid is None else -1
+        attempts = min(FIRST_CALL, STEPS_A_CALL, problem.max_steps)
         began = time.perf_counter()
-        status = self.begun(
-            self.start, self.run, memory, problem.parameters, problem.inputs, t, x, grid, head, attempts
-        )
+        ended = self.begun(
+            self.start, self.run, memory, parameters, inputs, t, x, grid, first, self.counts, attempts
+        )  # fmt: skip
         seconds = time.perf_counter() - began
-        if self.tells or (status != DONE and status != SINGULAR):
-            return self._further(problem, memory, (t, x), status, seconds)
-        return self._made(problem, memory, (t, x), status, seconds)
-
-    def _made(
-        self, problem: Problem, memory: Array, rows: tuple[Array, Array], status: int, seconds: float
-    ) -> Trajectory:
-        """Return what was stored in a call that came to an end."""
-        steps, rejected, evaluations, _, which = _COUNTS.unpack_from(memory, self.counts)
-        kept = head_of(problem.t_eval) + _WORD.unpack_from(memory, self.count)[0]
-        t, x = rows
+        status, kept, steps, rejected, evaluations, which, time_of_stop = ended
+        if self.tells or status not in _ENDED:
+            whole = varied(problem, x0=x0, parameters=parameters, inputs=inputs, atol=atol)
+            return self._further(whole, memory, (t, x), status, seconds)
         return varied(
             _MADE,
             t=t[:kept].copy(),
-            y=np.ascontiguousarray(x[:kept].T) if kept > 1 and self.n > 1 else x[:kept].T.copy(),
-            stop=varied(_ENDED[status], t=memory.item(self.t), which=which),
+            y=x[:kept].T.copy(),
+            stop=varied(_ENDED[status], t=time_of_stop, which=which),
             state_at_stop=memory[self.x].copy(),
             closest=tuple(memory[self.closest].tolist()) if problem.singularities else (),
             steps=steps,
@@ -512,7 +506,6 @@ def _places(state: Any, name: str) -> slice:
 
 
 _COUNTED = ("steps", "rejected", "evaluations", "status", "which")
-_COUNTS, _WORD = struct.Struct("=qqqii"), struct.Struct("=Q")
 _ENDED = {DONE: Stop("end", 0.0), SINGULAR: Stop("singular", 0.0)}
 _MADE = Trajectory(
     np.empty(0), np.empty((0, 0)), Stop("end", 0.0), np.empty(0), (), evaluations=0, steps=0, rejected=0
@@ -587,19 +580,10 @@ def _doubled(array: Array) -> Array:
     return larger
 
 
-def head_of(grid: Array | None) -> int:
-    """Return how many rows stand before those that generated code stores: the start, without a grid."""
-    return int(grid is None)
-
-
-def rows_of(problem: Problem, grid: Array | None) -> tuple[Array, Array]:
-    """Return room for times and states, with the start as the first row where there is no grid."""
-    if grid is not None:
-        room = max(1, len(grid))
-        return np.empty(room), np.empty((room, len(problem.x0)))
-    t, x = np.empty(1 + FIRST_CAPACITY), np.empty((1 + FIRST_CAPACITY, len(problem.x0)))
-    t[0], x[0] = problem.t_span[0], problem.x0
-    return t, x
+def rows_of(grid: Array | None, n: int) -> tuple[Array, Array]:
+    """Return room for times and states (n,); without a grid the first row is for the start."""
+    room = 1 + FIRST_CAPACITY if grid is None else len(grid) or 1
+    return np.empty(room), np.empty((room, n))
 
 
 class _Store:
@@ -617,11 +601,13 @@ class _Store:
         self.grid = None if problem.dense_output else problem.t_eval
         self.dense_output = problem.dense_output
         self.held: Held | None = None
-        self.head = head_of(self.grid)
+        self.head = int(self.grid is None)
         if begun is not None:
             self.t, self.x, self.output = begun
             return
-        self.t, self.x = rows_of(problem, self.grid)
+        self.t, self.x = rows_of(self.grid, self.n)
+        if self.head:
+            self.t[0], self.x[0] = problem.t_span[0], problem.x0
         capacity = len(self.t) - self.head
         self.dense = np.empty((capacity if self.dense_output else 0, self.terms, self.n))
         self.output = method.output(capacity=capacity)

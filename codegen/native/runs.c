@@ -276,41 +276,60 @@ typedef int (*start_t)(void *, const double *, const double *);
 typedef int (*run_t)(void *, const double *, void *, long long);
 enum { PAUSED = 3 };
 
-/* begun(start, run, memory, p, u, t, x, grid or None, head, attempts) -> status
+/* What every structure of an integrator has in this order. */
+typedef struct {
+    long long steps, rejected, evaluations;
+    int status, which;
+} counts_t;
+
+/* begun(start, run, memory, p, u, t, x, grid or None, first, counts, attempts)
+ *     -> (status, rows, steps, rejected, evaluations, which, time)
  *
- * memory: the structure of the integrator, and behind it that of its output; t, x: room for results behind head
- * points. Other threads run meanwhile. */
+ * memory: the structure of the integrator, which begins with its time, and behind it that of its output; counts:
+ * where counts_t is in it, in bytes; first: where its states are, in doubles, if the start is to be the first row
+ * of t and x, else -1. Other threads run meanwhile. */
 static PyObject *begun(PyObject *self, PyObject *const *args, Py_ssize_t count) {
     (void)self;
     enum { MEMORY = 2, GIVEN_P, GIVEN_U, TIMES, STATES, GRID };
     Py_buffer views[GRID + 1];
+    PyObject *result = NULL;
     int held = MEMORY, status = 0;
-    if (count != 10) return PyErr_Format(PyExc_TypeError, "begun takes 10 arguments");
+    if (count != 11) return PyErr_Format(PyExc_TypeError, "begun takes 11 arguments");
     void *start = PyLong_AsVoidPtr(args[0]), *run = PyLong_AsVoidPtr(args[1]);
-    const size_t head = PyLong_AsSize_t(args[8]);
-    const long long attempts = PyLong_AsLongLong(args[9]);
+    const Py_ssize_t first = PyLong_AsSsize_t(args[8]), place = PyLong_AsSsize_t(args[9]);
+    const long long attempts = PyLong_AsLongLong(args[10]);
     if (PyErr_Occurred()) return NULL;
     const int last = args[GRID] == Py_None ? STATES : GRID;
-    for (; held <= last; ++held)
-        if (PyObject_GetBuffer(args[held], views + held, held == MEMORY || held == TIMES || held == STATES ? PyBUF_WRITABLE : PyBUF_SIMPLE) != 0)
-            goto done;
-    output_t *o = (output_t *)((char *)views[MEMORY].buf + views[MEMORY].len) - 1;
-    const size_t room = (size_t)views[TIMES].len / sizeof(double), n = (size_t)views[STATES].len / sizeof(double) / room;
-    o->t = (double *)views[TIMES].buf + head;
-    o->x = (double *)views[STATES].buf + head * n;
-    o->capacity = room - head;
+    for (; held <= last; ++held) {
+        const int written = held == MEMORY || held == TIMES || held == STATES;
+        if (PyObject_GetBuffer(args[held], views + held, written ? PyBUF_WRITABLE : PyBUF_SIMPLE) != 0) goto done;
+    }
+    double *memory = views[MEMORY].buf, *t = views[TIMES].buf, *x = views[STATES].buf;
+    output_t *o = (output_t *)(void *)((char *)views[MEMORY].buf + views[MEMORY].len) - 1;
+    const size_t rows = (size_t)views[TIMES].len / sizeof *t, n = (size_t)views[STATES].len / sizeof *x / rows;
+    const size_t head = first >= 0;
+    if (head) {
+        t[0] = memory[0];
+        memcpy(x, memory + first, n * sizeof *x);
+    }
+    o->t = t + head;
+    o->x = x + head * n;
+    o->capacity = rows - head;
     if (last == GRID) {
         o->grid = views[GRID].buf;
         o->grid_count = (size_t)views[GRID].len / sizeof(double);
     }
     const double *p = views[GIVEN_P].len ? views[GIVEN_P].buf : NULL, *u = views[GIVEN_U].len ? views[GIVEN_U].buf : NULL;
     Py_BEGIN_ALLOW_THREADS
-    status = ((start_t)start)(views[MEMORY].buf, p, u);
-    if (status == PAUSED && attempts > 0) status = ((run_t)run)(views[MEMORY].buf, u, o, attempts);
+    status = ((start_t)start)(memory, p, u);
+    if (status == PAUSED && attempts > 0) status = ((run_t)run)(memory, u, o, attempts);
     Py_END_ALLOW_THREADS
+    const counts_t *c = (const counts_t *)(const void *)((const char *)memory + place);
+    result = Py_BuildValue("(inLLLid)", status, (Py_ssize_t)(o->count + head), c->steps, c->rejected, c->evaluations,
+                           c->which, memory[0]);
 done:
     while (held-- > MEMORY) PyBuffer_Release(views + held);
-    return PyErr_Occurred() ? NULL : PyLong_FromLong(status);
+    return result;
 }
 
 #define QUICK(name, words) {#name, (PyCFunction)(void (*)(void))name, METH_FASTCALL, words}

@@ -25,10 +25,9 @@ def varied(value: T, **changes: Any) -> T:
 
     Runs of a few microseconds are made of these; this takes a tenth of the time.
     """
-    made = object.__new__(type(value))
-    own = made.__dict__
-    own.update(value.__dict__)
+    made, own = object.__new__(type(value)), value.__dict__.copy()
     own.update(changes)
+    object.__setattr__(made, "__dict__", own)
     return made
 
 

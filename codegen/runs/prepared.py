@@ -25,9 +25,10 @@ from codegen.compiling.events import Given as EventsGiven
 from codegen.frontend.layout import names_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import Integrator as Loop
-from codegen.integrate.methods import can_project, integrator_of
+from codegen.integrate.methods import Native, can_project, integrator_of
 from codegen.ir.program import INVARIANTS, SINGULARITIES
 from codegen.loops.projection import chosen
+from codegen.loops.runge_kutta import Quick
 from codegen.native import native
 from codegen.native.trajectory import MAX_STEPS, Array, Problem, varied
 from codegen.runs import arguments, pruning
@@ -108,28 +109,49 @@ class _Ready:
         self.winding = any(a.winding for a in compiled.system.angles)
         self.fixed = self.clock is None and asked.method != AUTO and not compiled.system.sampled
         self._loop: tuple[Loop, str] | None = None
+        self._quick: Quick | None = None
 
     def loop(self, task: Task) -> tuple[Loop, str]:
         """Return what integrates a task, and what it is called; the same again where values do not matter."""
         if not self.fixed or task.signals is not None or task.problem.laws:
             return integrator_of(task, self.asked.method)
+        return self.own_loop()
+
+    def own_loop(self) -> tuple[Loop, str]:
+        """Return the loop of all runs whose inputs are held, made once."""
         if self._loop is None:
-            self._loop = integrator_of(self.task, self.asked.method)
+            loop, used = integrator_of(self.task, self.asked.method)
+            if isinstance(loop, Native) and not self.winding:
+                self._quick = loop.quick(self.problem)
+            self._loop = loop, used
         return self._loop
 
     def run(self, given: Given, atol: tuple[Array, str], progress: Progress | None) -> Result:
         """Integrate from what is given; ``atol``: tolerances, and what is to be said of them."""
-        asked, clock, signals = self.asked, self.clock, given.signals
+        quick = self._quick
+        if quick is None or given.signals is not None or given.laws or progress is not None:
+            return self._in_general(given, atol, progress)
+        made = quick.integrate(self.problem, given.x0, given.values, given.held, atol[0])
+        found = Found(self._task, made, self.asked.method, None, ("", atol[1]), (given, atol[0]))
+        return result_of(found, self.own_loop()[1], made.seconds or 0.0, self.names, self.part.left_out)
+
+    def _task(self, given: Given, atol: Array, progress: Progress | None = None) -> Task:
         problem = varied(
-            self.problem, x0=given.x0, parameters=given.values, inputs=given.held, atol=atol[0],
+            self.problem, x0=given.x0, parameters=given.values, inputs=given.held, atol=atol,
             laws=given.laws, progress=progress,
         )  # fmt: skip
-        task, doubt = varied(self.task, problem=problem, signals=signals), ""
+        return varied(self.task, problem=problem, signals=given.signals)
+
+    def _in_general(
+        self, given: Given, atol: tuple[Array, str], progress: Progress | None
+    ) -> Result:
+        asked, clock = self.asked, self.clock
+        own = task = self._task(given, atol[0], progress)
+        doubt = ""
         if clock is not None:
-            doubt = clock.doubt(problem.parameters, problem.rtol, signals)
-            task = Task(
-                clock.relative.compiled, clock.problem(problem), clock.signals(signals), asked.events
-            )
+            doubt = clock.doubt(own.problem.parameters, asked.rtol, own.signals)
+            moved, signals = clock.problem(own.problem), clock.signals(own.signals)
+            task = Task(clock.relative.compiled, moved, signals, asked.events)
         integrate, used = self.loop(task)
         dense = varied(task.problem, dense_output=True) if self.winding else task.problem
         began = time.perf_counter()
@@ -137,7 +159,8 @@ class _Ready:
         seconds = time.perf_counter() - began if made.seconds is None else made.seconds
         if progress is not None:
             task.problem.report(made.stop.t)
-        found = Found(task, made, asked.method, clock, problem, (doubt, atol[1]))
+        timing = None if clock is None else (clock, own.problem)
+        found = Found(lambda: task, made, asked.method, timing, (doubt, atol[1]))
         return result_of(found, used, seconds, self.names, self.part.left_out)
 
 
@@ -205,7 +228,7 @@ class Integrator:
         """Compile the loop, if the method says which it is, and return the same."""
         ready = self._ready
         if ready.fixed and not callable(self._inputs) and not any(map(callable, self._inputs.values())):
-            ready.loop(ready.task)
+            ready.own_loop()
         return self
 
     def run(

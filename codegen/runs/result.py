@@ -199,21 +199,27 @@ class Result:
 class Found:
     """What a result is made of, and what is found of it when it is read, by the names of its fields.
 
-    ``task``: what was integrated, over the time of ``clock`` if there is one; ``asked``: the problem in the
-    times of the user. ``further``: notices that are known before.
+    ``make``: what returns, of ``given``, the task that was integrated; it is over the time of a clock, if
+    there is one, beside the problem in the times of the user (``timing``). ``further``: notices that are
+    known before.
     """
 
     def __init__(
         self,
-        task: Task,
+        make: Callable[..., Task],
         trajectory: Trajectory,
         method: str,
-        clock: Clock | None,
-        asked: Problem,
+        timing: tuple[Clock, Problem] | None,
         further: tuple[str, str],
+        given: tuple[Any, ...] = (),
     ) -> None:
-        self.task, self.trajectory, self.method = task, trajectory, method
-        self.clock, self.asked, self.further = clock, asked, further
+        self.make, self.given, self.trajectory, self.method = make, given, trajectory, method
+        self.timing, self.further = timing, further
+
+    @cached_property
+    def task(self) -> Task:
+        """What was integrated."""
+        return self.make(*self.given)
 
     @property
     def message(self) -> str:
@@ -256,9 +262,9 @@ class Found:
     def events(self) -> Mapping[str, Occurrences]:
         """What was found, in the times of the user."""
         found = looked_for.occurrences(self.task.events, self.trajectory.found)
-        if self.clock is None:
+        if self.timing is None:
             return found
-        return {n: replace(e, t=self.clock.start + e.t) for n, e in found.items()}
+        return {n: replace(e, t=self.timing[0].start + e.t) for n, e in found.items()}
 
     @property
     def notice(self) -> str:
@@ -271,7 +277,7 @@ class Found:
 
     @property
     def _coarse(self) -> str:
-        if self.clock is None:
+        if self.timing is None:
             return ""
         t = self.times
         again = len(t) - len(np.unique(t))
@@ -302,10 +308,10 @@ class Found:
     @property
     def times(self) -> Array:
         """The stored times, in those of the user."""
-        if self.clock is None:
+        if self.timing is None:
             return self.trajectory.t.copy()
-        ended = self.trajectory.stop.kind == "end"
-        return self.clock.times(self.trajectory.t, self.asked, ended=ended)
+        clock, asked = self.timing
+        return clock.times(self.trajectory.t, asked, ended=self.trajectory.stop.kind == "end")
 
     @property
     def inputs(self) -> Followed | None:
@@ -333,23 +339,23 @@ def result_of(
     found: Found, used: str, seconds: float, names: tuple[str, ...], left_out: tuple[str, ...]
 ) -> Result:
     """Return the result of a run; ``used``: what its method is called in full; ``names``: of the states."""
-    made, task, clock = found.trajectory, found.task, found.clock
+    made, timing = found.trajectory, found.timing
     stop = made.stop
-    result = object.__new__(Result)
-    result.__dict__.update(
-        t=found.times, y=made.y.copy(), sol=_NOT_KEPT, nfev=made.evaluations,
-        status=_STATUS.get(stop.kind, -1), t_stop=stop.t, y_stop=made.state_at_stop,
-        method=made.method or used, steps=made.steps, rejected=made.rejected, seconds=seconds,
-        why=made.why, names=names, left_out=left_out, estimate=None,
-        _found=found,
-    )  # fmt: skip
-    if found.asked.dense_output and made.solution is not None:
-        late = clock is not None and clock.start
-        result.__dict__["sol"] = Late(made.solution, late) if late else made.solution
-    if clock is not None:
-        ended = stop.kind == "end"
-        result.__dict__["t_stop"] = found.asked.t_span[1] if ended else clock.start + stop.t
-    if task.signals is not None or made.held is not None:
+    result, own = object.__new__(Result), {
+        "t": found.times, "y": made.y.copy(), "sol": _NOT_KEPT, "nfev": made.evaluations,
+        "status": _STATUS.get(stop.kind, -1), "t_stop": stop.t, "y_stop": made.state_at_stop,
+        "method": made.method or used, "steps": made.steps, "rejected": made.rejected,
+        "seconds": seconds, "why": made.why, "names": names, "left_out": left_out,
+        "estimate": None, "_found": found,
+    }  # fmt: skip
+    object.__setattr__(result, "__dict__", own)
+    if timing is not None:
+        ended, start = stop.kind == "end", timing[0].start
+        own["t_stop"] = timing[1].t_span[1] if ended else start + stop.t
+    if made.solution is not None and found.task.problem.dense_output:
+        late = timing is not None and timing[0].start
+        own["sol"] = Late(made.solution, late) if late else made.solution
+    if made.held is not None or (not found.given and found.task.signals is not None):
         for name in READ_AT_ONCE:
             getattr(result, name)
     return result

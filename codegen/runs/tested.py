@@ -7,8 +7,10 @@ programs. Where these do not say clearly that all is well, the guard itself deci
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import sympy as sp
 
@@ -27,22 +29,20 @@ CLEARLY = 0.99
 
 @dataclass(frozen=True)
 class _Row:
-    """A condition that depends on more than parameters; ``places``: of its values among those of a run."""
+    """A condition that depends on more than parameters; ``pick``: its values among those of a run."""
 
     condition: Condition
-    places: tuple[int, ...]
+    pick: Callable[[Sequence[float]], Sequence[float]]
     value: Callable[..., Sequence[float]]
 
     def holds(self, values: Sequence[float]) -> bool:
         """Return whether it holds clearly for the values of a run."""
-        if not self.places:
-            return False
-        numbers = [values[k] for k in self.places]
-        slack = self.condition.assumption.tolerance * max(map(abs, numbers)) * CLEARLY
+        numbers = self.pick(values)
         found = self.value(0.0, (), numbers, ())[0]
-        if self.condition.is_zero:
-            return len(numbers) > 1 and abs(found) <= slack
-        return found >= (-slack if len(numbers) > 1 else 0.0)
+        if len(numbers) == 1:
+            return not self.condition.is_zero and found >= 0.0
+        slack = CLEARLY * self.condition.assumption.tolerance * max(map(abs, numbers))
+        return abs(found) <= slack if self.condition.is_zero else found >= -slack
 
 
 class Tested:
@@ -59,13 +59,16 @@ class Tested:
     def test(self, x: Array, u: Array, p: Array) -> None:
         """Raise `AssumptionError` or `InputError` for values that contradict what is assumed."""
         own = p.tobytes()
-        if own == self.passed:
-            if not self.rows:
-                return
-            values = [*x.tolist(), *u.tolist(), *p.tolist()]
-            if all(row.holds(values) for row in self.rows):
-                return
+        is_known = own == self.passed
+        if is_known and not self.rows:
+            return
         values = [*x.tolist(), *u.tolist(), *p.tolist()]
+        if is_known:
+            for row in self.rows:
+                if not row.holds(values):
+                    break
+            else:
+                return
         known = dict(zip(self.names, values, strict=True))
         self.compiled.guard.check(self.compiled.structure.completed(known), self.time)
         self.passed = own
@@ -79,12 +82,21 @@ def _rows(compiled: Compiled, names: tuple[str, ...]) -> list[_Row]:
     fixed = {*names_of(compiled.layout.parameters), *compiled.structure.names, TIME.name}
     known = fixed | {*names}
     found = [c for c in compiled.guard.conditions if {*c.names} <= known and not {*c.names} <= fixed]
-    return [
-        _Row(c, tuple(map(names.index, c.names)), _value(c))
-        if {*c.names} <= {*names}
-        else _Row(c, (), tuple)
-        for c in found
-    ]
+    return [_row(c, names) if {*c.names} <= {*names} else _Row(c, _nothing, _unknown) for c in found]
+
+
+def _row(condition: Condition, names: tuple[str, ...]) -> _Row:
+    places = [names.index(n) for n in condition.names]
+    pick = itemgetter(*places) if len(places) > 1 else lambda values: (values[places[0]],)
+    return _Row(condition, pick, _value(condition))
+
+
+def _nothing(values: Sequence[float]) -> Sequence[float]:
+    return values[:1]
+
+
+def _unknown(*_: object) -> Sequence[float]:
+    return (math.nan,)
 
 
 def _value(condition: Condition) -> Callable[..., Sequence[float]]:
