@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -221,7 +221,7 @@ def of_run(
     """
     quick = None if signals is not None else _in_c(compiled, start, t_span, rtol)
     if quick is not None:
-        return quick, ""
+        return quick
 
     def rates(t: Array, x: Array) -> Array:
         now, state = start.epoch + float(t[0]), np.ascontiguousarray(x[:, 0])
@@ -235,24 +235,30 @@ def of_run(
 
 def _in_c(
     compiled: Compiled, start: Point, t_span: tuple[float, float], rtol: float
-) -> Array | None:
-    """Return the same in one call (`codegen/native/runs.c`), to the last bit; None where it says nothing.
-
-    That is without C, and where a scale is not known.
-    """
+) -> tuple[Array, str] | None:
+    """Return the same in one call (`codegen/native/runs.c`), to the last bit; None without C."""
     extension = native.extension() if compiled.target == "c" else None
     if extension is None:
         return None
-    key = ("units of states",)
-    if key not in compiled.derived:
-        compiled.derived[key] = _numbered([q.unit for q in compiled.layout.states])
-    units, alone = compiled.derived[key]  # type: ignore[misc]
+    units, alone = units_of(compiled)
     found, (begin, end) = np.empty_like(start.states), t_span
-    known = extension.scales(
+    unknown = extension.scales(
         compiled.rhs, start.states, start.parameters, start.inputs, units, alone,
         begin, end, start.epoch, rtol, found,
     )  # fmt: skip
-    return found if known else None
+    if not unknown:
+        return None if unknown is None else (found, "")
+    return found, _notice([compiled.layout.states[k].name for k in unknown], rtol)
+
+
+def units_of(compiled: Compiled) -> tuple[bytes, int]:
+    """Return the units of states as generated code has them, made once; see `_numbered`."""
+    key = ("units of states",)
+    found: Any = compiled.derived.get(key)
+    if found is None:
+        found = compiled.derived[key] = _numbered([q.unit for q in compiled.layout.states])
+    units, alone = found
+    return units, alone
 
 
 def _numbered(units: Sequence[str]) -> tuple[bytes, int]:

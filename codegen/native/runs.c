@@ -149,12 +149,12 @@ static void growth_of(const rates_t *r, const double *start, const double *bound
     }
 }
 
-/* The tolerances; 0 where a scale is not known, of which something is to be said. */
+/* The tolerances; in unknown the numbers of states whose scale is not known, how many there are is returned. */
 static int tolerances_of(const rates_t *r, const double *x, const int *unit, int alone, double begin, double end,
-                         double rtol, double *atol, double *work) {
+                         double rtol, double *atol, double *work, double *unknown) {
     const Py_ssize_t n = r->n;
     double *size = work, *largest = size + n, *bounds = largest + n, *grown = bounds + n, *rest = grown + n;
-    int small = 0, known = 1;
+    int small = 0, count = 0;
     for (Py_ssize_t k = 0; k < n; ++k) size[k] = fabs(x[k]);
     largest_of_unit(unit, size, n, grown, largest);
     for (Py_ssize_t k = 0; k < n; ++k) {
@@ -169,13 +169,13 @@ static int tolerances_of(const rates_t *r, const double *x, const int *unit, int
         largest_of_unit(unit, size, n, grown, largest);
     }
     for (Py_ssize_t k = 0; k < n; ++k) {
-        const double scale = size[k] > 0.0 ? size[k] : largest[k];
+        const double scale = size[k] > 0.0 ? size[k] : (largest[k] > 0.0 ? largest[k] : 1.0);
         double own = PART * rtol * scale;
-        known &= scale > 0.0;
-        if (!(size[k] > 0.0) && ROUNDED * largest[k] < own) own = ROUNDED * largest[k];
+        if (!(size[k] > 0.0 || largest[k] > 0.0)) unknown[count++] = (double)k;
+        if (!(size[k] > 0.0) && largest[k] > 0.0 && ROUNDED * largest[k] < own) own = ROUNDED * largest[k];
         atol[k] = own > LEAST ? own : LEAST;
     }
-    return known;
+    return count;
 }
 
 static target_t *target_of(PyObject *function) {
@@ -199,65 +199,93 @@ static void let_go(Py_buffer *views) {
     for (int k = X; k <= U; ++k) PyBuffer_Release(views + k);
 }
 
-/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out) -> whether out holds the tolerances; units:
- * bytes of an int each */
+static PyObject *numbers_of(const double *values, int count) {
+    PyObject *found = PyTuple_New(count);
+    for (int k = 0; k < count && found != NULL; ++k)
+        if (PyTuple_SetItem(found, k, PyLong_FromDouble(values[k])) != 0) Py_CLEAR(found);
+    return found;
+}
+
+/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out) -> numbers of the states whose scale is not
+ * known, or None where it says nothing; units: bytes of an int each */
 static PyObject *scales(PyObject *self, PyObject *const *args, Py_ssize_t count) {
     (void)self;
     target_t *target = count == 11 ? target_of(args[0]) : NULL;
     Py_buffer views[ARRAYS], out;
     char *units;
     Py_ssize_t size;
-    if (target == NULL || !hold(target, args + 1, views)) Py_RETURN_FALSE;
+    if (target == NULL || !hold(target, args + 1, views)) Py_RETURN_NONE;
     const Py_ssize_t n = target->length[X];
-    int known = 0;
+    PyObject *unknown = NULL;
     if (PyBytes_AsStringAndSize(args[4], &units, &size) == 0 && size == n * (Py_ssize_t)sizeof(int) &&
         fits(args[10], &out, n, 1)) {
-        double *work = PyMem_Malloc((size_t)(4 + 2 * DEPTH + 3) * (size_t)n * sizeof(double));
+        double *work = PyMem_Malloc((size_t)(4 + 2 * DEPTH + 4) * (size_t)n * sizeof(double));
         if (work != NULL) {
             prepare(target, views[P].buf);
             const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), n, work + (4 + 2 * DEPTH + 2) * n};
-            known = tolerances_of(&rates, views[X].buf, (const int *)(const void *)units, (int)PyLong_AsLong(args[5]),
-                                  PyFloat_AsDouble(args[6]), PyFloat_AsDouble(args[7]), PyFloat_AsDouble(args[9]),
-                                  out.buf, work);
+            double *last = rates.room + n;
+            const int alone = (int)PyLong_AsLong(args[5]);
+            const double begin = PyFloat_AsDouble(args[6]), end = PyFloat_AsDouble(args[7]);
+            const int count_unknown = tolerances_of(&rates, views[X].buf, (const int *)(const void *)units, alone, begin,
+                                                    end, PyFloat_AsDouble(args[9]), out.buf, work, last);
+            if (!PyErr_Occurred()) unknown = numbers_of(last, count_unknown);
             PyMem_Free(work);
         }
         PyBuffer_Release(&out);
     }
     let_go(views);
-    if (PyErr_Occurred()) return NULL;
-    return PyBool_FromLong(known);
+    if (unknown != NULL || PyErr_Occurred()) return unknown;
+    Py_RETURN_NONE;
 }
 
-/* steepest(rates, t, x, p, u, least) -> the bound of the norm of the Jacobian by differences, as
- * `codegen.integrate.choice.promising` has it but for rounding, or None */
+/* The bound of the norm of the Jacobian by differences; atol / rtol, or a part of the largest state of its unit, is
+ * what a state is moved as if it were of that size at least. work: 6 n doubles. */
+static double steepest_of(const rates_t *r, double t, const double *x, const int *unit, const double *atol, double rtol,
+                          double *work) {
+    const Py_ssize_t n = r->n;
+    double *here = work, *there = here + n, *point = there + n, *sums = point + n, *size = sums + n, *least = size + n;
+    double bound = 0.0;
+    for (Py_ssize_t k = 0; k < n; ++k) {
+        size[k] = fabs(x[k]);
+        point[k] = x[k];
+        sums[k] = 0.0;
+    }
+    largest_of_unit(unit, size, n, here, least);
+    slope_at(r, t, x, here);
+    for (Py_ssize_t j = 0; j < n; ++j) {
+        const double by_unit = PART * least[j], by_atol = atol[j] / rtol, smallest = by_atol > by_unit ? by_atol : by_unit;
+        point[j] = x[j] + 0x1p-26 * (size[j] > smallest ? size[j] : smallest);
+        slope_at(r, t, point, there);
+        for (Py_ssize_t k = 0; k < n; ++k) sums[k] += fabs(there[k] - here[k]) / (point[j] - x[j]);
+        point[j] = x[j];
+    }
+    for (Py_ssize_t k = 0; k < n; ++k)
+        if (!(sums[k] <= bound)) bound = sums[k];
+    return bound;
+}
+
+/* steepest(rates, x, p, u, units, t, atol, rtol) -> the bound that `codegen.integrate.choice.promising` looks at,
+ * but for rounding, or None */
 static PyObject *steepest(PyObject *self, PyObject *const *args, Py_ssize_t count) {
     (void)self;
-    target_t *target = count == 6 ? target_of(args[0]) : NULL;
-    Py_buffer views[ARRAYS], least;
-    if (target == NULL || !hold(target, args + 2, views)) Py_RETURN_NONE;
+    target_t *target = count == 8 ? target_of(args[0]) : NULL;
+    Py_buffer views[ARRAYS], atol;
+    char *units;
+    Py_ssize_t size;
+    if (target == NULL || !hold(target, args + 1, views)) Py_RETURN_NONE;
     const Py_ssize_t n = target->length[X];
-    double bound = NAN, *work = NULL;
-    if (fits(args[5], &least, n, 0)) {
-        work = PyMem_Malloc(4 * (size_t)n * sizeof(double));
+    double bound = NAN;
+    if (PyBytes_AsStringAndSize(args[4], &units, &size) == 0 && size == n * (Py_ssize_t)sizeof(int) &&
+        fits(args[6], &atol, n, 0)) {
+        double *work = PyMem_Malloc(6 * (size_t)n * sizeof(double));
         if (work != NULL) {
-            const double t = PyFloat_AsDouble(args[1]), root = 0x1p-26, *x = views[X].buf, *smallest = least.buf;
-            double *here = work, *there = here + n, *point = there + n, *sums = point + n;
             prepare(target, views[P].buf);
-            target->function(t, x, target->constants, views[U].buf, here);
-            memcpy(point, x, (size_t)n * sizeof *x);
-            for (Py_ssize_t k = 0; k < n; ++k) sums[k] = 0.0;
-            for (Py_ssize_t j = 0; j < n; ++j) {
-                point[j] = x[j] + root * (fabs(x[j]) > smallest[j] ? fabs(x[j]) : smallest[j]);
-                target->function(t, point, target->constants, views[U].buf, there);
-                for (Py_ssize_t k = 0; k < n; ++k) sums[k] += fabs(there[k] - here[k]) / (point[j] - x[j]);
-                point[j] = x[j];
-            }
-            bound = 0.0;
-            for (Py_ssize_t k = 0; k < n; ++k)
-                if (!(sums[k] <= bound)) bound = sums[k];
+            const rates_t rates = {target, views[U].buf, 0.0, n, NULL};
+            bound = steepest_of(&rates, PyFloat_AsDouble(args[5]), views[X].buf, (const int *)(const void *)units,
+                                atol.buf, PyFloat_AsDouble(args[7]), work);
             PyMem_Free(work);
         }
-        PyBuffer_Release(&least);
+        PyBuffer_Release(&atol);
     }
     let_go(views);
     if (PyErr_Occurred()) return NULL;
