@@ -8,6 +8,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+from eom import displays
+
 if TYPE_CHECKING:
     from eom.checker.note.checking import check as check
     from eom.checker.note.grading import check_files as check_files
@@ -69,6 +71,12 @@ _HOME = {
     "System": "system",
     "Table": "tables",
 }
+
+displays.register({
+    "system as page": "eom.typeset.printing:notebook",
+    "result as histories": "eom.views.time.histories:of_result",
+    "result as animation": "eom.views.animation.of_results:animated",
+})  # fmt: skip
 
 __all__ = [*_HOME, "__version__"]  # noqa: PLE0604 - all entries are strings
 

@@ -24,6 +24,7 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
+from html import escape
 from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
@@ -47,6 +48,7 @@ from codegen.ensembles.work_units import (
     run,
 )
 from codegen.frontend.layout import names_of, to_array
+from codegen.frontend.notebook import number, sparkline, table
 from codegen.integrate import fleet
 from codegen.integrate.fleet import Shared
 from codegen.ir.program import INVARIANTS, OUTPUTS, SameObject
@@ -105,6 +107,17 @@ class Ensemble:
         ends = ", ".join(f"{k}: {v:,}" for k, v in self.counts.items())
         drift = "".join(f"; drift of {n} at most {d.maximum[0]:.1e}" for n, d in self.drift.items())
         return f"Ensemble({self.count:,} trajectories, {ends}; {self.steps:,} steps{drift})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: how trajectories ended, and statistics at the last stored time."""
+        rows = [
+            (n, *(number(v[-1]) for v in (s.mean, s.deviation, s.minimum, s.maximum)), sparkline(self.t, s.mean))
+            for n, s in self.statistics.items()
+            if len(s.mean)
+        ]
+        header = ("at the end", "mean", "standard deviation", "least", "largest", "mean over time")
+        told = f"<p>{escape(self.notice)}</p>" if self.notice else ""
+        return table(rows, header, repr(self)) + told
 
     @property
     def success(self) -> bool:

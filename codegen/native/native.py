@@ -308,7 +308,7 @@ def _extension() -> Any | None:
     )
     source = calls.replace("/* @RUNS@ */", runs)
     try:
-        library = compile_library(source, (f"-I{headers}",))
+        library = compile_library(source, ("-O1", f"-I{headers}"))
         loader = importlib.machinery.ExtensionFileLoader("eom_fastcall", str(library))
         spec = importlib.util.spec_from_loader("eom_fastcall", loader)
         assert spec is not None

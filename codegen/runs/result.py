@@ -13,6 +13,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
+from html import escape
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,15 +26,18 @@ from codegen.compiling.events import Occurrences
 from codegen.compiling.sampled import Along
 from codegen.compiling.signals import Followed
 from codegen.frontend.layout import names_of
+from codegen.frontend.notebook import listed, number, sparkline, table
 from codegen.integrate.choice import Task
 from codegen.ir.program import INVARIANTS, OUTPUTS, SINGULARITIES
 from codegen.native.trajectory import Array, Problem, Trajectory
 from codegen.runs.clock import Clock, Late
+from codegen.runs.export import dataset, frame, read, save
 from codegen.runs.pruning import Drift, Terms, drift_of
 from codegen.runs.run_accuracy import Accuracy, Run, accuracy_of
 from codegen.runs.second_run import Origin
 from codegen.runs.turns import Sampled as AtSamples
 from codegen.runs.turns import counted
+from eom.displays import display
 from eom.errors import InputError, typed, unknown_name
 from eom.system import Singularity
 
@@ -54,6 +59,14 @@ class NotKept:
             "the run has no dense output",
             hint="simulate with dense_output=True, or ask for times by t_eval",
         )
+
+
+def _loaded(found: Mapping[str, Any]) -> Result:
+    """Return a result from what a file holds."""
+    drift = {n: Drift(d["start"], d["largest"], d["over_time"], partial(float, d["size"]))
+             for n, d in found["drift"].items()}  # fmt: skip
+    events = {n: Occurrences(e["t"], e["y"], e["direction"]) for n, e in found["events"].items()}
+    return Result(**{**found, "sol": None, "drift": drift, "events": events})
 
 
 def _nothing() -> None:
@@ -163,13 +176,90 @@ class Result:
             object.__setattr__(self, "sol", NotKept())
 
     def __repr__(self) -> str:
-        """Say how the run ended and what it holds."""
-        names = ", ".join((*self.names, *self.outputs))
-        drift = ", ".join(f"{n} {d.relative:.1e}" for n, d in self.drift.items())
+        """Say how the run ended, what it holds, and what the user should know of it."""
+        names = listed((*self.names, *self.outputs))
+        drift = listed([f"{n} {d.relative:.1e}" for n, d in self.drift.items()])
         drifts = f"; drift {drift}" if drift else ""
-        return (
-            f"Result({self.message}; {len(self.t)} points of {names}; {self.steps} steps{drifts})"
-        )
+        notice = f"; notice: {self.notice}" if self.notice else ""
+        return f"Result({self.message}; {len(self.t)} points of {names}; {self.steps} steps{drifts}{notice})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: values at the ends, and lines over time."""
+        rows = [
+            (n, self.units.get(n, ""), *map(number, v[[0, -1]]), sparkline(self.t, v))
+            for n, v in ((n, self[n]) for n in (*self.names, *self.outputs))
+            if len(v)
+        ]
+        drift = [f"drift of {n} {d.relative:.1e}" for n, d in self.drift.items()]
+        words = [f"{self.steps} steps, {self.method}", *drift, self.notice]
+        told = "".join(f"<p>{escape(w)}</p>" for w in words if w)
+        return table(rows, ("", "unit", "first", "last", "over time"), self.message) + told
+
+    @typed
+    def at(self, t: ArrayLike) -> dict[str, Array]:
+        """Return the states by name at any times ``t`` (s) of the run, each of the shape of ``t``.
+
+        They are values of the dense output ``sol``. Raises `InputError` where that was not made. Units are
+        those of the system.
+        """
+        return dict(zip(self.names, np.asarray(self.sol(t)), strict=True))
+
+    def to_pandas(self) -> Any:
+        """Return a data frame of pandas: states and outputs in columns, by the time in its index.
+
+        Their units stand in ``attrs["units"]``. Raises `InputError` where pandas is not installed (extra
+        ``tables``).
+        """
+        return frame(self)
+
+    def to_xarray(self) -> Any:
+        """Return a data set of xarray: states and outputs over the time t, each with its unit as ``units``.
+
+        Raises `InputError` where xarray is not installed (extra ``tables``).
+        """
+        return dataset(self)
+
+    @typed
+    def save(self, path: str | Path) -> Path:
+        """Write all that was found to a NumPy archive (.npz), which `load` reads; return its path.
+
+        Time, states and outputs stand in it by name, units and the rest beside them. A table (.csv) gets
+        time, states and outputs alone. Raises `InputError` for other endings, and where the file cannot be
+        written.
+        """
+        return save(self, path)
+
+    @classmethod
+    @typed
+    def load(cls, path: str | Path) -> Result:
+        """Return a result that `save` has written; nothing in the file is run, whoever wrote it.
+
+        It has no dense output, and does not know what it came from. Units are those of the system. Raises
+        `InputError` for a file that is no such archive.
+        """
+        return _loaded(read(path))
+
+    @typed
+    def plot(self, *names: str) -> Any:
+        """Return a picture of states and outputs over time, of all or of ``names``; a notebook displays it.
+
+        Quantities of one unit are drawn together, the drift of constants of the motion below
+        (`eom.views.time.histories`). Units are those of the system; angles in rad. Raises `InputError` for
+        unknown names and fewer than two times. Needs the extra ``plot``.
+        """
+        return display("result as histories", self, names)
+
+    @typed
+    def animate(self, scene: Any = None, speed: float | None = None) -> Any:
+        """Return an animation of the motion in space; a notebook displays it, ``write(path)`` makes a page.
+
+        ``scene``: that the system was derived from, whose bodies are drawn; without it a single body whose
+        attitude among the states is a quaternion or angles, as a uniform body of its inertia (kg m^2).
+        Vectors have components in A, the frame that attitude is measured in. ``speed``: seconds of the
+        motion that are shown in one. Raises `InputError` for other systems, and for a result that does not
+        know what it came from.
+        """
+        return display("result as animation", self, scene, speed)
 
     @property
     def success(self) -> bool:
