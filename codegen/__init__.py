@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from codegen.compiling.compiled import compile as compile
     from codegen.compiling.compiled import compiled_jacobian as compiled_jacobian
     from codegen.compiling.events import Event as Event
+    from codegen.compiling.generated import generate as generate
     from codegen.compiling.sampled import Sampled as Sampled
     from codegen.compiling.signals import Signal as Signal
     from codegen.compiling.sparse import SparseJacobian as SparseJacobian
@@ -84,6 +85,7 @@ _HOME = {
     "equilibrium": "linearisation.equilibria",
     "free_body": "closed.exact",
     "free_motion": "closed.exact",
+    "generate": "compiling.generated",
     "integrator": "runs.prepared",
     "linearise": "linearisation.linear_motion",
     "linearise_about": "linearisation.linear_motion",

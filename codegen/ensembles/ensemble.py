@@ -115,6 +115,7 @@ class Ensemble:
             for n, s in self.statistics.items()
             if len(s.mean)
         ]
+        rows = rows or [("no statistics: no times were stored", *[""] * 5)]
         header = ("at the end", "mean", "standard deviation", "least", "largest", "mean over time")
         told = f"<p>{escape(self.notice)}</p>" if self.notice else ""
         return table(rows, header, repr(self)) + told

@@ -28,7 +28,7 @@ class Markup(str):
 
 def number(value: float) -> str:
     """Return a number in six digits."""
-    return f"{float(value):.6g}"
+    return f"{float(value) + 0.0:.6g}"
 
 
 def listed(names: Sequence[str], most: int = FEW) -> str:

@@ -191,7 +191,7 @@ class Result:
             if len(v)
         ]
         drift = [f"drift of {n} {d.relative:.1e}" for n, d in self.drift.items()]
-        words = [f"{self.steps} steps, {self.method}", *drift, self.notice]
+        words = [f"{self.steps} steps, {self.method}", listed(drift), self.notice]
         told = "".join(f"<p>{escape(w)}</p>" for w in words if w)
         return table(rows, ("", "unit", "first", "last", "over time"), self.message) + told
 
