@@ -224,13 +224,6 @@ class Integrator:
         name = self._asked.compiled.layout.name
         return f"Integrator({name!r}, {self.method}, rtol {self.rtol:g}, t from {start:g} to {end:g} s)"
 
-    def prepare(self) -> Integrator:
-        """Compile the loop, if the method says which it is, and return the same."""
-        ready = self._ready
-        if ready.fixed and not callable(self._inputs) and not any(map(callable, self._inputs.values())):
-            ready.own_loop()
-        return self
-
     def run(
         self,
         initial: Values,
@@ -244,16 +237,18 @@ class Integrator:
         `InputError` for unusable arguments, `AssumptionError` for values that contradict the system's
         assumptions.
         """
-        return self.made(initial, parameters, inputs)
+        return run_of(self, initial, parameters, inputs)
 
-    def made(
-        self,
-        initial: Values,
-        parameters: Values,
-        inputs: InputsGiven | None,
-        progress: Progress | None = None,
+    def _prepare(self) -> Integrator:
+        """Compile the loop, if the method says which it is, and return the same."""
+        ready = self._ready
+        if ready.fixed and not callable(self._inputs) and not any(map(callable, self._inputs.values())):
+            ready.own_loop()
+        return self
+
+    def _run(
+        self, initial: Values, parameters: Values, inputs: InputsGiven | None, progress: Progress | None
     ) -> Result:
-        """Return one run; ``progress``: called with the share that is done, 0 to 1."""
         inputs = self._inputs if inputs is None else inputs
         given = None if self._quick is None else self._quick.given(initial, parameters, inputs)
         asked, ready = self._asked, self._ready
@@ -266,6 +261,17 @@ class Integrator:
                 ready = _Ready(asked, given.part)
         atol = smallest(given, asked.atol, asked.since, asked.span, asked.rtol)
         return ready.run(given, atol, progress)
+
+
+def run_of(
+    prepared: Integrator,
+    initial: Values,
+    parameters: Values,
+    inputs: InputsGiven | None,
+    progress: Progress | None = None,
+) -> Result:
+    """Return one run of an integrator; ``progress``: called with the share that is done, 0 to 1."""
+    return prepared._run(initial, parameters, inputs, progress)
 
 
 _CHECKED = _Checked()
@@ -360,4 +366,4 @@ def integrator(
         system, t_span, method, rtol, atol, t_eval, outputs, dense_output, first_step, max_step,
         max_steps, margin, project, events, epoch,
     )  # fmt: skip
-    return Integrator(asked, {} if inputs is None else inputs).prepare()
+    return Integrator(asked, {} if inputs is None else inputs)._prepare()

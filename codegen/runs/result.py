@@ -197,7 +197,7 @@ class Result:
 
     @typed
     def at(self, t: ArrayLike) -> dict[str, Array]:
-        """Return the states by name at any times ``t`` (s) of the run, each of the shape of ``t``.
+        """Return the states by name at any times ``t`` (s) of the run, a number or (K,), each of that shape.
 
         They are values of the dense output ``sol``. Raises `InputError` where that was not made. Units are
         those of the system.
@@ -221,7 +221,7 @@ class Result:
 
     @typed
     def save(self, path: str | Path) -> Path:
-        """Write all that was found to a NumPy archive (.npz), which `load` reads; return its path.
+        """Write all that was found to ``path``, a NumPy archive (.npz), which `load` reads; return it.
 
         Time, states and outputs stand in it by name, units and the rest beside them. A table (.csv) gets
         time, states and outputs alone. Raises `InputError` for other endings, and where the file cannot be

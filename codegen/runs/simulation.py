@@ -16,7 +16,7 @@ from codegen.compiling.events import Given
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import MAX_STEPS
 from codegen.runs.given import InputsGiven, Values
-from codegen.runs.prepared import AUTO, DEFAULT_MARGIN, Integrator, asked_of
+from codegen.runs.prepared import AUTO, DEFAULT_MARGIN, Integrator, asked_of, run_of
 from codegen.runs.result import Result
 from eom.errors import typed
 from eom.system import System
@@ -99,7 +99,7 @@ def simulate(
         system, t_span, method, rtol, atol, t_eval, outputs, dense_output, first_step, max_step,
         max_steps, margin, project, events, epoch,
     )  # fmt: skip
-    run = _prepared(arguments).made(initial, parameters, inputs, progress)
+    run = run_of(_prepared(arguments), initial, parameters, inputs, progress)
     return run.with_accuracy() if accuracy else run
 
 
