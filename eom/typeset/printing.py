@@ -213,7 +213,7 @@ def markdown(system: System) -> str:
     return pages.markdown_page(_page(system))
 
 
-LARGEST = 4000
+LARGEST = 1500
 """Terms of all equations together up to which a notebook shows them."""
 
 
