@@ -1,8 +1,9 @@
 """``python -m benchmarks.runs``: a run as Python calls it, prepared or by `simulate`, beside heyoka's.
 
-Both start anew from the same state, in one process, in turn; heyoka has its parameters compiled in, ours takes
-them at each run. Both have the tolerance that is named, not the same error (`benchmarks.taylor` has that).
-What a run costs beside its loop stands beside the cheapest call of NumPy.
+Both start anew from the same state, in one process, in turn; heyoka has its parameters compiled in,
+ours takes them at each run. Both have the tolerance that is named, not the same error
+(`benchmarks.taylor` has that). What a run costs beside its loop stands beside the cheapest call of
+NumPy.
 """
 
 from __future__ import annotations
@@ -98,7 +99,9 @@ def _beside_the_loop(problem: Problem, settings: Settings) -> tuple[Row, ...]:
         target, met = f"<= {time_text(longest)}", pairs.best[0] <= longest
         if settings.quick:
             target, met = f"ratio <= {most:g}", ratio <= most
-        rows.append(Row(f"{problem.name}: {what} | np.add", own, other, f"{ratio:.0f}", target, met))
+        rows.append(
+            Row(f"{problem.name}: {what} | np.add", own, other, f"{ratio:.0f}", target, met)
+        )
     return tuple(rows)
 
 
@@ -140,7 +143,9 @@ def _beside_heyoka(problem: Problem, rtol: float) -> tuple[Row, ...]:
         own, their = (time_text(s) for s in pairs.best)
         name = f"{problem.name} to t = {problem.end:g} at {rtol:.0e}, {what}"
         if judged:
-            rows.append(Row(name, own, their, f"{pairs.ratio:.2f}", f"<= {limit}", pairs.ratio <= limit))
+            rows.append(
+                Row(name, own, their, f"{pairs.ratio:.2f}", f"<= {limit}", pairs.ratio <= limit)
+            )
         else:
             rows.append(Row(name, own, their, f"{pairs.ratio:.2f}"))
     return tuple(rows)

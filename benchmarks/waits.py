@@ -1,8 +1,8 @@
 """``python -m benchmarks.waits``: how long the first result takes where nothing is in the cache.
 
-``eom run SCENE`` as a whole, from the start of Python; and from a derived system to the end of its first run:
-`simulate`, which lowers, writes, compiles and loads, beside heyoka's integrator, which LLVM compiles, of the
-rates with their numbers. Each is a process and a cache folder of its own.
+``eom run SCENE`` as a whole, from the start of Python; and from a derived system to the end of its
+first run: `simulate`, which lowers, writes, compiles and loads, beside heyoka's integrator, which LLVM
+compiles, of the rates with their numbers. Each is a process and a cache folder of its own.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ def _whole(scene: str) -> Row:
 def _run(scene: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(
-            [sys.executable, "-m", "eom", "run", scene, "--out", os.path.join(folder, "out")],
-            env={**os.environ, native.CACHE_VARIABLE: os.path.join(folder, "cache")},
+            [sys.executable, "-m", "eom", "run", scene, "--out", f"{folder}/out"],
+            env={**os.environ, native.CACHE_VARIABLE: f"{folder}/cache"},
             stdout=subprocess.DEVNULL,
             check=True,
         )
@@ -84,7 +84,7 @@ def first(who: str, k: int) -> float:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:  # noqa: PLR2004 - who, and the number of the problem
+    if len(sys.argv) > 2:
         print(json.dumps(first(sys.argv[1], int(sys.argv[2]))))
     else:
         alone(measure)

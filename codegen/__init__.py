@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from codegen.runs.prepared import Integrator as Integrator
     from codegen.runs.prepared import integrator as integrator
     from codegen.runs.pruning import Drift as Drift
-    from codegen.runs.run_accuracy import Accuracy as Accuracy
     from codegen.runs.result import Result as Result
+    from codegen.runs.run_accuracy import Accuracy as Accuracy
     from codegen.runs.simulation import simulate as simulate
 
 _HOME = {

@@ -1,7 +1,7 @@
 """Derive the equations of motion of rigid bodies with SymPy, compile and integrate them.
 
-The names below load on first use, so that the command line starts fast. Those of `codegen` are found here too,
-so that one import is enough for everything: ``eom.simulate`` is ``codegen.simulate``.
+The names below load on first use, so that the command line starts fast. Those of `codegen` are found
+here too, so that one import is enough for everything: ``eom.simulate`` is ``codegen.simulate``.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _numerical() -> Any:
-    """Return the package that compiles and integrates: the front door says where it is, nothing below does."""
+    """Return the package that compiles and integrates, which nothing below the front door knows."""
     return importlib.import_module("codegen")
 
 

@@ -206,7 +206,9 @@ def _by_type(hint: Any) -> Test:
             return kind is not str or value.isascii()
         if kind is dict:
             by_name = Mapping in of_numbers and _of_text(value)
-            return by_name and {*map(type, value.values())} <= _FLOATS | _small_integers(value.values())
+            return by_name and {*map(type, value.values())} <= _FLOATS | _small_integers(
+                value.values()
+            )
         if kind is tuple or kind is list:
             if anything:
                 return kind is list or len(value) <= MOST_ENTRIES

@@ -98,7 +98,8 @@ MADE = {
 METHODS = (
     "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "System.closed_loop",
     "Table.__call__", "Compiled.rates",
-    "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy", "Result.at", "Result.load", "Result.save", "Result.animate",
+    "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
+    "Result.at", "Result.load", "Result.save", "Result.animate",
     "Integrator.run",
     "FreeMotion.__call__", "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix",
     "SparseJacobian.__call__", "SparseJacobian.dense",
@@ -373,7 +374,9 @@ def _methods():
         compiled, {"y": 1, "v": 0}, (0, 1), {"k": 1.0}, "scipy:RK45", inputs={"M": 0.0}
     )
     prepared = codegen.integrator(compiled, (0, 1), "scipy:RK45")
-    dense = codegen.simulate(compiled, [1, 0], (0, 1), {"k": 1.0}, inputs={"M": 0.0}, dense_output=True)
+    dense = codegen.simulate(
+        compiled, [1, 0], (0, 1), {"k": 1.0}, inputs={"M": 0.0}, dense_output=True
+    )
     jacobian, sensitive = compiled.jacobian(), codegen.sensitivities(OSCILLATOR, ["k"])
     at = {"t": 0.0, "x": [1, 0], "p": [1], "u": [0]}
     start = {"y": 1.0, "v": 0.0}
@@ -398,7 +401,9 @@ def _methods():
         "Compiled.rates": (lambda **a: compiled.functions["rates"](a["t"], a["x"], a["p"], a["u"]), at),
         "Compiled.jacobian": (compiled.jacobian, {"wrt": "states", "of": "rates"}),
         "Compiled.batch": (compiled.batch, {"group": "rates", "threads": 1}),
-        "Integrator.run": (prepared.run, {"initial": start, "parameters": {"k": 1.0}, "inputs": {"M": 0.0}}),
+        "Integrator.run": (prepared.run, {
+            "initial": start, "parameters": {"k": 1.0}, "inputs": {"M": 0.0},
+        }),
         "Result.at": (dense.at, {"t": [0.5]}),
         "Result.save": (run.save, {"path": "run.npz"}),
         "Result.load": (codegen.Result.load, {"path": "run.npz"}),

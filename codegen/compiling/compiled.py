@@ -34,8 +34,8 @@ from codegen.compiling.sparse import (
 )
 from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.from_sympy_mechanics import as_system
-from codegen.frontend.notebook import MOST, listed, table
 from codegen.frontend.layout import Layout, names_of
+from codegen.frontend.notebook import MOST, listed, table
 from codegen.frontend.structure import Guard, Structure
 from codegen.ir import compile_progress
 from codegen.ir.names import identifier
@@ -91,12 +91,18 @@ class Compiled:
 
     def _repr_html_(self) -> str:
         """Return what a notebook displays: what it computes and of what, and the system."""
-        kinds = {"states": self.layout.states, "parameters": self.layout.parameters, "inputs": self.layout.inputs}
+        kinds = {
+            "states": self.layout.states,
+            "parameters": self.layout.parameters,
+            "inputs": self.layout.inputs,
+        }
         rows = [(kind, listed([f"{q.name} [{q.unit}]" if q.unit else q.name for q in quantities], MOST))
                 for kind, quantities in kinds.items() if quantities]  # fmt: skip
         rows += [("fixed", ", ".join(self.structure.names))] if self.structure.names else []
-        rows.append(("functions", f"{', '.join(self.functions)}: target {self.target}, "
-                                  f"{self.program.cost():,} operations"))  # fmt: skip
+        costs = (
+            f"{', '.join(self.functions)}: target {self.target}, {self.program.cost():,} operations"
+        )
+        rows.append(("functions", costs))
         page = f"<details><summary>equations</summary>{self.system._repr_html_()}</details>"
         return table(rows, (), repr(self)) + page
 

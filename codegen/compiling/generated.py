@@ -31,11 +31,11 @@ def generate(
     """Return code for ``system`` as texts by file name, and write it into ``folder`` if one is given.
 
     ``target``: c (with an integrator), c_f32, c_lanes, numpy, python or javascript. ``system``: as of
-    `codegen.compile`; no compiler is needed. ``parameters``: numbers for some or all, which are compiled in.
-    ``integrator``: what stands beside the targets c and javascript, dop853 for c unless another is named;
-    ``rtol``: the relative tolerance that the order of taylor suits. ``jacobian``: states, parameters, inputs
-    or time, by which derivatives of the rates are written too. ``stable``: apply every identity against
-    cancellation.
+    `codegen.compile`; no compiler is needed. ``parameters``: numbers for some or all, which are
+    compiled in. ``integrator``: what stands beside the targets c and javascript, dop853 for c unless
+    another is named; ``rtol``: the relative tolerance that the order of taylor suits. ``jacobian``:
+    states, parameters, inputs or time, by which derivatives of the rates are written too. ``stable``:
+    apply every identity against cancellation.
 
     Units are those of the system. The same arguments give the same bytes. Raises `InputError` for unknown
     names, targets and integrators, for what a target cannot compute, and where the folder cannot be

@@ -109,9 +109,13 @@ class Ensemble:
         return f"Ensemble({self.count:,} trajectories, {ends}; {self.steps:,} steps{drift})"
 
     def _repr_html_(self) -> str:
-        """Return what a notebook displays: how trajectories ended, and statistics at the last stored time."""
+        """Return what a notebook displays: how trajectories ended, statistics at the last stored time."""
         rows = [
-            (n, *(number(v[-1]) for v in (s.mean, s.deviation, s.minimum, s.maximum)), sparkline(self.t, s.mean))
+            (
+                n,
+                *(number(v[-1]) for v in (s.mean, s.deviation, s.minimum, s.maximum)),
+                sparkline(self.t, s.mean),
+            )
             for n, s in self.statistics.items()
             if len(s.mean)
         ]
@@ -578,8 +582,8 @@ class Gathered:
         tallies = piece.tallies
         for name, nodes in tallies.nodes.items():
             tree = self.trees.setdefault(name, Tree())
-            for (level, number), value in nodes.items():
-                tree.add(level, number, value)
+            for (level, place), value in nodes.items():
+                tree.add(level, place, value)
         for name, counts in tallies.histograms.items():
             self.histograms[name] = self.histograms.get(name, np.zeros_like(counts)) + counts
         if tallies.bins is not None:

@@ -69,7 +69,8 @@ def sparkline(t: Array, y: Array) -> Markup:
     least, span = float(values.min()), float(np.ptp(values))
     first, length = float(t[good].min()), float(np.ptp(t[good]))
     column = np.minimum(((x - first) / length * COLUMNS).astype(int), COLUMNS - 1)
-    paths, before = [], -2
+    paths: list[str] = []
+    before = -2
     for k in np.unique(column):
         own = column == k
         ends = np.flatnonzero(own)[[0, -1]]

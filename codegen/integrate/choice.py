@@ -134,7 +134,7 @@ ROUNDING = 1 + 1e-9
 
 
 def _steepest(compiled: Compiled, problem: Problem, u: InputsAt) -> float | None:
-    """Return the bound of the norm, but for rounding, in one call (`codegen/native/runs.c`); None without C."""
+    """Return the bound of the norm, but for rounding, by `codegen/native/runs.c`; None without C."""
     extension = native.extension() if compiled.target == "c" else None
     if extension is None:
         return None

@@ -262,7 +262,7 @@ def units_of(compiled: Compiled) -> tuple[bytes, int]:
 
 
 def _numbered(units: Sequence[str]) -> tuple[bytes, int]:
-    """Return the number of each unit as integers of C, and that of states without one, -1 if there are none."""
+    """Return the number of each unit as integers of C, and that of states without one, or -1."""
     number = {unit: k for k, unit in enumerate(dict.fromkeys(units))}
     return np.array([number[u] for u in units], dtype=np.intc).tobytes(), number.get("", -1)
 

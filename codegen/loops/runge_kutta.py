@@ -368,7 +368,9 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     """Integrate a problem; stop at its end, at a singular configuration, or where numbers fail."""
     quick = method.quick
     if quick is not None and quick.takes(problem):
-        return quick.integrate(problem, problem.x0, problem.parameters, problem.inputs, problem.atol)
+        return quick.integrate(
+            problem, problem.x0, problem.parameters, problem.inputs, problem.atol
+        )
     s = method.state(
         t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin
     )
@@ -420,7 +422,7 @@ WORDS_OF_OUTPUT = 8
 
 
 class Quick:
-    """The first call of a method, and all of a run that ends in it: what is done by name elsewhere, by place.
+    """The first call of a method, and a run that ends in it: what is done by name elsewhere, by place.
 
     The structures of integrator and output are one array of doubles, new for each run: runs may be made in
     several threads.
@@ -432,7 +434,9 @@ class Quick:
             ctypes.cast(f, ctypes.c_void_p).value for f in (method.start, method.run)
         )
         self.size = ctypes.sizeof(state) // 8
-        at = {n: getattr(state, n).offset // 8 for n in ("t", "t_end", "rtol", "margin", "h", "h_max")}
+        at = {
+            n: getattr(state, n).offset // 8 for n in ("t", "t_end", "rtol", "margin", "h", "h_max")
+        }
         self.t, self.t_end, self.rtol, self.margin, self.h, self.h_max = at.values()
         self.x, self.atol, self.closest = (_places(state, n) for n in ("x", "atol", "closest"))
         self.counts = state.steps.offset
@@ -485,12 +489,17 @@ class Quick:
         )
 
     def _further(
-        self, problem: Problem, memory: Array, rows: tuple[Array, Array], status: int, seconds: float
+        self,
+        problem: Problem,
+        memory: Array,
+        rows: tuple[Array, Array],
+        status: int,
+        seconds: float,
     ) -> Trajectory:
         """Go on where the first call did not end a run, or ended it otherwise than at an end."""
         method = self.method
-        s = method.state.from_buffer(memory)
-        output = method.output.from_buffer(memory, 8 * self.size)
+        s = method.state.from_buffer(memory.data)
+        output = method.output.from_buffer(memory.data, 8 * self.size)
         store, clock = _Store(method, problem, (*rows, output)), _Clock()
         clock.seconds = clock.last = seconds
         loop = _Plain(method, problem, s, store)
@@ -508,7 +517,14 @@ def _places(state: Any, name: str) -> slice:
 _COUNTED = ("steps", "rejected", "evaluations", "status", "which")
 _ENDED = {DONE: Stop("end", 0.0), SINGULAR: Stop("singular", 0.0)}
 _MADE = Trajectory(
-    np.empty(0), np.empty((0, 0)), Stop("end", 0.0), np.empty(0), (), evaluations=0, steps=0, rejected=0
+    np.empty(0),
+    np.empty((0, 0)),
+    Stop("end", 0.0),
+    np.empty(0),
+    (),
+    evaluations=0,
+    steps=0,
+    rejected=0,
 )
 """What a run that ends in its first call has in common with others."""
 

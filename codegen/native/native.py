@@ -322,8 +322,8 @@ def _extension() -> Any | None:
 def extension() -> Any | None:
     """Return the module of quick calls, None without a compiler or the headers of Python.
 
-    Beside ``bind`` it has what runs cost beside their loops (`runs.c`): ``taken``, ``scales``, ``steepest``,
-    ``begun``; whoever calls these has a form of his own for where it is not there.
+    Beside ``bind`` it has what runs cost beside their loops (`runs.c`): ``taken``, ``scales``,
+    ``steepest``, ``begun``; whoever calls these has a form of his own for where it is not there.
     """
     return _extension()
 

@@ -1,7 +1,7 @@
 """Results as files and tables: NumPy archives, CSV, pandas, xarray; each file appears whole or not at all.
 
-An archive has time, states and outputs by name; the rest stands in arrays whose names begin with `PREFIX`, and
-in one text in JSON among them. Nothing in it is pickled, and nothing is unpickled.
+An archive has time, states and outputs by name; the rest stands in arrays whose names begin with
+`PREFIX`, and in one text in JSON among them. Nothing in it is pickled, and nothing is unpickled.
 """
 
 from __future__ import annotations
@@ -32,25 +32,54 @@ class Run(Protocol):
     """What is written of a `codegen.Result`."""
 
     @property
-    def t(self) -> Array: ...
+    def t(self) -> Array:
+        """Stored times (s)."""
+        ...
+
     @property
-    def y(self) -> Array: ...
+    def y(self) -> Array:
+        """States."""
+        ...
+
     @property
-    def y_stop(self) -> Array: ...
+    def y_stop(self) -> Array:
+        """States where it stopped."""
+        ...
+
     @property
-    def t_stop(self) -> float: ...
+    def t_stop(self) -> float:
+        """When it stopped (s)."""
+        ...
+
     @property
-    def names(self) -> tuple[str, ...]: ...
+    def names(self) -> tuple[str, ...]:
+        """Of the states."""
+        ...
+
     @property
-    def left_out(self) -> tuple[str, ...]: ...
+    def left_out(self) -> tuple[str, ...]:
+        """What was not integrated."""
+        ...
+
     @property
-    def outputs(self) -> Mapping[str, Array]: ...
+    def outputs(self) -> Mapping[str, Array]:
+        """Outputs by name."""
+        ...
+
     @property
-    def units(self) -> Mapping[str, str]: ...
+    def units(self) -> Mapping[str, str]:
+        """Units by name."""
+        ...
+
     @property
-    def drift(self) -> Mapping[str, Any]: ...
+    def drift(self) -> Mapping[str, Any]:
+        """Of constants of the motion."""
+        ...
+
     @property
-    def events(self) -> Mapping[str, Any]: ...
+    def events(self) -> Mapping[str, Any]:
+        """What was found."""
+        ...
 
 
 def columns(result: Run) -> dict[str, Array]:
@@ -157,7 +186,7 @@ def _fields(arrays: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, Any
 
 
 def _numbers(array: Any, shape: tuple[int, ...] | None = None) -> Any:
-    """Return an array of a file. Raises `ValueError` for one that holds no numbers, or has another shape."""
+    """Return an array of a file. Raises `ValueError` for one without numbers, or of another shape."""
     if array.dtype.kind not in "fi" or (shape is not None and array.shape != shape):
         raise ValueError(f"an array of {array.dtype} of shape {array.shape}")
     return array

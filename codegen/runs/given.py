@@ -179,5 +179,3 @@ def smallest(
         point = given.point(since, span[0])
         return sizes_of.of_run(given.part.compiled, point, span, rtol, given.signals)
     return arguments.tolerances(atol, len(given.x0)), ""
-
-

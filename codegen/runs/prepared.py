@@ -1,10 +1,10 @@
-"""Runs that are prepared once and made many times: what does not depend on values stands in an `Integrator`.
+"""Runs that are prepared once and made many times: an `Integrator` has what does not depend on values.
 
 A call takes values by name into arrays, tests them against what the system assumes, finds absolute
-tolerances, and enters the loop; in generated C each of these is one call (`codegen/native/runs.c`). What does
-not fit there, units in texts, functions, laws, defaults, or values that are refused, goes the general way
-(`codegen.runs.given`), to the same numbers. Conditions on parameters alone are not tested again while these
-stay the same, bit for bit.
+tolerances, and enters the loop; in generated C each of these is one call (`codegen/native/runs.c`).
+What does not fit there, units in texts, functions, laws, defaults, or values that are refused, goes the
+general way (`codegen.runs.given`), to the same numbers. Conditions on parameters alone are not tested
+again while these stay the same, bit for bit.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -97,7 +96,7 @@ def _projected(
 
 
 class _Ready:
-    """A part of a system and all that its runs have in common; its loop is compiled when it is first run."""
+    """A part of a system, and all that its runs have in common; its loop is compiled at the first."""
 
     def __init__(self, asked: Asked, part: pruning.Part) -> None:
         compiled = part.compiled
@@ -112,7 +111,7 @@ class _Ready:
         self._quick: Quick | None = None
 
     def loop(self, task: Task) -> tuple[Loop, str]:
-        """Return what integrates a task, and what it is called; the same again where values do not matter."""
+        """Return what integrates a task, and its name; the same again where values do not matter."""
         if not self.fixed or task.signals is not None or task.problem.laws:
             return integrator_of(task, self.asked.method)
         return self.own_loop()
@@ -133,7 +132,9 @@ class _Ready:
             return self._in_general(given, atol, progress)
         made = quick.integrate(self.problem, given.x0, given.values, given.held, atol[0])
         found = Found(self._task, made, self.asked.method, None, ("", atol[1]), (given, atol[0]))
-        return result_of(found, self.own_loop()[1], made.seconds or 0.0, self.names, self.part.left_out)
+        return result_of(
+            found, self.own_loop()[1], made.seconds or 0.0, self.names, self.part.left_out
+        )
 
     def _task(self, given: Given, atol: Array, progress: Progress | None = None) -> Task:
         problem = varied(
@@ -178,7 +179,9 @@ class _Quick:
         self.none = np.empty(0)
         self.tested = Tested(compiled, asked.span[0] + asked.since)
 
-    def given(self, initial: Values, parameters: Values, inputs: InputsGiven | None) -> Given | None:
+    def given(
+        self, initial: Values, parameters: Values, inputs: InputsGiven | None
+    ) -> Given | None:
         """Return what is given, or None where it does not fit. Raises `AssumptionError` as `given_of`."""
         n, m, k = self.sizes
         x, p = np.empty(n), np.empty(m) if m else self.none
@@ -241,13 +244,17 @@ class Integrator:
 
     def _prepare(self) -> Integrator:
         """Compile the loop, if the method says which it is, and return the same."""
-        ready = self._ready
-        if ready.fixed and not callable(self._inputs) and not any(map(callable, self._inputs.values())):
-            ready.own_loop()
+        held = isinstance(self._inputs, Mapping) and not any(map(callable, self._inputs.values()))
+        if self._ready.fixed and held:
+            self._ready.own_loop()
         return self
 
     def _run(
-        self, initial: Values, parameters: Values, inputs: InputsGiven | None, progress: Progress | None
+        self,
+        initial: Values,
+        parameters: Values,
+        inputs: InputsGiven | None,
+        progress: Progress | None,
     ) -> Result:
         inputs = self._inputs if inputs is None else inputs
         given = None if self._quick is None else self._quick.given(initial, parameters, inputs)
@@ -340,7 +347,7 @@ def integrator(
     events: EventsGiven = None,
     epoch: float = 0.0,
 ) -> Integrator:
-    """Prepare runs of ``system`` once, to make many of them with other values: ``run(initial, parameters)``.
+    """Prepare runs of ``system`` once, to make many with other values: ``run(initial, parameters)``.
 
     All arguments are those of `codegen.simulate`, and a run gives what that gives, to the last bit.
     ``t_span`` (s) may be left out where ``t_eval`` is given: then it is from its first to its last time.

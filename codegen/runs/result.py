@@ -181,7 +181,8 @@ class Result:
         drift = listed([f"{n} {d.relative:.1e}" for n, d in self.drift.items()])
         drifts = f"; drift {drift}" if drift else ""
         notice = f"; notice: {self.notice}" if self.notice else ""
-        return f"Result({self.message}; {len(self.t)} points of {names}; {self.steps} steps{drifts}{notice})"
+        held = f"{len(self.t)} points of {names}; {self.steps} steps"
+        return f"Result({self.message}; {held}{drifts}{notice})"
 
     def _repr_html_(self) -> str:
         """Return what a notebook displays: values at the ends, and lines over time."""
@@ -197,7 +198,7 @@ class Result:
 
     @typed
     def at(self, t: ArrayLike) -> dict[str, Array]:
-        """Return the states by name at any times ``t`` (s) of the run, a number or (K,), each of that shape.
+        """Return the states by name at times ``t`` (s) of the run, a number or (K,), each of that shape.
 
         They are values of the dense output ``sol``. Raises `InputError` where that was not made. Units are
         those of the system.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen.compiling.compiled import Compiled
-from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Given
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import MAX_STEPS
@@ -107,7 +106,7 @@ Arguments = tuple[Any, ...]
 
 
 def _prepared(arguments: Arguments) -> Integrator:
-    """Return an integrator for all arguments but values; the same again for equal ones, if these are short."""
+    """Return an integrator for all arguments but values; the same for equal ones, if these are short."""
     key = _Key(arguments)
     if key.said is None:
         return Integrator(asked_of(*arguments), {})
@@ -136,7 +135,7 @@ def _text(value: Any) -> Hashable:
     """Return what stands for an argument among keys; None where it is too long, or may change."""
     kind = type(value)
     if kind in _PLAIN:
-        return (value,) if value is None else value  # type: ignore[no-any-return]
+        return (value,) if value is None else value
     if kind is list or kind is tuple:
         texts = len(value) <= MOST_KEPT and set(map(type, value)) <= _PLAIN
         return tuple(value) if texts else None

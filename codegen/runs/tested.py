@@ -81,8 +81,12 @@ def _rows(compiled: Compiled, names: tuple[str, ...]) -> list[_Row]:
     """
     fixed = {*names_of(compiled.layout.parameters), *compiled.structure.names, TIME.name}
     known = fixed | {*names}
-    found = [c for c in compiled.guard.conditions if {*c.names} <= known and not {*c.names} <= fixed]
-    return [_row(c, names) if {*c.names} <= {*names} else _Row(c, _nothing, _unknown) for c in found]
+    found = [
+        c for c in compiled.guard.conditions if {*c.names} <= known and not {*c.names} <= fixed
+    ]
+    return [
+        _row(c, names) if {*c.names} <= {*names} else _Row(c, _nothing, _unknown) for c in found
+    ]
 
 
 def _row(condition: Condition, names: tuple[str, ...]) -> _Row:
@@ -108,5 +112,7 @@ def _value(condition: Condition) -> Callable[..., Sequence[float]]:
     program = replace(program, results={RATES: program.results["value"]})
     files = generate(program, layout, "python")
     name = identifier(layout.name)
-    function: Callable[..., Sequence[float]] = getattr(load_module(files[f"{name}.py"], name), RATES)
+    function: Callable[..., Sequence[float]] = getattr(
+        load_module(files[f"{name}.py"], name), RATES
+    )
     return function

@@ -76,8 +76,10 @@ class BaseScene(Request):
 
     def __repr__(self) -> str:
         """Name it; its fields are many."""
-        return f"{type(self).__name__}({self.name!r}: {self.title})" if self.title else (
-            f"{type(self).__name__}({self.name!r})"
+        return (
+            f"{type(self).__name__}({self.name!r}: {self.title})"
+            if self.title
+            else (f"{type(self).__name__}({self.name!r})")
         )
 
     __str__ = __repr__

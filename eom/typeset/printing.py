@@ -224,7 +224,9 @@ def notebook(system: System, style: str) -> str:
     """
     if not _is_short(system):
         few = [*_page(system)[:1], *_variables("States", system.states, _latex_names(system))]
-        told = Bullets(((None, "equations too long to show: eom.typeset.printing.show writes them"),))
+        told = Bullets(
+            ((None, "equations too long to show: eom.typeset.printing.show writes them"),)
+        )
         return "" if style == "latex" else pages.html_body([*few, told])
     if style == "latex":
         _, lines = _equations(system, _latex_names(system), primes=False)
@@ -234,7 +236,10 @@ def notebook(system: System, style: str) -> str:
 
 def _is_short(system: System) -> bool:
     """Return whether all expressions together have few terms; that is counted no further."""
-    stack: list[Any] = [*system.rates, *(d.expression for d in (*system.definitions, *system.outputs))]
+    stack: list[Any] = [
+        *system.rates,
+        *(d.expression for d in (*system.definitions, *system.outputs)),
+    ]
     stack += [] if system.mass_matrix is None else list(system.mass_matrix)
     count = 0
     while stack and count <= LARGEST:

@@ -3,7 +3,7 @@
 import importlib
 import json
 import re
-import xml.etree.ElementTree as ElementTree
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -44,13 +44,15 @@ def same(a, b):
     for name in ("status", "message", "notice", "why", "method", "names", "left_out", "steps", "rejected",
                  "nfev", "t_stop", "seconds", "margin", "units"):  # fmt: skip
         assert getattr(a, name) == getattr(b, name), name
-    assert {n: v.tobytes() for n, v in a.outputs.items()} == {n: v.tobytes() for n, v in b.outputs.items()}
+    assert {n: v.tobytes() for n, v in a.outputs.items()} == {
+        n: v.tobytes() for n, v in b.outputs.items()
+    }
     assert {n: (d.start, d.largest, d.size, d.over_time.tobytes()) for n, d in a.drift.items()} == {
         n: (d.start, d.largest, d.size, d.over_time.tobytes()) for n, d in b.drift.items()
     }
-    assert {n: (e.t.tobytes(), e.y.tobytes(), e.direction.tolist()) for n, e in a.events.items()} == {
-        n: (e.t.tobytes(), e.y.tobytes(), e.direction.tolist()) for n, e in b.events.items()
-    }
+    assert {
+        n: (e.t.tobytes(), e.y.tobytes(), e.direction.tolist()) for n, e in a.events.items()
+    } == {n: (e.t.tobytes(), e.y.tobytes(), e.direction.tolist()) for n, e in b.events.items()}
 
 
 def test_what_was_saved_is_read_to_the_last_bit(run, top, tmp_path):
@@ -95,13 +97,15 @@ def test_a_file_never_runs_anything(run, tmp_path):
     (tmp_path / "text.npz").write_text("no archive")
     (tmp_path / "empty.npz").write_bytes(b"")
     for name in ("text.npz", "empty.npz", "not there.npz", "."):
-        with pytest.raises(InputError, match="the file (is no result|cannot be read)"):
+        with pytest.raises(InputError, match=r"the file (is no result|cannot be read)"):
             Result.load(tmp_path / name)
 
 
 def test_names_that_files_need_are_refused(tmp_path):
     own = sp.Symbol("eom.about", real=True)
-    made = simulate(System.from_rates("odd", {own: sp.Integer(1)}), [0.0], (0, 1), method="scipy:RK45")
+    made = simulate(
+        System.from_rates("odd", {own: sp.Integer(1)}), [0.0], (0, 1), method="scipy:RK45"
+    )
     with pytest.raises(InputError, match="a name cannot be kept"):
         made.save(tmp_path / "odd.npz")
     with pytest.raises(InputError, match="unknown kind of file"):
@@ -191,7 +195,9 @@ def parsed(html):
 def test_everything_that_users_hold_has_a_short_text_and_a_page(run, top):
     compiled = codegen.compile(OSCILLATOR, "numpy")
     linear = codegen.linearise(compiled, [1, 0])
-    many = codegen.ensemble(compiled, {"y": np.linspace(0, 1, 3), "v": 0.0}, (0, 1), t_eval=[0.5, 1])
+    many = codegen.ensemble(
+        compiled, {"y": np.linspace(0, 1, 3), "v": 0.0}, (0, 1), t_eval=[0.5, 1]
+    )
     scene = load_scene("satellite-with-panels")
     for made in (OSCILLATOR, compiled, run, top, linear, many, scene, scene.derive()):
         assert len(repr(made)) < 500
@@ -213,15 +219,23 @@ def test_a_notice_is_in_the_text_and_on_the_page():
 
 def test_texts_of_users_are_quoted():
     odd = sp.Symbol("<b>&", real=True)
-    made = simulate(System.from_rates("<i>", {odd: sp.Integer(1)}), [0.0], (0, 1), method="scipy:RK45")
+    made = simulate(
+        System.from_rates("<i>", {odd: sp.Integer(1)}), [0.0], (0, 1), method="scipy:RK45"
+    )
     assert "<b>" not in made._repr_html_()
     assert "&lt;b&gt;&amp;" in made._repr_html_()
 
 
-@pytest.mark.parametrize("y", [
-    np.sin(np.linspace(0, 9, 5000)), np.zeros(3), np.array([1.0, np.nan, 3.0, 4.0]), np.array([1e300, -1e300]),
-    np.linspace(5, 5 + 1e-15, 10),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "y",
+    [
+        np.sin(np.linspace(0, 9, 5000)),
+        np.zeros(3),
+        np.array([1.0, np.nan, 3.0, 4.0]),
+        np.array([1e300, -1e300]),
+        np.linspace(5, 5 + 1e-15, 10),
+    ],
+)
 def test_a_line_over_time_stays_in_its_frame(y):
     svg = notebook.sparkline(np.arange(len(y), dtype=float), y)
     numbers = [float(v) for v in re.findall(r"-?\d+\.\d", parsed(svg)[0][0].get("d"))]

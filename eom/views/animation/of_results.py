@@ -1,4 +1,4 @@
-"""The motion of a result in space: of the bodies of its scene, or of the one body that its system states."""
+"""The motion of a result in space: of the bodies of its scene, or the one that its system states."""
 
 from __future__ import annotations
 
@@ -51,7 +51,9 @@ class Shown:
         """Return a frame with the page in it, which asks for nothing."""
         from html import escape
 
-        return f'<iframe srcdoc="{escape(page(self.animation))}" width="100%" height="640"></iframe>'
+        return (
+            f'<iframe srcdoc="{escape(page(self.animation))}" width="100%" height="640"></iframe>'
+        )
 
     def __repr__(self) -> str:
         """Name it and say how long it is."""
@@ -62,9 +64,9 @@ class Shown:
 def animated(result: Result, scene: AnyScene | None = None, speed: float | None = None) -> Shown:
     """Return the animation of a result: see `codegen.Result.animate`.
 
-    ``scene``: that it came from; ``speed``: seconds of the motion that are shown in one. Raises `InputError`
-    for systems without a body that is known, and results that do not know what they came from. Lengths in
-    m, angles in rad, vectors in the frame of reference A.
+    ``scene``: that it came from; ``speed``: seconds of the motion that are shown in one. Raises
+    `InputError` for systems without a body that is known, and results that do not know what they came
+    from. Lengths in m, angles in rad, vectors in the frame of reference A.
     """
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise InputError("not a positive number", where="speed", got=speed)
@@ -107,7 +109,9 @@ def _of_body(
     t = np.linspace(result.t[0], result.t_stop, FEWEST)
     for _ in range(2):
         y = _at(result, t)
-        values = asked.outputs(t, y, problem.parameters, problem.inputs if problem.inputs.size else None)
+        values = asked.outputs(
+            t, y, problem.parameters, problem.inputs if problem.inputs.size else None
+        )
         omega = np.ascontiguousarray(values[:3].T)
         turned = float(np.linalg.norm(omega, axis=1).max() * abs(t[-1] - t[0]))
         count = min(MOST, math.ceil(turned / STEP) + 1)
@@ -151,7 +155,11 @@ def _at(result: Result, t: Floats) -> Floats:
     if result.sol:
         return np.asarray(result.sol(t))
     problem = replace(
-        origin.problem, t_eval=t - origin.problem.start, dense_output=False, events=(), laws=origin.problem.laws
+        origin.problem,
+        t_eval=t - origin.problem.start,
+        dense_output=False,
+        events=(),
+        laws=origin.problem.laws,
     )
     made = origin.again(problem, origin.method)
     if len(made.t) != len(t):
