@@ -30,6 +30,7 @@ NEEDS = {
     "control": ("matplotlib",),
     "rotary-pendulum": ("matplotlib",),
     "reaction-wheels": ("matplotlib",),
+    "run-many-times": ("matplotlib", "pandas", "xarray"),
 }
 TASKS = 10
 

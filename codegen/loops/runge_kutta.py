@@ -476,17 +476,11 @@ class Quick:
             whole = varied(problem, x0=x0, parameters=parameters, inputs=inputs, atol=atol)
             return self._further(whole, memory, (t, x), status, seconds)
         return varied(
-            _MADE,
-            t=t[:kept].copy(),
-            y=x[:kept].T.copy(),
+            _MADE, t=t[:kept].copy(), y=x[:kept].T.copy(), state_at_stop=memory[self.x].copy(),
             stop=varied(_ENDED[status], t=time_of_stop, which=which),
-            state_at_stop=memory[self.x].copy(),
             closest=tuple(memory[self.closest].tolist()) if problem.singularities else (),
-            steps=steps,
-            rejected=rejected,
-            evaluations=evaluations,
-            seconds=seconds,
-        )
+            steps=steps, rejected=rejected, evaluations=evaluations, seconds=seconds,
+        )  # fmt: skip
 
     def _further(
         self,
