@@ -219,9 +219,10 @@ def of_run(
 
     ``signals``: inputs over time and state, where they are functions.
     """
-    quick = None if signals is not None else _in_c(compiled, start, t_span, rtol)
-    if quick is not None:
-        return quick
+    quick = None if signals is not None else quickly(compiled, t_span, rtol, start.epoch)
+    at_once = None if quick is None else quick(start.states, start.parameters, start.inputs)
+    if at_once is not None:
+        return at_once
 
     def rates(t: Array, x: Array) -> Array:
         now, state = start.epoch + float(t[0]), np.ascontiguousarray(x[:, 0])
@@ -233,22 +234,36 @@ def of_run(
     return found[:, 0], notice
 
 
-def _in_c(
-    compiled: Compiled, start: Point, t_span: tuple[float, float], rtol: float
-) -> tuple[Array, str] | None:
-    """Return the same in one call (`codegen/native/runs.c`), to the last bit; None without C."""
+Quickly = Callable[[Array, Array, Array], tuple[Array, str] | None]
+"""From states, parameters and inputs to tolerances and what is to be reported; None for misfits."""
+
+
+def quickly(
+    compiled: Compiled, t_span: tuple[float, float], rtol: float, epoch: float
+) -> Quickly | None:
+    """Return the same for many runs, in one call each (`codegen/native/runs.c`), to the last bit.
+
+    ``epoch``: time of the system at which t is zero. None without C.
+    """
     extension = native.extension() if compiled.target == "c" else None
     if extension is None:
         return None
     units, alone = units_of(compiled)
-    found, (begin, end) = np.empty_like(start.states), t_span
-    unknown = extension.scales(
-        compiled.rhs, start.states, start.parameters, start.inputs, units, alone,
-        begin, end, start.epoch, rtol, found,
-    )  # fmt: skip
-    if not unknown:
-        return None if unknown is None else (found, "")
-    return found, _notice([compiled.layout.states[k].name for k in unknown], rtol)
+    rates, call, (begin, end), n = (
+        compiled.rhs,
+        extension.scales,
+        t_span,
+        len(compiled.layout.states),
+    )
+
+    def tolerances(x: Array, p: Array, u: Array) -> tuple[Array, str] | None:
+        found = np.empty(n)
+        unknown = call(rates, x, p, u, units, alone, begin, end, epoch, rtol, found)
+        if not unknown:
+            return None if unknown is None else (found, "")
+        return found, _notice([compiled.layout.states[k].name for k in unknown], rtol)
+
+    return tolerances
 
 
 def units_of(compiled: Compiled) -> tuple[bytes, int]:

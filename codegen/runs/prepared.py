@@ -25,6 +25,7 @@ from codegen.frontend.layout import names_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import Integrator as Loop
 from codegen.integrate.methods import Native, can_project, integrator_of
+from codegen.integrate.scales import quickly
 from codegen.ir.program import INVARIANTS, SINGULARITIES
 from codegen.loops.projection import chosen
 from codegen.loops.runge_kutta import Quick
@@ -178,6 +179,8 @@ class _Quick:
         self.sizes = len(self.states), len(self.parameters), len(self.inputs)
         self.none = np.empty(0)
         self.tested = Tested(compiled, asked.span[0] + asked.since)
+        plain = asked.atol is None
+        self.scales = quickly(compiled, asked.span, asked.rtol, asked.since) if plain else None
 
     def given(
         self, initial: Values, parameters: Values, inputs: InputsGiven | None
@@ -193,6 +196,11 @@ class _Quick:
             return None
         self.tested.test(x, u, p)
         return Given(self.part, (), x, p, u, None)
+
+    def tolerances(self, given: Given) -> tuple[Array, str] | None:
+        """Return absolute tolerances, and what is to be said of them; None where they are given."""
+        scales = self.scales
+        return None if scales is None else scales(given.x0, given.values, given.held)
 
 
 class _Checked:
@@ -240,7 +248,7 @@ class Integrator:
         `InputError` for unusable arguments, `AssumptionError` for values that contradict the system's
         assumptions.
         """
-        return run_of(self, initial, parameters, inputs)
+        return self._run(initial, parameters, inputs)
 
     def _prepare(self) -> Integrator:
         """Compile the loop, if the method says which it is, and return the same."""
@@ -254,19 +262,22 @@ class Integrator:
         initial: Values,
         parameters: Values,
         inputs: InputsGiven | None,
-        progress: Progress | None,
+        progress: Progress | None = None,
     ) -> Result:
         inputs = self._inputs if inputs is None else inputs
-        given = None if self._quick is None else self._quick.given(initial, parameters, inputs)
-        asked, ready = self._asked, self._ready
-        if given is None:
-            values = _CHECKED.run(initial, parameters, inputs)
+        quick, asked, ready = self._quick, self._asked, self._ready
+        given = None if quick is None else quick.given(initial, parameters, inputs)
+        if given is not None and quick is not None:
+            atol = quick.tolerances(given)
+        else:
+            values, atol = _CHECKED.run(initial, parameters, inputs), None
             given = given_of(
                 asked.compiled, values, asked.outputs, asked.events, asked.span, asked.since
             )
             if given.part.compiled is not ready.compiled:
                 ready = _Ready(asked, given.part)
-        atol = smallest(given, asked.atol, asked.since, asked.span, asked.rtol)
+        if atol is None:
+            atol = smallest(given, asked.atol, asked.since, asked.span, asked.rtol)
         return ready.run(given, atol, progress)
 
 

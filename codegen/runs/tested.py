@@ -7,9 +7,8 @@ programs. Where these do not say clearly that all is well, the guard itself deci
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import itemgetter
 
 import sympy as sp
@@ -27,22 +26,9 @@ CLEARLY = 0.99
 """Part of what an assumption allows within which a value passes by the quick form."""
 
 
-@dataclass(frozen=True)
-class _Row:
-    """A condition that depends on more than parameters; ``pick``: its values among those of a run."""
-
-    condition: Condition
-    pick: Callable[[Sequence[float]], Sequence[float]]
-    value: Callable[..., Sequence[float]]
-
-    def holds(self, values: Sequence[float]) -> bool:
-        """Return whether it holds clearly for the values of a run."""
-        numbers = self.pick(values)
-        found = self.value(0.0, (), numbers, ())[0]
-        if len(numbers) == 1:
-            return not self.condition.is_zero and found >= 0.0
-        slack = CLEARLY * self.condition.assumption.tolerance * max(map(abs, numbers))
-        return abs(found) <= slack if self.condition.is_zero else found >= -slack
+Values = Sequence[float]
+Holds = Callable[[Values], bool]
+"""Whether a condition holds clearly for the values of a run: states, inputs, parameters."""
 
 
 class Tested:
@@ -62,10 +48,10 @@ class Tested:
         is_known = own == self.passed
         if is_known and not self.rows:
             return
-        values = [*x.tolist(), *u.tolist(), *p.tolist()]
+        values = x.tolist() + u.tolist() + p.tolist()
         if is_known:
-            for row in self.rows:
-                if not row.holds(values):
+            for holds in self.rows:
+                if not holds(values):
                     break
             else:
                 return
@@ -74,7 +60,7 @@ class Tested:
         self.passed = own
 
 
-def _rows(compiled: Compiled, names: tuple[str, ...]) -> list[_Row]:
+def _rows(compiled: Compiled, names: tuple[str, ...]) -> list[Holds]:
     """Return the conditions to test at each run: those on states and inputs, all of whose values are given.
 
     One that needs what is compiled in or the time beside these goes by the guard: it has no quick form.
@@ -84,23 +70,32 @@ def _rows(compiled: Compiled, names: tuple[str, ...]) -> list[_Row]:
     found = [
         c for c in compiled.guard.conditions if {*c.names} <= known and not {*c.names} <= fixed
     ]
-    return [
-        _row(c, names) if {*c.names} <= {*names} else _Row(c, _nothing, _unknown) for c in found
-    ]
+    return [_holds(c, names) if {*c.names} <= {*names} else _unknown for c in found]
 
 
-def _row(condition: Condition, names: tuple[str, ...]) -> _Row:
-    places = [names.index(n) for n in condition.names]
-    pick = itemgetter(*places) if len(places) > 1 else lambda values: (values[places[0]],)
-    return _Row(condition, pick, _value(condition))
+def _unknown(_: Values) -> bool:
+    return False
 
 
-def _nothing(values: Sequence[float]) -> Sequence[float]:
-    return values[:1]
+def _holds(condition: Condition, names: tuple[str, ...]) -> Holds:
+    """Return the quick form of a condition over values by these names; one of several has slack."""
+    places, value = [names.index(n) for n in condition.names], _value(condition)
+    if len(places) == 1:
+        place, is_zero = places[0], condition.is_zero
+        return lambda values: not is_zero and value(0.0, (), (values[place],), ())[0] >= 0.0
+    pick, part = itemgetter(*places), CLEARLY * condition.assumption.tolerance
 
+    def is_zero_clearly(values: Values) -> bool:
+        numbers = pick(values)
+        most = part * max(*numbers, -min(numbers))
+        return -most <= value(0.0, (), numbers, ())[0] <= most
 
-def _unknown(*_: object) -> Sequence[float]:
-    return (math.nan,)
+    def is_positive_clearly(values: Values) -> bool:
+        numbers = pick(values)
+        most = part * max(*numbers, -min(numbers))
+        return value(0.0, (), numbers, ())[0] >= -most
+
+    return is_zero_clearly if condition.is_zero else is_positive_clearly
 
 
 def _value(condition: Condition) -> Callable[..., Sequence[float]]:

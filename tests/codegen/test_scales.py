@@ -316,7 +316,8 @@ def test_the_form_in_c_gives_the_same_to_the_last_bit(problem, monkeypatch):
         span = [(0.0, 20.0), (3.0, -1e5), (1e3, 1e3 + 1e-7)][k % 3]
         point = scales.Point(start, p, u, 0.25 * (k % 2))
         found = scales.of_run(compiled, point, span, 1e-9, None)
-        quick += scales._in_c(compiled, point, span, 1e-9) is not None
+        of_many = scales.quickly(compiled, span, 1e-9, point.epoch)
+        quick += of_many is not None and of_many(start, p, u) is not None
         with monkeypatch.context() as without:
             without.setattr(native, "_extension", lambda: None)
             plain = scales.of_run(compiled, point, span, 1e-9, None)
