@@ -83,15 +83,16 @@ def _holds(condition: Condition, names: tuple[str, ...]) -> Holds:
     if len(places) == 1:
         place, is_zero = places[0], condition.is_zero
         return lambda values: not is_zero and value(0.0, (), (values[place],), ())[0] >= 0.0
-    pick, part = itemgetter(*places), CLEARLY * condition.assumption.tolerance
+    pick = itemgetter(*places)
+    part: float = CLEARLY * condition.assumption.tolerance
 
     def is_zero_clearly(values: Values) -> bool:
-        numbers = pick(values)
+        numbers: Values = pick(values)
         most = part * max(*numbers, -min(numbers))
         return -most <= value(0.0, (), numbers, ())[0] <= most
 
     def is_positive_clearly(values: Values) -> bool:
-        numbers = pick(values)
+        numbers: Values = pick(values)
         most = part * max(*numbers, -min(numbers))
         return value(0.0, (), numbers, ())[0] >= -most
 
