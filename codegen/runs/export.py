@@ -24,7 +24,7 @@ FORMAT = 1
 WORDS = ("message", "method", "notice", "why")
 COUNTS = ("nfev", "status", "steps", "rejected")
 NUMBERS = ("t_stop", "seconds")
-MAPS = ("margin", "units")
+MAPS = ("margin", "units", "held")
 """Fields of a result by what stands for them in JSON."""
 
 
@@ -181,6 +181,7 @@ def _fields(arrays: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, Any
         **{k: str(said[k]) for k in WORDS}, **{k: int(said[k]) for k in COUNTS},
         **{k: float(said[k]) for k in NUMBERS},
         "margin": {str(n): float(v) for n, v in said["margin"].items()},
+        "held": {str(n): float(v) for n, v in said["held"].items()},
         "units": {str(n): str(v) for n, v in said["units"].items()},
     }  # fmt: skip
 

@@ -16,7 +16,7 @@ from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event
 from codegen.compiling.sampled import Sampled
 from codegen.compiling.signals import Inputs, reads_state
-from codegen.frontend.layout import completed, in_si, names_of, to_array
+from codegen.frontend.layout import completed, in_si, names_of, settled, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import Array, Law
@@ -66,7 +66,8 @@ def given_of(
     Symbolic laws among inputs are compiled with the system. ``since``: the time at which its own is zero.
     """
     compiled, rest, functions = sampled.split(compiled, values[2])
-    initial, parameters, rest = in_si_of(compiled, *values[:2], rest)
+    initial, parameters = settled(*values[:2], compiled.layout.parameters)
+    initial, parameters, rest = in_si_of(compiled, initial, parameters, rest)
     part = _part(compiled, outputs, events, rest, bool(functions))
     laws = sampled.laws_of(part.compiled, functions)
     sampled.check_laws(laws, span)

@@ -74,7 +74,7 @@ def _nothing() -> None:
 
 
 READ_LATER = frozenset(
-    ("outputs", "drift", "margin", "message", "notice", "events", "origin", "units")
+    ("outputs", "drift", "margin", "message", "notice", "events", "origin", "units", "held")
 )
 """Fields of a `Result` that are found when they are first read; see `Found`."""
 
@@ -88,7 +88,8 @@ class Result:
     1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
     failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
     ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
-    order of ``y``; ``result[name]`` gives one of them, or an output.
+    order of ``y``; ``result[name]`` gives one of them, an output, or what kept its initial value: ``held``,
+    by name the states that became parameters.
     ``outputs``: arrays (N,) by name, angles of a quaternion with their whole turns (`codegen.runs.turns`).
     ``drift``: by name of the invariant.
     ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop`` (n,):
@@ -118,6 +119,7 @@ class Result:
     left_out: tuple[str, ...] = ()
     """States and constants of the motion that the requested outputs do not need."""
     events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
+    held: Mapping[str, float] = field(default_factory=dict, repr=False)
     origin: object = field(default_factory=_nothing, repr=False, compare=False)
     """What it came from, for `accuracy`; it stays behind when a result is pickled."""
     estimate: Accuracy | None = field(default=None, repr=False, compare=False)
@@ -284,7 +286,9 @@ class Result:
         if name in self.names:
             row: Array = self.y[self.names.index(name)]
             return row
-        raise unknown_name("state or output", name, [*self.names, *self.outputs])
+        if name in self.held:
+            return np.full(len(self.t), self.held[name])
+        raise unknown_name("state or output", name, [*self.names, *self.outputs, *self.held])
 
 
 class Found:
@@ -374,6 +378,13 @@ class Found:
         again = len(t) - len(np.unique(t))
         coarse = f"{again} of {len(t)} times are stored like others: give t_span since an epoch"
         return coarse if again else ""
+
+    @property
+    def held(self) -> dict[str, float]:
+        """The values of states that became parameters."""
+        task = self.task
+        rows = zip(task.compiled.layout.parameters, task.problem.parameters, strict=False)
+        return {q.name: float(p) for q, p in rows if q.held}
 
     @property
     def units(self) -> dict[str, str]:

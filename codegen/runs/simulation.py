@@ -51,8 +51,9 @@ def simulate(
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
     ``initial``, ``parameters``: numbers by name or in order; by name also texts with units, as "30 deg"
-    (`eom.units`), which are put into SI. ``inputs``: a number or a function for each input, or one
-    function of all that returns them by name or in order. Functions are of time, f(t), or of time and
+    (`eom.units`), which are put into SI. A state whose rate is zero, and which became a parameter of a
+    scene's system, may stand among either; the initial value counts. ``inputs``: a number or a function
+    for each input, or one function of all that returns them by name or in order. Functions are of time, f(t), or of time and
     states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time alone is
     f(t). They are called from Python, and may state their knots and longest step (`codegen.Signal`).
     ``method``: one of `METHODS`. ``outputs``: names of outputs and states; only states that these need

@@ -109,7 +109,9 @@ def spoilt(monkeypatch, name, change):
     row = next(r for r in methods.ROWS if r.name == name)
     rows = [replace(r, prepare=prepare) if r.name == name else r for r in methods.ROWS]
     monkeypatch.setattr(methods, "ROWS", tuple(rows))
-    monkeypatch.setattr(simulation, "_once", simulation._once.__wrapped__)  # none is kept
+    monkeypatch.setattr(
+        simulation, "_once", getattr(simulation._once, "__wrapped__", simulation._once)
+    )  # none is kept
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e-9])
