@@ -57,9 +57,8 @@ def spoilt(monkeypatch, name, change):
     row = next(r for r in methods.ROWS if r.name == name)
     changed = [replace(r, prepare=prepare) if r.name == name else r for r in methods.ROWS]
     monkeypatch.setattr(methods, "ROWS", tuple(changed))
-    monkeypatch.setattr(
-        simulation, "_once", getattr(simulation._once, "__wrapped__", simulation._once)
-    )  # none is kept
+    once = simulation._once  # keeps integrators, also those that were not changed
+    monkeypatch.setattr(simulation, "_once", getattr(once, "__wrapped__", once))
 
 
 def wrong_step(integrator):

@@ -53,17 +53,18 @@ def simulate(
     ``initial``, ``parameters``: numbers by name or in order; by name also texts with units, as "30 deg"
     (`eom.units`), which are put into SI. A state whose rate is zero, and which became a parameter of a
     scene's system, may stand among either; the initial value counts. ``inputs``: a number or a function
-    for each input, or one function of all that returns them by name or in order. Functions are of time, f(t), or of time and
-    states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time alone is
-    f(t). They are called from Python, and may state their knots and longest step (`codegen.Signal`).
-    ``method``: one of `METHODS`. ``outputs``: names of outputs and states; only states that these need
-    are integrated. ``rtol``, ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or
-    (n,): rtol / 1000 of the scale of each state unless given, see `codegen.integrate.scales`).
-    ``t_eval``: times to store; without it every step, with a closed form 1001 times at equal distances.
-    ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``: limits of
-    steps (s); a feature of the rates that is narrower than a step may be stepped over, unless
-    ``max_step`` is shorter. ``max_steps``: of their number. ``margin``: the run stops where a
-    singularity's expression gets below it. ``progress``: called with the share that is done, 0 to 1.
+    for each input, or one function of all that returns them by name or in order. Functions are of time,
+    f(t), or of time and states, f(t, x) with ``x["theta"]``, by what they take: what can be called with
+    the time alone is f(t). They are called from Python, and may state their knots and longest step
+    (`codegen.Signal`). ``method``: one of `METHODS`. ``outputs``: names of outputs and states; only
+    states that these need are integrated. ``rtol``, ``atol``: steps meet the local error atol + rtol
+    |x| (``atol``, a number or (n,): rtol / 1000 of the scale of each state unless given, see
+    `codegen.integrate.scales`). ``t_eval``: times to store; without it every step, with a closed form
+    1001 times at equal distances. ``dense_output``: whether ``sol`` is made, a function of time.
+    ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that is narrower than a
+    step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their number.
+    ``margin``: the run stops where a singularity's expression gets below it. ``progress``: called with
+    the share that is done, 0 to 1.
 
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.loops.projection`); all stored points lie on them. Without
