@@ -339,8 +339,8 @@ def _multibody():
         "base_parameters": (m.base_parameters, {
             "tree": tree, "armature": False, "damping": False, "coulomb": False, "seed": 0,
         }),
-        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", **wishes}),
-        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), **wishes}),
+        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", "rates": False, **wishes}),
+        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), "rates": False, **wishes}),
         "Lagrangian": (m.Lagrangian, {
             "name": "o", "rates": {y: v}, "kinetic": v**2 / 2, "potential": y**2 / 2, "dissipation": 0,
             "forces": {},
@@ -367,7 +367,7 @@ def _multibody():
         "examine": (m.examine, {"tree": tree, "start": None}),
         "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
-            "tree": tree, "method": "lagrange", "style": "text", **wishes,
+            "tree": tree, "method": "lagrange", "style": "text", "rates": False, **wishes,
         }),
     }  # fmt: skip
 

@@ -56,13 +56,12 @@ def single_text(tableau: Tableau, program: Program, layout: Layout, sampled: boo
     """
     name = identifier(layout.name)
     header, source = files(tableau, program, layout, sampled).values()
-    own = samples.declaration(tableau.name, layout) if sampled else ""
-    rest = (header + own + source).replace(f'#include "{name}.h"\n', "")
+    rest = (header + source).replace(f'#include "{name}.h"\n', "")
     rest = rest.replace(f'#include "{name}_{tableau.name}.h"\n', "")
     if sampled:
         prefix = f"{name}_{tableau.name}"
         rates = _rates(name, prefix, _watch(tableau, program, prefix))
-        rest += samples.text(tableau.name, layout, rates)
+        rest = samples.around(rest, tableau.name, layout, rates)
     return c.single_text(program, layout) + rest
 
 
@@ -332,7 +331,7 @@ def build(
 ) -> NativeMethod:
     """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
     text = single_text(tableau, program, layout, sampled)
-    flags = native.flags_for(0, len(program.instructions))
+    flags = native.flags_for_steps(len(program.instructions))
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     constants = max(1, len(by_parameters(program, layout.sizes).values))
@@ -346,7 +345,7 @@ def build(
     return NativeMethod(
         terms, DenseSolution, start, run, state, output, library, room,
         crossings.notice(program, layout),
-        samples.functions(library, prefix, tableau.name) if sampled else None,
+        samples.functions(library, prefix) if sampled else None,
     )  # fmt: skip
 
 
