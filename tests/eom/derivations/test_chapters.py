@@ -5,9 +5,10 @@ import random
 import pytest
 import sympy as sp
 
-from eom.derivations import derive
+from eom.derivations import FURNISHED, derive, names
 from eom.derivations.derivation import SIGNS, Derivation
 from eom.derivations.verification import DerivationError, plain
+from eom.exercises.lessons import topics
 from eom.terms.rules.inferences import signs
 from eom.terms.terms import Equation, expr
 from tests.eom import oracle
@@ -174,3 +175,11 @@ def test_a_rod_is_struck_at_two_thirds_and_a_rocket_burns_as_the_exponential():
     left = derive("rocket-equation")["mass-left"].statement.right.expression
     at = {s: {"m_0": 1, "v": 2, "v_0": 0, "c": 1}[s.name] for s in left.free_symbols}
     assert round(float(1 - left.subs(at)), 2) == 0.86
+
+
+def test_chapters_with_laws_of_their_own_are_named_as_such():
+    """They alone, of all that are not solids, have frames, laws or coordinates of their own."""
+    chapters = [n for n in names() if not n.startswith("inertia-of-")]
+    assert {n for n in chapters if derive(n).own} == FURNISHED
+    offered = {n for made in topics().values() for n in made}
+    assert offered == set(names()) - FURNISHED
