@@ -16,6 +16,8 @@ from tests.eom.chapters import MOTIONS, is_true, judge
 from tests.eom.mutants import judged_steps, mutants
 from tests.eom.rows import only
 
+HEAVY = ("law", "torque-", "euler-")
+"""Lines with three accelerations by angles: they take SymPy's vectors half a minute each."""
 MOST = 12
 """Edits of a chapter whose truth is asked elsewhere."""
 
@@ -35,7 +37,9 @@ def test_every_equation_is_true_by_published_motions(name):
 @pytest.mark.parametrize("name", only(MOTIONS, "collisions"))
 def test_edits_that_are_false_are_rejected_and_true_ones_are_not(name):
     d, draw = derive(name), random.Random(name)
-    lines = [s for s in judged_steps(d) if s.statement.relation != ">="]
+    lines = [
+        s for s in judged_steps(d) if s.statement.relation != ">=" and not s.label.startswith(HEAVY)
+    ]
     edits = [
         (s, m.equation) for s in lines for m in mutants(s.statement, s.assumptions) if m.equation
     ]
