@@ -280,8 +280,9 @@ def _major_axis(d: Derivation) -> tuple[tuple[Expr, Expr], ...]:
         ),
         "the energy above that of a spin about b3 with the same momentum, squares completed: if I3 "
         "is the greatest moment, no factor is negative, and the least energy is in that spin with "
-        "the slug at rest. As energy falls until the slug rests and momentum stays, the motion "
-        "ends there: the major-axis rule",
+        "the slug at rest. As energy falls as long as the slug slips and momentum stays, the motion "
+        "ends in a steady spin, and of these it is the one without energy to lose: the major-axis "
+        "rule",
         put_in(energy.equation, square.equation),
         label="excess",
     )
