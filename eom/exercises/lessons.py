@@ -53,10 +53,16 @@ class Lesson:
 def topics() -> dict[str, dict[str, str]]:
     """Return the title of each topic, by group and name: those of the derivations.
 
+    Left out are those with frames, bodies or laws of their own: no note can tell the checker of these.
+
     >>> topics()["Particles"]["point-mass"]
     'Dynamics of a point mass'
     """
-    return derivations.titles()
+    found = {
+        group: {name: title for name, title in made.items() if name not in derivations.FURNISHED}
+        for group, made in derivations.titles().items()
+    }
+    return {group: made for group, made in found.items() if made}
 
 
 @typed
@@ -66,8 +72,9 @@ def lesson(topic: str) -> Lesson:
     >>> len(lesson("point-mass").derivation.steps)
     29
     """
-    if topic not in derivations.names():
-        raise unknown_name("topic", topic, derivations.names())
+    known = [name for made in topics().values() for name in made]
+    if topic not in known:
+        raise unknown_name("topic", topic, known)
     solid = solid_of(topic)
     if solid:
         made = of_solid(topic, solid)

@@ -79,6 +79,12 @@ class Mechanics:
         frame = self.frame(term.data[0] or "I")
         return value.dt(frame) if isinstance(value, Vector | Dyadic) else sp.diff(value, t)
 
+    def _column(self, term):
+        return self.value(term.args[0]).to_matrix(self.frame(term.data[0]))
+
+    def _entries(self, term):
+        return sp.Matrix(3, len(term.args) // 3, [self.value(a) for a in term.args])
+
     def _partial(self, term):
         """The slope by a variable; another function that is a momentum is a variable by itself."""
         by = term.args[1].data[0]
