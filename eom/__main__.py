@@ -50,11 +50,27 @@ class Commands(click.Group):
             ctx.exit(UNUSABLE)
 
 
+BEGINNING = """\
+eom: equations of motion, derived, turned into code and solved; derivations by hand, checked.
+
+To begin with:
+  eom derive bicycle-wheel              equations of a wheel, and what was left out of them
+  eom run double-pendulum --out swing   equations, code in C, a trajectory, how good it is, a picture
+  eom check note.md                     which line of a derivation is wrong, and why
+
+Next: eom list names ready scenes and derivations, eom --help all commands, eom COMMAND --help one.
+"""
+"""What the program says that is called alone."""
+
+
 @click.group(
-    cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(package_name="eom-toolkit", prog_name="eom")
-def main() -> None:
+@click.pass_context
+def main(context: click.Context) -> None:
     """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
     SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf or MuJoCo's .xml
@@ -62,6 +78,8 @@ def main() -> None:
     unusable input; 130 interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
     """
     gc.set_threshold(*SELDOM)
+    if context.invoked_subcommand is None:
+        click.echo(BEGINNING, nl=False)
 
 
 COMMANDS = (
