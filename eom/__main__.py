@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 from typing import Any
 
 import click
@@ -19,6 +20,7 @@ from eom.commands.exercising import exercise
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
+from eom.commands.options import JSON
 from eom.commands.plotting import plot
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
@@ -29,7 +31,10 @@ UNUSABLE, INTERRUPTED = 2, 130
 
 
 class Commands(click.Group):
-    """Turn input errors into one message and exit status 2, an interruption into status 130."""
+    """Turn input errors into one message and exit status 2, an interruption into status 130.
+
+    Where a command prints JSON an error is printed so, too.
+    """
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command."""
@@ -37,6 +42,10 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except InputError as error:
             click.echo(f"error: {error}", err=True)
+            if ctx.meta.get(JSON):
+                parts = ("what", "where", "got", "expected", "hint")
+                said = {part: getattr(error, part) for part in parts}
+                click.echo(json.dumps({"error": said}, indent=2))
             ctx.exit(UNUSABLE)
         except (KeyboardInterrupt, RuntimeError) as error:
             if KeyboardInterrupt not in {type(error), type(error.__cause__)}:

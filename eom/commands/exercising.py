@@ -59,10 +59,8 @@ def _slips() -> Rows:
     show_default=True,
     help="Front matter that says what symbols mean, so that eom check can judge the page.",
 )
-@click.option(
-    "--out",
-    type=FOLDER,
-    default=None,
+@option(
+    "folder",
     metavar="FOLDER",
     help="Write page and key, or the questions, to files there.",
 )
@@ -83,7 +81,7 @@ def exercise(
     false; eom check proves that it is that one and no other. The same topic and seed give the same
     exercise. Example: eom exercise euler-equations --seed 3 --out sheet
     """
-    out, as_json = rest.pop("out"), rest.pop("as_json")
+    out, as_json = rest.pop("folder"), rest.pop("as_json")
     if listed:
         _list(as_json)
         return

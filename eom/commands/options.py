@@ -6,7 +6,7 @@ values that have no name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from pathlib import Path
 from typing import Any
@@ -31,10 +31,8 @@ class _Seconds(click.types.FloatParamType):
         return super().convert(value, param, ctx) if found is None else nearest(found)
 
 
-class _Method(click.ParamType):
+class _Method(click.types.StringParamType):
     """The name of a method, in any case."""
-
-    name = "text"
 
     def convert(self, value: Any, *_: Any) -> Any:
         """Return it as the table of methods spells it; others as they are."""
@@ -43,7 +41,7 @@ class _Method(click.ParamType):
         return spelt(value, METHODS)
 
 
-def spelt(name: str, known: Any) -> str:
+def spelt(name: str, known: Iterable[str]) -> str:
     """Return a name as it is known, in whatever case it is given; others as they are.
 
     >>> spelt("dop853", ["auto", "DOP853"])
@@ -107,6 +105,15 @@ def _set(context: click.Context, _: click.Parameter, given: tuple[str, ...]) -> 
             )
         found[name] = value
     context.meta[VALUES] = found
+
+
+def _as_json(context: click.Context, _: click.Parameter, given: bool) -> bool:
+    context.meta[JSON] = given
+    return given
+
+
+JSON = "eom.json"
+"""Where the context of a command keeps whether it prints JSON, so that errors are printed so, too."""
 
 
 def _kept(context: click.Context, option: click.Parameter, given: bool) -> None:
@@ -294,7 +301,12 @@ ROWS: Mapping[str, Row] = {
     ),
     "json": (
         ("--json", "as_json"),
-        {"is_flag": True, "help": "Print everything as JSON."},
+        {
+            "is_flag": True,
+            "is_eager": True,
+            "callback": _as_json,
+            "help": "Print everything as JSON.",
+        },
     ),
 }  # fmt: skip
 """Flags and settings of options by their names in a command."""

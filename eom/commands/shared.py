@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.options import chosen_values, read_as
-from eom.errors import InputError, printable
+from eom.errors import InputError, near_matches, printable
 
 if TYPE_CHECKING:
     from codegen import Compiled, Event, Result
@@ -84,10 +84,21 @@ def methods() -> Rows:
     return [(row.name, row.meaning) for row in ROWS]
 
 
+_HTML = (
+    "html is for derivations, and for scenes of many bodies with --method; eom live and eom animate write "
+    "scenes as pages"
+)
+
+
 def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
     """Print the equations of a scene and, if asked for, what they leave out."""
-    from eom.typeset.printing import show
+    from eom.typeset.printing import FORMATS, show
 
+    if style not in FORMATS:
+        raise InputError(
+            f"equations of a scene are not written as {style}", where=f"{scene.name}: --as",
+            expected=", ".join(FORMATS), hint=_HTML if style == "html" else near_matches(style, FORMATS),
+        )  # fmt: skip
     with waiting_for("deriving"):
         shown = show(scene.derive(), style)
         left_out = scene.explain() if explain and style == "text" else ""
