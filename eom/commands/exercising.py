@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.options import FOLDER, option
+from eom.commands.options import option
 from eom.commands.shared import Rows, WithTable, progress_of, report_files, waiting_for
 from eom.errors import InputError, unknown_name
 

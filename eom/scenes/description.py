@@ -594,11 +594,12 @@ def of_norm_one(q: Sequence[float], where: str) -> tuple[float, ...]:
     if not abs(norm - 1) <= max(ALMOST, 1.001 * rounding):
         divided = ", ".join(f"{x / norm:.10g}" for x in q) if 0 < norm < math.inf else ""
         raise InputError(
-            "quaternion does not have unit norm",
+            "a quaternion without unit norm is no rotation",
             where=where,
             got=f"norm {norm!r}",
             expected=f"1 to within {ALMOST:g}, or to the rounding of three decimals or more",
-            hint=f"divide by the norm: {divided}" if divided else "as 1, 0, 0, 0",
+            hint=(f"divide by the norm: {divided}; or" if divided else "give")
+            + " angles in [initial_attitude]",
         )
     return tuple(x / norm for x in q) if norm != 1 else tuple(q)
 
