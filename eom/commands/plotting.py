@@ -78,6 +78,8 @@ def plot(scene: str, names: str, file: Path | None, listed: bool, **given: Any) 
         progress(0.7)
         saved = save(picture, target, size, given["dpi"])
     report_files([saved])
+    if picture.notice:
+        click.echo(f"note: {picture.notice}", err=True)
 
 
 def _list(names: tuple[str, ...]) -> None:

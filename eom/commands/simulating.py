@@ -234,6 +234,8 @@ def _draw(job: Job, result: Result, file: Path) -> list[Path]:
     except InputError as error:
         click.echo(f"note: no picture: {error.what}", err=True)
         return []
+    if picture.notice:
+        click.echo(f"note: {picture.notice}", err=True)
     return [save(picture, file)]
 
 

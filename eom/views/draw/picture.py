@@ -149,6 +149,8 @@ class Picture:
     """One or two sentences for those who cannot see it, and for the caption of a figure."""
     size: tuple[float, float] | None = None
     """Width and height in inches that its words need, where they need more than panels do."""
+    notice: str = ""
+    """What whoever asked for it should know, as that lines lack points."""
 
     def _repr_mimebundle_(self, **_: object) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
         """Show the picture in a notebook."""

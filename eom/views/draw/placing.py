@@ -2,7 +2,8 @@
 
 A label stays where it is drawn unless its box overlaps another's, or covers much. Then it goes to the
 nearest place round its point where it overlaps none, covers little of what is drawn and leaves the picture
-nowhere; a thin line leads from there to its point. Numbers at the axes are no labels: of two that overlap one is left out.
+nowhere; a thin line leads from there to its point. Numbers at the axes are no labels: of two that overlap
+one is left out.
 """
 
 from __future__ import annotations
