@@ -21,16 +21,19 @@ Floats = NDArray[np.float64]
 
 COLOURS = {
     "black": "#000000",
-    "grey": "#8a8a8a",
+    "grey": "#666666",
     "orange": "#e69f00",
     "sky": "#56b4e9",
     "green": "#009e73",
-    "yellow": "#d9c400",
+    "yellow": "#ebdc20",
     "blue": "#0072b2",
     "red": "#d55e00",
     "purple": "#cc79a7",
 }
-"""Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008)."""
+"""Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008).
+
+Grey is darker than theirs would be and yellow less pale, so that each two differ as dichromats see them, too.
+"""
 Dash = Literal["solid", "dashed", "dotted"]
 Scale = Literal["linear", "log"]
 

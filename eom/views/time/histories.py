@@ -31,6 +31,8 @@ COLOURS = ("blue", "red", "green", "orange", "purple", "sky", "black", "grey")
 DASHES: tuple[Dash, ...] = ("solid", "dashed")
 UNLIKE = 20.0
 """Ratio of sizes from which on quantities of one unit have panels of their own."""
+STILL = 1e-7
+"""Share of a size below which nothing moves: where errors of the integration are."""
 MOST_CORNERS = 8
 """Places at which a curve may jump or turn sharply, as at impacts, and have points enough."""
 COARSE = 0.05
@@ -71,9 +73,9 @@ def histories(
     ``names``: which to draw, in panels of eight curves at most, those apart whose sizes are unlike; without
     them all, but eight a unit, and the caption says how many are left out. Where lines have too few points
     for what moves fastest the picture's ``notice`` says so. The lowest panel has the drift of the
-    invariants, value less first value, on a logarithmic scale; it says whether drift is relative (over the size of the terms that
-    the invariant is made of) or absolute (in its unit, where all terms are zero). Values that are no
-    numbers leave gaps.
+    invariants, value less first value, on a logarithmic scale; it says whether drift is relative (over
+    the size of the terms that the invariant is made of) or absolute (in its unit, where all terms are
+    zero). Values that are no numbers leave gaps.
 
     Raises `InputError` for unknown names, for fewer than two times, and for a quantity without numbers.
 
@@ -160,14 +162,15 @@ def _groups(names: Iterable[str], units: Mapping[str, str]) -> list[_Group]:
 def _alike(result: Result, group: _Group) -> list[_Group]:
     """Return the curves of a group in groups of like sizes, each in the order of its first curve.
 
-    From the largest down a group ends where one is less than a share of its largest; zeros are with the
-    smallest that are not.
+    From the largest down a group ends where one is less than a share of its largest; zeros, and what is
+    zero but for errors, are with the smallest that are not.
     """
     sizes = {n: _magnitude(result[n]) for n in group.names}
+    least = STILL * max(sizes.values())
     found: list[list[str]] = []
     largest = 0.0
     for n in sorted(group.names, key=lambda n: -sizes[n]):
-        if not found or 0 < sizes[n] < largest / UNLIKE:
+        if not found or least < sizes[n] < largest / UNLIKE:
             found.append([])
             largest = sizes[n]
         found[-1].append(n)
@@ -225,7 +228,14 @@ def _panel(result: Result, group: _Group) -> Panel:
         items.append(Curve(line, colour, dash=dash, label=name(n)))
     alone = name(group.names[0]) if len(group.names) == 1 else ""
     words = f"{alone} [{unit(group.unit) or 1}]".strip()
-    return Panel(tuple(items), (Axis(), Axis(words)))
+    return Panel(tuple(items), (Axis(), Axis(words, limits=_limits(items))))
+
+
+def _limits(items: Sequence[Item]) -> tuple[float, float] | None:
+    """Return the limits of a panel in which nothing moves but by errors, which are not to fill it."""
+    values = np.concatenate([i.points[:, 1] for i in items if isinstance(i, Curve)])
+    low, high, size = float(np.nanmin(values)), float(np.nanmax(values)), _magnitude(values)
+    return (low - 0.1 * size, high + 0.1 * size) if size > 0 and high - low < STILL * size else None
 
 
 def _looks() -> Iterator[tuple[str, Dash]]:

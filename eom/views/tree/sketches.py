@@ -639,6 +639,8 @@ def _rotors(s: TreeAtStart) -> Iterator[Item]:
 
 
 COLOURS = ("blue", "red", "green", "purple", "orange", "sky", "grey")
+BY_LETTER = ("red", "green", "blue")
+"""Colours of the axes x, y, z where there are more bodies than colours."""
 MOST_INDEXED = 6
 """Bodies whose axes have the body's name as an index; of more, the names stand at the origins alone."""
 
@@ -654,10 +656,11 @@ def tree_frames(scene: TreeScene) -> Picture:
     'The frames of the ground and of 2 bodies at the start.'
     """
     s = TreeAtStart(ManyBodies(scene))
-    items: list[Item] = [*_bones(s), *_axes(s, GROUND, "black", "")]
+    items: list[Item] = [*_bones(s), *_axes(s, GROUND, ("black",) * 3, "")]
+    few = len(s.tree.bodies) <= MOST_INDEXED
     for k, body in enumerate(s.tree.bodies):
-        index = body.name if len(s.tree.bodies) <= MOST_INDEXED else ""
-        items += _axes(s, body.name, COLOURS[k % len(COLOURS)], index)
+        colours = (COLOURS[k],) * 3 if few else BY_LETTER
+        items += _axes(s, body.name, colours, body.name if few else "")
     origins = {short(b.name): s.upright @ s.bodies[b.name].origin for b in s.tree.bodies}
     found = Sketch(
         [upright(item, s.upright) for item in items],
@@ -677,10 +680,11 @@ def _bones(s: TreeAtStart) -> Iterator[Item]:
             yield Marks(frame.origin[None], "grey", 5.0)
 
 
-def _axes(s: TreeAtStart, body: str, colour: str, index: str) -> Iterator[Item]:
-    """Yield the three axes of a body; a longer set is the ground's."""
+def _axes(s: TreeAtStart, body: str, colours: Sequence[str], index: str) -> Iterator[Item]:
+    """Yield the three axes of a body; a longer set is the ground's; those without names are in the legend."""
     place, length = s.bodies[body], (0.55 if body == GROUND else 0.4) * s.size
     below = f"_{{{name(index).strip('$')}}}" if index else ""
-    for axis, letter in zip(place.C, "xyz", strict=True):
+    for axis, letter, colour in zip(place.C, "xyz", colours, strict=True):
         words = f"${letter}{below}$" if index or body == GROUND else ""
-        yield Arrow(place.origin, place.origin + length * axis, colour, 1.8, words)
+        label = "" if words else f"${letter}$"
+        yield Arrow(place.origin, place.origin + length * axis, colour, 1.8, words, label)
