@@ -32,7 +32,7 @@ COLOURS = {
 }
 """Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008).
 
-Grey is darker than theirs would be and yellow less pale, so that each two differ as dichromats see them, too.
+Grey is darker and yellow less pale than others take them: each two differ as dichromats see them, too.
 """
 Dash = Literal["solid", "dashed", "dotted"]
 Scale = Literal["linear", "log"]

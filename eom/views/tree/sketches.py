@@ -681,7 +681,7 @@ def _bones(s: TreeAtStart) -> Iterator[Item]:
 
 
 def _axes(s: TreeAtStart, body: str, colours: Sequence[str], index: str) -> Iterator[Item]:
-    """Yield the three axes of a body; a longer set is the ground's; those without names are in the legend."""
+    """Yield the three axes of a body, those without names for the legend; a longer set is the ground's."""
     place, length = s.bodies[body], (0.55 if body == GROUND else 0.4) * s.size
     below = f"_{{{name(index).strip('$')}}}" if index else ""
     for axis, letter, colour in zip(place.C, "xyz", colours, strict=True):
