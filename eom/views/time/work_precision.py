@@ -89,8 +89,8 @@ def _style(name: str) -> Style:
 
 
 def _number(name: str, names: Iterable[str]) -> int:
-    """Return the number of a program among those of its style, so that no two lines look the same."""
-    return [n for n in names if _style(n) == _style(name)].index(name)
+    """Return the number of a program among those of its dash, so that no two lines look the same."""
+    return [n for n in names if _style(n)[0] == _style(name)[0]].index(name)
 
 
 def _program(name: str, number: int, measured: Sequence[Point]) -> tuple[Item, Item]:

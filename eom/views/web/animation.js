@@ -118,7 +118,7 @@
 
   // -- what is shown ----------------------------------------------------------------------------------
 
-  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0, follow: data.follow};
+  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, follow: data.follow};
   const shown = {};
   const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque"};
 
@@ -286,7 +286,6 @@
   function say() {
     const [k, part] = moment();
     rows.forEach((r) => { r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part)); });
-    state.said = performance.now();
     if (!state.playing) {
       byId("status").textContent = rows.slice(0, 4).map((r) => r.name + " " + r.cell.textContent + " " + r.unit).join(", ");
     }
@@ -315,9 +314,7 @@
     }
     state.time = time;
     draw();
-    if (now - state.said > 100) {
-      say();
-    }
+    say(); // the panel is of the instant that the clock shows
     requestAnimationFrame(frame);
   }
 
