@@ -66,7 +66,8 @@ class BaseScene(Request):
 
     is_tree: ClassVar[bool] = False
     """Whether its files say so."""
-    _file: str = pydantic.PrivateAttr(default="")
+    _file: ClassVar[str] = ""
+    """The file that it is from; a scene that knows its own has it in its place."""
 
     def __init__(self, /, **data: Any) -> None:
         try:
@@ -161,7 +162,8 @@ class BaseScene(Request):
 
     def _from(self, file: str) -> Self:
         """Return the scene, which from now on knows its file."""
-        self._file = file
+        if file:
+            self.__dict__["_file"] = file
         return self
 
     def _told(self) -> AbstractContextManager[None]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -84,10 +84,11 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
     return [(a.text, b.text) for a, b in pairs if overlap(a, b, -0.5)]
 
 
-def place(figure: Figure) -> None:
+def place(figure: Figure, *, covering: bool = False) -> None:
     """Move the labels of a figure where they overlap no text; the layout of its panels is then fixed.
 
     Labels are annotations with words, in the order in which they are drawn: the first ones stay.
+    ``covering``: whether they may cover what is drawn, so that they move as little as can be.
     """
     from matplotlib.text import Annotation
 
@@ -98,7 +99,7 @@ def place(figure: Figure) -> None:
     taken = _fixed(figure, [t for t in texts if not isinstance(t, Annotation)])
     if not labels:
         return
-    ink = _Ink.of(figure)
+    ink = _Ink.of(figure, () if covering else _drawn(figure))
     for label in labels:
         taken.append(_moved(label, _box(label), taken, ink))
 
@@ -125,10 +126,10 @@ class _Ink:
     size: Floats
 
     @classmethod
-    def of(cls, figure: Any) -> _Ink:
+    def of(cls, figure: Any, drawn: Iterable[Floats]) -> _Ink:
         size = np.array([figure.bbox.width, figure.bbox.height])
         cells = np.zeros(tuple(int(n) // CELL + 2 for n in size))
-        for points in _drawn(figure):
+        for points in drawn:
             known = points[np.all(np.isfinite(points), axis=1)]
             inside = known[np.all((known >= 0) & (known < size), axis=1)]
             at = (inside // CELL).astype(np.int64)
