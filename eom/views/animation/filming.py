@@ -198,13 +198,13 @@ def frames(filming: Filming) -> Iterator[Image]:
     canvas = FigureCanvasAgg(figure)
     for number in range(filming.count):
         figure.clear()
-        _draw(filming, filming.moment(number), figure)
+        draw(filming, filming.moment(number), figure)
         canvas.draw()  # type: ignore[no-untyped-call]
         pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
         yield Image.fromarray(np.asarray(pixels)[..., :3].copy())
 
 
-def _draw(filming: Filming, place: float, figure: Any) -> None:
+def draw(filming: Filming, place: float, figure: Any) -> None:
     """Draw one moment: ground, paths, bodies, vectors, the time."""
     from matplotlib.collections import PolyCollection
 

@@ -78,5 +78,5 @@ def test_no_names_overlap_in_films():
     film = filming.Filming(animation, filming.Film())
     for place in (0.0, len(animation.times) - 1.0):
         figure = Figure(figsize=(6.4, 4.8), dpi=100)
-        filming._draw(film, place, figure)
+        filming.draw(film, place, figure)
         assert overlaps(figure) == []
