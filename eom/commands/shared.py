@@ -70,7 +70,13 @@ def scene_of(name: str, **options: Any) -> AnyScene:
     own = {k: changed.pop(k) for k in _OF_THE_SCENE if k in changed}
     if changed:
         own["integration"] = {**scene.integration.model_dump(exclude_unset=True), **changed}
-    return scene.changed(**own)
+    try:
+        return scene.changed(**own)
+    except InputError as error:
+        section, _, key = error.where.rpartition(".")
+        if section != "integration" or key not in options:
+            raise
+        raise error.at(f"--{key.replace('_', '-')}") from None
 
 
 _OF_THE_SCENE = ("integrate",)
