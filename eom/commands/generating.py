@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,7 +38,7 @@ def _integrators() -> Rows:
 @option(
     "target",
     default="c",
-    metavar="c|c_f32|c_lanes|numpy|python|javascript",
+    metavar="c|c_f32|c_lanes|numpy|python|javascript|jax|matlab|fmu",
     help="Language.",
 )
 @click.option(
@@ -49,6 +49,15 @@ def _integrators() -> Rows:
 @option(
     "rtol",
     help="Tolerance that taylor's order suits.  [default: the scene's]",
+)
+@click.option(
+    "--fmi", metavar="3.0|2.0", help="Version of the standard, for the target fmu.  [default: 3.0]"
+)
+@click.option(
+    "--platform",
+    multiple=True,
+    metavar="NAME",
+    help="Of the target fmu: x86_64-linux, x86_64-windows, aarch64-darwin, ...  [default: this one]",
 )
 @option("folder")
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
@@ -63,12 +72,19 @@ def generate(scene: str, folder: Path | None, **given: Any) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
-    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
+    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js); jax
+    (pure functions, for jit, vmap and grad); matlab (for MATLAB and GNU Octave);
+    fmu (a functional mock-up unit with its integrator, for Simulink and Modelica tools).
     --out may be left out with --report.
     """
     if folder is None and not given["report"]:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
     chosen = scene_of(scene, rtol=given["rtol"])
+    unit = {name: given.pop(name) for name in ("fmi", "platform")}
+    if given["target"] == "fmu":
+        _write_fmu(chosen, folder, given, **unit)
+        return
+    _refuse_options(unit, f"--target {given['target']}")
     if given.pop("closed_form"):
         files = partial(_closed_form_files, chosen)
         _write_alone(files, "--closed-form", folder, given)
@@ -97,6 +113,38 @@ def _generate(
         report_files(write_files(files, folder))
 
 
+def _write_fmu(
+    scene: AnyScene,
+    folder: Path | None,
+    options: Mapping[str, Any],
+    fmi: str | None,
+    platform: Sequence[str],
+) -> None:
+    """Write a scene as a functional mock-up unit. Raises `InputError` for options of other targets."""
+    import codegen
+
+    _refuse_options(options, "--target fmu", but=("target", "rtol"))
+    assert folder is not None
+    how = scene.integration
+    values = scene.initial_values(), scene.parameter_values(), scene.input_values()
+    with waiting_for("writing the unit") as show:
+        path = codegen.write_fmu(
+            scene.derive(), folder, *values, (0.0, how.t_end), how.rtol, fmi or "3.0", platform or None,
+            compiling(show),
+        )  # fmt: skip
+    report_files([path])
+
+
+def _refuse_options(options: Mapping[str, Any], what: str, but: Sequence[str] = ()) -> None:
+    """Raise `InputError` for an option that was given and does not go with another."""
+    for name, value in options.items():
+        if value and name not in but:
+            raise InputError(
+                f"--{name.replace('_', '-')} does not go with {what}",
+                hint=f"leave out --{name.replace('_', '-')}",
+            )
+
+
 def _write_alone(
     files: Callable[[], Mapping[str, str]],
     what: str,
@@ -106,9 +154,7 @@ def _write_alone(
     """Write files that no option of the others changes. Raises `InputError` for such an option."""
     from codegen.compiling.compiled import write_files
 
-    for name, value in options.items():
-        if value and (name, value) != ("target", "c"):
-            raise InputError(f"--{name} does not go with {what}", hint=f"leave out --{name}")
+    _refuse_options(options, what, but=("target",) if options["target"] == "c" else ())
     assert folder is not None
     report_files(write_files(files(), folder))
 

@@ -238,7 +238,7 @@ ROWS: Mapping[str, Row] = {
         {
             "default": "auto",
             "show_default": True,
-            "metavar": "c|numpy|python|auto",
+            "metavar": "c|numpy|python|jax|auto",
             "help": "What to compile for.",
         },
     ),
