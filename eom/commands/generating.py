@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.options import option, options, scene_argument, spelt
+from eom.commands.options import option, options, scene_argument, spelt, writable
 from eom.commands.shared import (
     Rows,
     WithTable,
@@ -25,6 +25,9 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from codegen.loops.written import Choice
     from eom.opening import AnyScene
+
+UNIT = ".fmu"
+"""Ending of a functional mock-up unit, which is a file."""
 
 
 def _integrators() -> Rows:
@@ -59,7 +62,11 @@ def _integrators() -> Rows:
     metavar="NAME",
     help="Of the target fmu: x86_64-linux, x86_64-windows, aarch64-darwin, ...  [default: this one]",
 )
-@option("folder")
+@option(
+    "folder",
+    type=click.Path(path_type=Path),
+    help="Folder to write to; of the target fmu also FILE.fmu.",
+)
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
 @click.option("--report", is_flag=True, help="Print operations by stage and kind, and file sizes.")
 @options("stable", "jacobian")
@@ -79,6 +86,8 @@ def generate(scene: str, folder: Path | None, **given: Any) -> None:
     """
     if folder is None and not given["report"]:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
+    if folder is not None:
+        writable(folder, "--out", folder=folder.suffix != UNIT)
     chosen = scene_of(scene, rtol=given["rtol"])
     unit = {name: given.pop(name) for name in ("fmi", "platform")}
     if given["target"] == "fmu":
