@@ -1,6 +1,6 @@
 """Labels of a printed picture where they cover no other text: boxes of all text, and where labels go.
 
-A label stays where it is drawn unless its box overlaps another's, or covers much. Then it goes to the
+A label stays where it is drawn unless its box overlaps another's, or in space covers much. Then it goes to the
 nearest place round its point where it overlaps none, covers little of what is drawn and leaves the picture
 nowhere; a thin line leads from there to its point. Numbers at the axes are no labels: of two that overlap
 one is left out.
@@ -99,9 +99,11 @@ def place(figure: Figure, *, covering: bool = False) -> None:
     taken = _fixed(figure, [t for t in texts if not isinstance(t, Annotation)])
     if not labels:
         return
-    ink = _Ink.of(figure, () if covering else _drawn(figure))
+    clear = _Ink.of(figure, ())
+    ink = clear if covering else _Ink.of(figure, _drawn(figure))
     for label in labels:
-        taken.append(_moved(label, _box(label), taken, ink))
+        in_space = hasattr(label.axes, "zaxis")  # in a plane words stand where they are put
+        taken.append(_moved(label, _box(label), taken, ink if in_space else clear))
 
 
 def _fixed(figure: Any, texts: Sequence[Any]) -> list[Box]:
