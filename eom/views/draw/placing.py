@@ -1,9 +1,9 @@
 """Labels of a printed picture where they cover no other text: boxes of all text, and where labels go.
 
-A label stays where it is drawn unless its box overlaps another's, or in space covers much. Then it goes to the
-nearest place round its point where it overlaps none, covers little of what is drawn and leaves the picture
-nowhere; a thin line leads from there to its point. Numbers at the axes are no labels: of two that overlap
-one is left out.
+A label stays where it is drawn unless its box overlaps another's, or in space covers much. Then it goes to
+the nearest place round its point where it overlaps none, covers little of what is drawn and leaves the
+picture nowhere; a thin line leads from there to its point. Numbers at the axes are no labels: of two that
+overlap one is left out.
 """
 
 from __future__ import annotations
