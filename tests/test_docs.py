@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -37,6 +38,7 @@ NEEDS = {
     "control": ("matplotlib",),
     "rotary-pendulum": ("matplotlib",),
     "reaction-wheels": ("matplotlib",),
+    "run-many-times": ("matplotlib", "pandas", "xarray"),
 }
 TASKS = 10
 
@@ -75,6 +77,22 @@ def test_there_is_a_page_a_task_and_each_is_run():
     assert {"tutorial", "conventions", "verification", "accuracy", "checking"} <= {
         page.stem for page in PAGES
     }
+
+
+def test_each_exercise_of_a_page_has_an_answer_that_is_run():
+    asked = 0
+    for page in DOCS.rglob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        for part in re.split(r"^#+ ", text, flags=re.MULTILINE):
+            exercises = part.count("{admonition} Exercise")
+            asked += exercises
+            answers = re.findall(r"<details>.*?</details>", part, flags=re.DOTALL)
+            assert len(answers) == exercises, page.name
+            for answer in answers:
+                languages = [b.language for b in blocks(answer)]
+                assert {"python", "text"} <= set(languages), page.name
+                assert page in PAGES
+    assert asked
 
 
 @pytest.mark.slow

@@ -342,6 +342,8 @@ def unbound(*_: Array) -> None:
 
 def integrate(method: NativeMethod, evaluate: Between, problem: Problem) -> Trajectory:
     """Integrate a problem; its dense output is evaluated with its own parameters and inputs."""
+    if not problem.dense_output:
+        return runge_kutta.integrate(method, problem)
 
     def solution(t: Array, h: Array, x: Array, rows: Array) -> RowSolution:
         return RowSolution(t, h, x, rows, evaluate, problem)
