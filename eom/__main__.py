@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 from typing import Any
 
 import click
@@ -19,6 +20,7 @@ from eom.commands.exercising import exercise
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
+from eom.commands.options import JSON
 from eom.commands.plotting import plot
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
@@ -29,7 +31,10 @@ UNUSABLE, INTERRUPTED = 2, 130
 
 
 class Commands(click.Group):
-    """Turn input errors into one message and exit status 2, an interruption into status 130."""
+    """Turn input errors into one message and exit status 2, an interruption into status 130.
+
+    Where a command prints JSON an error is printed so, too.
+    """
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command."""
@@ -37,6 +42,10 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except InputError as error:
             click.echo(f"error: {error}", err=True)
+            if ctx.meta.get(JSON):
+                parts = ("what", "where", "got", "expected", "hint")
+                said = {part: getattr(error, part) for part in parts}
+                click.echo(json.dumps({"error": said}, indent=2))
             ctx.exit(UNUSABLE)
         except (KeyboardInterrupt, RuntimeError) as error:
             if KeyboardInterrupt not in {type(error), type(error.__cause__)}:
@@ -50,11 +59,27 @@ class Commands(click.Group):
             ctx.exit(UNUSABLE)
 
 
+BEGINNING = """\
+eom: equations of motion, derived, turned into code and solved; derivations by hand, checked.
+
+To begin with:
+  eom derive bicycle-wheel              equations of a wheel, and what was left out of them
+  eom run double-pendulum --out swing   equations, code in C, a trajectory, how good it is, a picture
+  eom check note.md                     which line of a derivation is wrong, and why
+
+Next: eom list names ready scenes and derivations, eom --help all commands, eom COMMAND --help one.
+"""
+"""What the program says that is called alone."""
+
+
 @click.group(
-    cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(package_name="eom-toolkit", prog_name="eom")
-def main() -> None:
+@click.pass_context
+def main(context: click.Context) -> None:
     """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
     SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf or MuJoCo's .xml
@@ -62,6 +87,8 @@ def main() -> None:
     unusable input; 130 interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
     """
     gc.set_threshold(*SELDOM)
+    if context.invoked_subcommand is None:
+        click.echo(BEGINNING, nl=False)
 
 
 COMMANDS = (

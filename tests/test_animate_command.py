@@ -59,7 +59,10 @@ def test_slides_are_written(run, tmp_path):
     [
         (("plate.toml", "--out", "plate.svg"), "unknown kind of file"),
         (("plate.toml", "--out", "plate.html", "--follow", "plaet"), "unknown body 'plaet'"),
-        (("plate.toml", "--out", "plate.toml/plate.html"), "file cannot be written"),
+        (
+            ("plate.toml", "--out", "plate.toml/plate.html"),
+            "a folder is needed, and this is a file",
+        ),
         (("plate.toml", "--out", "plate.html", "--fps", "10"), "this option is for slides"),
         (("plate.toml", "--out", "plate.gif", "--fps", "0"), "unusable rate of pictures"),
         (("plate.toml", "--out", "plate.gif", "--length", "-1"), "unusable length"),

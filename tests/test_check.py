@@ -252,8 +252,8 @@ def test_colours_are_for_terminals_without_no_color(check):
         (["--code", "x.py:f", "--system", "t-handle"], "no such file"),
         (["a=b", "--system", "t-hadle"], "did you mean t-handle"),
         (["a=b", "--table", "{tmp}/no/table.csv"], "No such file"),
-        (["a=b", "--html", "{tmp}/empty"], "a file, for one note"),
-        (["a=b", "c=d", "--html", "{tmp}/b.md"], "a folder, for several notes"),
+        (["a=b", "--html", "{tmp}/empty"], "a file is needed"),
+        (["a=b", "c=d", "--html", "{tmp}/b.md"], "a folder is needed"),
     ],
 )
 def test_what_cannot_be_used_is_one_message_and_status_2(check, tmp_path, words, said):

@@ -222,7 +222,7 @@ def test_stop_at_a_singular_angle_is_reported_with_status_1(run, scene_file, tmp
 BAD = {
     "no such scene": (["derive", "bycicle-wheel"], "did you mean bicycle-wheel"),
     "no such file": (["derive", "missing.toml"], "no such scene file"),
-    "no such format": (["derive", "t-handle", "--as", "html"], "unknown format 'html'"),
+    "no such format": (["derive", "t-handle", "--as", "html"], "html is for derivations"),
     "misspelt derivation": (["derive", "euler-equation"], "did you mean euler-equations?"),
     "no such notation": (
         ["derive", "point-mass", "--notation", "underlined"],
@@ -271,7 +271,7 @@ def test_unwritable_folder(run, words, tmp_path):
     blocker.write_text("in the way")
     done = run(*words, blocker / "below")
     assert done.exit_code == 2
-    assert "cannot be written" in done.stderr
+    assert "a folder is needed, and this is a file" in done.stderr
     assert blocker.read_text() == "in the way"
 
 

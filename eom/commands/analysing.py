@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from eom.commands.deriving import named_pairs, refuse_control, tree_of
-from eom.commands.shared import scene_argument, scene_of, waiting_for
+from eom.commands.options import option, scene_argument
+from eom.commands.shared import scene_of, waiting_for
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,11 +18,8 @@ if TYPE_CHECKING:
 
 @click.command("analyse")
 @scene_argument
-@click.option(
-    "--at",
-    "held",
-    multiple=True,
-    metavar="NAME=VALUE",
+@option(
+    "at",
     help="A value of a coordinate or speed in the steady motion: a number or a formula over parameters. "
     "[may be repeated; default: free]",
 )
@@ -46,27 +44,14 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of conserved quantities: degree in sines and cosines.",
 )
-@click.option(
-    "--name",
-    "named",
-    multiple=True,
-    metavar="OLD=NEW",
-    help="Another name of a coordinate or speed, e.g. q_crank=phi.  [may be repeated]",
-)
+@option("rename")
 @click.option(
     "--attitude",
     default=None,
     metavar="SEQUENCE",
     help="Angles in place of quaternions, e.g. 3-1-2.",
 )
-@click.option(
-    "--as",
-    "style",
-    default="text",
-    show_default=True,
-    metavar="text|latex|markdown|html",
-    help="Format.",
-)
+@option("style")
 def analyse(
     scene: str,
     held: Sequence[str],

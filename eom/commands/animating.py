@@ -7,14 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import (
-    SECONDS,
-    progress_of,
-    report_files,
-    scene_argument,
-    scene_of,
-    target_option,
-)
+from eom.commands.options import SECONDS, option, options, scene_argument
+from eom.commands.shared import progress_of, report_files, scene_of
 from eom.commands.simulating import job_of
 from eom.errors import InputError
 
@@ -30,16 +24,12 @@ FILMS = (".gif", ".png", ".apng", ".webp")
 
 @click.command()
 @scene_argument
-@click.option(
-    "--out",
+@option(
     "file",
     required=True,
-    type=click.Path(path_type=Path),
     help="Write FILE.html, or for slides FILE.gif, .apng, .png (animated) or .webp.",
 )
-@click.option(
-    "--seconds", type=SECONDS, default=None, help="Seconds of the motion.  [default: the scene's]"
-)
+@options("t_end", "method", "rtol")
 @click.option(
     "--speed",
     type=float,
@@ -58,11 +48,11 @@ FILMS = (".gif", ".png", ".apng", ".webp")
 )
 @click.option("--size", default=None, metavar="WxH", help="Pixels, for slides.  [default: 640x480]")
 @click.option("--dark", is_flag=True, help="A dark background, for slides.")
-@target_option
+@option("target")
 def animate(
     scene: str,
     file: Path,
-    seconds: float | None,
+    t_end: float | None,
     speed: float | None,
     follow: str | None,
     fps: int | None,
@@ -70,6 +60,7 @@ def animate(
     size: str | None,
     dark: bool,
     target: str,
+    **plan: Any,
 ) -> None:
     """Simulate SCENE and write its motion in space as one HTML page, or as an animated picture.
 
@@ -80,8 +71,8 @@ def animate(
     from codegen.runs.export import whole
 
     film = _film(file, fps, length, size, dark)
-    chosen = scene_of(scene)
-    found = _animation(chosen, scene, target, seconds=seconds, speed=speed, follow=follow)
+    chosen = scene_of(scene, **plan)
+    found = _animation(chosen, scene, target, seconds=t_end, speed=speed, follow=follow)
     data = _filmed(found, file.suffix, film) if film else _page(found)
     whole(file, lambda part: part.write_bytes(data))
     report_files([file])
@@ -145,9 +136,7 @@ def _filmed(animation: Animation, suffix: str, film: Film) -> bytes:
 
 @click.command()
 @scene_argument
-@click.option(
-    "--out", "file", required=True, type=click.Path(path_type=Path), help="Page: FILE.html."
-)
+@option("file", required=True, help="Page: FILE.html.")
 def live(scene: str, file: Path) -> None:
     """Write SCENE as one page that integrates its equations where it is looked at.
 

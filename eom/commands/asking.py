@@ -27,6 +27,7 @@ def lexicon_asked(notes: Sequence[Note], settings: Settings) -> Settings:
 
     Raises `InputError` for more than one note, for what is no file, and where there is a lexicon already.
     """
+    from codegen.compiling.compiled import write_files
     from eom.checker.infer.draft import proposed
     from eom.checker.note.checking import check_note
     from eom.checker.read.documents import document_of
@@ -49,7 +50,7 @@ def lexicon_asked(notes: Sequence[Note], settings: Settings) -> Settings:
         if answer is None:
             break
         draft = answer
-    target.write_text(draft.toml, encoding="utf-8")
+    write_files({target.name: draft.toml}, target.parent)
     click.echo(f"wrote {printable(target)}", err=True)
     return replace(settings, lexicon=str(target))
 

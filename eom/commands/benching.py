@@ -14,14 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import (
-    Rows,
-    WithTable,
-    progress_of,
-    reading_options,
-    report_files,
-    scene_of,
-)
+from eom.commands.options import option, options, spelt
+from eom.commands.shared import Rows, WithTable, progress_of, report_files, scene_of
 from eom.errors import InputError
 from eom.scenes.catalogue import ROBOTS
 
@@ -44,7 +38,7 @@ def _problems() -> Rows:
 
 @click.command(cls=WithTable, title="Problems", rows=_problems)
 @click.argument("names", metavar="[PROBLEM|SCENE]...", nargs=-1)
-@reading_options
+@options("lenient", "floating")
 @click.option("--all", "everything", is_flag=True, help="Every reference problem and ready scene.")
 @click.option(
     "--methods",
@@ -52,16 +46,13 @@ def _problems() -> Rows:
     metavar="NAME,NAME,...",
     help="Only these; also solve_ivp:DOP853, solve_ivp:LSODA, solve_ivp:Radau and heyoka.",
 )
-@click.option(
-    "--out",
+@option(
     "folder",
-    type=click.Path(path_type=Path),
-    default=None,
     help="Folder for a table, a picture and all data as JSON of each problem.",
 )
 @click.option("--quick", is_flag=True, help="Fewer tolerances and rounds, in seconds a problem.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the order of the runs.")
-@click.option("--json", "as_json", is_flag=True, help="Print all data as JSON instead of tables.")
+@option("seed", help="Of the order of the runs.")
+@option("json", help="Print all data as JSON instead of tables.")
 def bench(
     names: tuple[str, ...],
     everything: bool,
@@ -82,7 +73,9 @@ def bench(
     if not names and not everything:
         raise InputError("no problem named", expected="PROBLEM or SCENE ...", hint="or --all")
     chosen = _chosen(names, everything)
-    measured = programs.programs([] if methods is None else methods.split(","))
+    known = [p.name for p in programs.programs([])]
+    asked = [] if methods is None else [spelt(m, known) for m in methods.split(",")]
+    measured = programs.programs(asked)
     if folder is not None:
         write_files({}, folder)
     about = _about(measured)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from eom.commands.options import FILE, option, writable
 from eom.commands.shared import Rows, WithTable, progress_of, waiting_for
 from eom.errors import InputError, printable, unknown_name
 
@@ -82,10 +83,10 @@ def _assumptions() -> Rows:
     "--strict", is_flag=True, help="Count as wrong what is so by a meaning that is only a guess."
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print what is wrong or ill-formed alone.")
-@click.option("--json", "as_json", is_flag=True, help="Print all reports as JSON.")
+@option("json", help="Print all reports as JSON.")
 @click.option(
     "--table",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     default=None,
     help="Write a row for each note to a file: CSV, or JSON if it ends in .json.",
 )
@@ -155,7 +156,10 @@ def check(notes: tuple[str, ...], code: str, propose: bool, ask: bool, **options
 
         settings = lexicon_asked([_note(word) for word in notes], settings)
     only = _verdicts(options["only"])
-    sources, graded = _checked(notes, settings, options["jobs"])
+    sources = _sources(notes)
+    if options["html"] is not None:
+        writable(options["html"], "--html", folder=len(sources) > 1)
+    graded = _checked(sources, settings, options["jobs"])
     if options["html"] is not None:
         _write_pages(sources, graded, options["html"], options["kind"])
     if options["table"] is not None:
@@ -234,24 +238,27 @@ def _note(word: str) -> Note:
     return Text(decoded(data, "standard input"), "standard input")
 
 
-def _checked(
-    words: Sequence[str], settings: Settings, jobs: int
-) -> tuple[list[Note], tuple[Graded, ...]]:
-    """Return the notes and what became of them: one alone is checked here, many in processes."""
+def _sources(words: Sequence[str]) -> list[Note]:
+    """Return the notes that are named. Raises `InputError` where there are none."""
     from eom.checker.read.documents import notes_of
 
     notes = notes_of([_note(word) for word in words])
     if not notes:
         raise InputError("there are no notes here", got=", ".join(words), expected="Markdown, ...")
+    return notes
+
+
+def _checked(notes: Sequence[Note], settings: Settings, jobs: int) -> tuple[Graded, ...]:
+    """Return what became of notes: one alone is checked here, many in processes."""
     if len(notes) == 1:
         from eom.checker.note.checking import grade
 
         with waiting_for("check"):
-            return notes, (grade(notes[0], settings),)
+            return (grade(notes[0], settings),)
     from eom.checker.note.grading import check_notes
 
     with progress_of("check") as progress:
-        return notes, check_notes(notes, settings, jobs, progress)
+        return check_notes(notes, settings, jobs, progress)
 
 
 def _propose(words: Sequence[str], kind: str) -> None:
@@ -266,29 +273,25 @@ def _propose(words: Sequence[str], kind: str) -> None:
 
 
 def _write_table(graded: Sequence[Graded], file: Path) -> None:
-    """Write the table of all notes."""
+    """Write the table of all notes, whole."""
+    from codegen.compiling.compiled import write_files
     from eom.checker.report.findings import to_csv, to_table_json
 
     as_json = file.suffix.lower() == ".json"
     text = to_table_json(graded) if as_json else to_csv(graded)
-    file.write_text(text, encoding="utf-8", newline="")
+    write_files({file.name: text}, file.parent)
     click.echo(f"wrote {printable(file)}", err=True)
 
 
 def _write_pages(notes: Sequence[Note], graded: Sequence[Graded], path: Path, kind: str) -> None:
-    """Write the page of a note, or those of several into a folder with an index.
-
-    Raises `InputError` where a folder is needed and there is a file, or the other way round.
-    """
+    """Write the page of a note, or those of several into a folder with an index, each whole."""
+    from codegen.compiling.compiled import write_files
     from eom.checker.read.documents import document_of
     from eom.checker.report.page import index, page
 
     several = len(notes) > 1
-    if path.is_dir() != several and path.exists():
-        kinds = ("a folder, for several notes", "a file, for one note")
-        raise InputError("the pages cannot be written here", where="--html", got=str(path),
-                         expected=kinds[0 if several else 1])  # fmt: skip
-    files = [f"{k}-{Path(g.name).stem}.html" for k, g in enumerate(graded, 1)] if several else [""]
+    files = [f"{k}-{Path(g.name).stem}.html" for k, g in enumerate(graded, 1)]
+    files = files if several else [path.name]
     texts = {
         file: page(document_of(note, kind), one.report)
         for file, note, one in zip(files, notes, graded, strict=True)
@@ -296,10 +299,8 @@ def _write_pages(notes: Sequence[Note], graded: Sequence[Graded], path: Path, ki
     }
     if several:
         texts["index.html"] = index(list(zip(files, graded, strict=True)))
-        path.mkdir(parents=True, exist_ok=True)
-    for file, text in texts.items():
-        (path / file if several else path).write_text(text, encoding="utf-8")
     if texts:
+        write_files(texts, path if several else path.parent)
         click.echo(f"wrote {printable(path / 'index.html' if several else path)}", err=True)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.options import option, options
 from eom.commands.shared import Rows, WithTable, scene_of
 from eom.errors import InputError
 
@@ -71,7 +72,8 @@ def _books() -> Rows:
     "--body", metavar="flu|frd|...", help="Body axes: forward, back, left, right, up, down."
 )
 @click.option("--sequence", metavar="3-2-1|...", help="Sequence of the angles that are asked for.")
-@click.option("--json", "as_json", is_flag=True, help="All digits, for programs.")
+@options("set", "lenient", "floating")
+@option("json", help="All digits, for programs.")
 def convert(scene: str, recognise: str, as_json: bool, **options: Any) -> None:
     """State an attitude and inertia in another convention, or say what a rotation matrix is.
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.keeping import PROGRAM, is_kept, kept
-from eom.commands.shared import print_equations, read_as, reading_options, scene_of, waiting_for
+from eom.commands.options import option, options, read_as
+from eom.commands.shared import print_equations, scene_of, waiting_for
 from eom.errors import InputError, unknown_name
 from eom.scenes import catalogue
 
@@ -21,12 +22,8 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("name", metavar="NAME")
-@click.option(
-    "--as",
+@option(
     "style",
-    default="text",
-    show_default=True,
-    metavar="text|latex|markdown|html",
     help="Format; html for derivations and methods alone.",
 )
 @click.option(
@@ -64,11 +61,8 @@ if TYPE_CHECKING:
     default=None,
     help="With --method: angles about parallel axes are measured against the ground.",
 )
-@click.option(
-    "--name",
-    "named",
-    multiple=True,
-    metavar="OLD=NEW",
+@option(
+    "rename",
     help="With --method: another name of a coordinate or speed, e.g. q_crank=phi.  [may be repeated]",
 )
 @click.option(
@@ -98,7 +92,7 @@ if TYPE_CHECKING:
     default=None,
     help="A program in Python: run it, as python FILE.py does, and print its derivations.",
 )
-@reading_options
+@options("lenient", "floating")
 def derive(
     name: str,
     style: str,
@@ -228,10 +222,10 @@ def _is_derivation(name: str) -> bool:
     return True
 
 
-def _refuse(name: str, kind: str, options: Mapping[str, object]) -> None:
-    for option, value in options.items():
+def _refuse(name: str, kind: str, wishes: Mapping[str, object]) -> None:
+    for given, value in wishes.items():
         if value is not None:
-            raise InputError(f"{option} is for {kind}", where=name, hint=f"leave out {option}")
+            raise InputError(f"{given} is for {kind}", where=name, hint=f"leave out {given}")
 
 
 def _shipped(name: str) -> list[Derived]:

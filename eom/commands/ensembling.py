@@ -15,16 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import (
-    SECONDS,
-    Rows,
-    WithTable,
-    compiled_of,
-    news,
-    progress_of,
-    scene_argument,
-    scene_of,
-)
+from eom.commands.options import FOLDER, chosen_values, option, options, scene_argument
+from eom.commands.shared import Rows, WithTable, compiled_of, news, progress_of, scene_of
 from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
@@ -75,20 +67,18 @@ def _distributions() -> Rows:
 @click.option(
     "--quantiles", metavar="SHARE,SHARE,...", help="Shares from 0 to 1, as 0.05,0.5,0.95."
 )
-@click.option(
-    "--points",
-    type=int,
+@option(
+    "points",
     default=1,
     show_default=True,
     help="Times to count at; the last is the end.",
 )
-@click.option(
-    "--method", default="auto", show_default=True, metavar="auto|taylor|DOP853", help="Integrator."
+@option(
+    "method", default="auto", show_default=True, metavar="auto|taylor|DOP853", help="Integrator."
 )
-@click.option("--t-end", type=SECONDS, help="End time in seconds.  [default: the scene's]")
-@click.option("--rtol", type=float, help="Relative tolerance.  [default: the scene's]")
+@options("t_end", "rtol")
 @click.option(
-    "--out", "store", type=click.Path(path_type=Path), help="Folder for all trajectories, in chunks; "
+    "--out", "store", type=FOLDER, help="Folder for all trajectories, in chunks; "
     "a run that broke off goes on there.",
 )  # fmt: skip
 @click.option(
@@ -106,20 +96,18 @@ def _distributions() -> Rows:
 @click.option(
     "--cluster", metavar="local|ADDRESS", help="Run on a Dask cluster instead of in threads."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@option("json")
 def ensemble(
-    scene: str, t_end: float | None, rtol: float | None, as_json: bool, **options: Any
+    scene: str, t_end: float | None, rtol: float | None, as_json: bool, **given: Any
 ) -> None:
     """Integrate SCENE from many starts and with many parameters, and print statistics.
 
     Trajectories are kept only with --out. The same seed gives the same numbers, whatever the threads.
     """
     chosen = scene_of(scene, t_end=t_end, rtol=rtol)
-    shares = _shares(options.pop("quantiles"))
-    plan = _plan(
-        options.pop("samples"), options.pop("vary"), options.pop("count"), options.pop("seed")
-    )
-    found = _run(chosen, plan, quantiles=bool(shares), **options)
+    shares = _shares(given.pop("quantiles"))
+    plan = _plan(given.pop("samples"), given.pop("vary"), given.pop("count"), given.pop("seed"))
+    found = _run(chosen, plan, quantiles=bool(shares), **given)
     if as_json:
         click.echo(json.dumps(_data(found, plan, shares), indent=1))
     else:
@@ -152,6 +140,12 @@ def _plan(file: Path | None, vary: Sequence[str], count: int | None, seed: int |
     varied = {**given.get("vary", {}), **own}
     if not varied:
         raise InputError("nothing varies", hint="--vary NAME=DISTRIBUTION, or --samples FILE.toml")
+    if twice := sorted(
+        {n.strip() for names in varied for n in names.split(",")} & {*chosen_values()}
+    ):
+        raise InputError(
+            f"{twice[0]} is set, and varied", where="--set and --vary", hint="leave one out"
+        )
     return _Plan(
         varied,
         given.get("count", 0) if count is None else count,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.options import option
 from eom.commands.shared import Rows, WithTable, progress_of, report_files, waiting_for
 from eom.errors import InputError, unknown_name
 
@@ -29,7 +30,7 @@ def _slips() -> Rows:
 @click.command(cls=WithTable, title="Slips for --slip", rows=_slips)
 @click.argument("topic", metavar="[TOPIC]", default="")
 @click.option("--list", "listed", is_flag=True, help="List the topics, by groups.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Which exercise; any number.")
+@option("seed", help="Which exercise; any number.")
 @click.option(
     "--count",
     type=click.IntRange(1, MOST),
@@ -37,11 +38,9 @@ def _slips() -> Rows:
     show_default=True,
     help="So many exercises, of this seed and the next ones.",
 )
-@click.option(
-    "--as",
+@option(
     "style",
     default="markdown",
-    show_default=True,
     metavar="markdown|moodle",
     help="Format; moodle: questions as Moodle XML, with STACK where the answer is an expression.",
 )
@@ -74,14 +73,12 @@ def _slips() -> Rows:
     show_default=True,
     help="Front matter that says what symbols mean, so that eom check can judge the page.",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=None,
+@option(
+    "folder",
     metavar="FOLDER",
     help="Write page and key, or the questions, to files there.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print lines, key and pages as JSON.")
+@option("json", help="Print lines, key and pages as JSON.")
 def exercise(
     topic: str,
     listed: bool,
@@ -99,7 +96,7 @@ def exercise(
     from it. Of several exercises --out also writes a sheet with all solutions. The same topic and seed
     give the same exercise. Example: eom exercise euler-equations --seed 3 --out sheet
     """
-    out, as_json = rest.pop("out"), rest.pop("as_json")
+    out, as_json = rest.pop("folder"), rest.pop("as_json")
     if listed:
         _list(as_json)
         return
@@ -157,6 +154,7 @@ def _printed(made: list[Exercise], style: str, key: bool, lexicon: bool) -> str:
 
 
 def _written(made: list[Exercise], style: str, lexicon: bool, out: Path) -> list[Path]:
+    from codegen.compiling.compiled import write_files
     from eom.exercises import marker, moodle, solutions, student
 
     texts: dict[str, str] = {}
@@ -168,10 +166,7 @@ def _written(made: list[Exercise], style: str, lexicon: bool, out: Path) -> list
         texts[f"{made[0].asked.lesson.topic}-{made[0].asked.seed}-solutions.md"] = solutions(made)
     if style == "moodle":
         texts[f"{made[0].asked.lesson.topic}-{made[0].asked.seed}.xml"] = moodle(made)
-    out.mkdir(parents=True, exist_ok=True)
-    for file, text in texts.items():
-        (out / file).write_text(text, encoding="utf-8")
-    return [out / file for file in texts]
+    return write_files(texts, out)
 
 
 def _print_json(made: list[Exercise]) -> None:

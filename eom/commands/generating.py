@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.options import option, options, scene_argument, spelt, writable
 from eom.commands.shared import (
     Rows,
     WithTable,
@@ -16,9 +17,7 @@ from eom.commands.shared import (
     compiling,
     progress_of,
     report_files,
-    scene_argument,
     scene_of,
-    target_option,
     waiting_for,
 )
 from eom.errors import InputError
@@ -26,6 +25,9 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from codegen.loops.written import Choice
     from eom.opening import AnyScene
+
+UNIT = ".fmu"
+"""Ending of a functional mock-up unit, which is a file."""
 
 
 def _integrators() -> Rows:
@@ -36,10 +38,9 @@ def _integrators() -> Rows:
 
 @click.command(cls=WithTable, title="Integrators", rows=_integrators)
 @scene_argument
-@click.option(
-    "--target",
+@option(
+    "target",
     default="c",
-    show_default=True,
     metavar="c|c_f32|c_lanes|numpy|python|javascript|jax|matlab|fmu",
     help="Language.",
 )
@@ -48,10 +49,8 @@ def _integrators() -> Rows:
     metavar="NAME",
     help="Written beside the targets c and javascript; see below.  [default for c: dop853]",
 )
-@click.option(
-    "--rtol",
-    type=float,
-    default=None,
+@option(
+    "rtol",
     help="Tolerance that taylor's order suits.  [default: the scene's]",
 )
 @click.option(
@@ -63,19 +62,20 @@ def _integrators() -> Rows:
     metavar="NAME",
     help="Of the target fmu: x86_64-linux, x86_64-windows, aarch64-darwin, ...  [default: this one]",
 )
-@click.option("--out", "folder", type=click.Path(path_type=Path), help="Folder to write to.")
+@option(
+    "folder",
+    type=click.Path(path_type=Path),
+    help="Folder to write to; of the target fmu also FILE.fmu.",
+)
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
 @click.option("--report", is_flag=True, help="Print operations by stage and kind, and file sizes.")
-@click.option("--stable", is_flag=True, help="Apply every identity against cancellation.")
-@click.option(
-    "--jacobian", multiple=True, metavar="states|parameters|inputs|time", help="Also derivatives."
-)
+@options("stable", "jacobian")
 @click.option(
     "--closed-form",
     is_flag=True,
     help="Instead: the motion of the scene's values in closed form, in C, where one is known.",
 )
-def generate(scene: str, folder: Path | None, **options: Any) -> None:
+def generate(scene: str, folder: Path | None, **given: Any) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
@@ -84,19 +84,21 @@ def generate(scene: str, folder: Path | None, **options: Any) -> None:
     fmu (a functional mock-up unit with its integrator, for Simulink and Modelica tools).
     --out may be left out with --report.
     """
-    if folder is None and not options["report"]:
+    if folder is None and not given["report"]:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
-    chosen = scene_of(scene, rtol=options["rtol"])
-    unit = {name: options.pop(name) for name in ("fmi", "platform")}
-    if options["target"] == "fmu":
-        _write_fmu(chosen, folder, options, **unit)
+    if folder is not None:
+        writable(folder, "--out", folder=folder.suffix != UNIT)
+    chosen = scene_of(scene, rtol=given["rtol"])
+    unit = {name: given.pop(name) for name in ("fmi", "platform")}
+    if given["target"] == "fmu":
+        _write_fmu(chosen, folder, given, **unit)
         return
-    _refuse_options(unit, f"--target {options['target']}")
-    if options.pop("closed_form"):
+    _refuse_options(unit, f"--target {given['target']}")
+    if given.pop("closed_form"):
         files = partial(_closed_form_files, chosen)
-        _write_alone(files, "--closed-form", folder, options)
+        _write_alone(files, "--closed-form", folder, given)
     else:
-        _generate(chosen, folder, **options)
+        _generate(chosen, folder, **given)
 
 
 def _generate(
@@ -181,30 +183,30 @@ def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
 def _choice(name: str | None, scene: AnyScene) -> Choice | None:
     from codegen.loops.written import Choice
 
-    return None if name is None else Choice(name, scene.integration.rtol)
+    if name is None:
+        return None
+    return Choice(spelt(name, [row for row, _ in _integrators()]), scene.integration.rtol)
 
 
 @click.command()
 @scene_argument
-@target_option
+@options("target", "t_end")
 @click.option("--samples", type=int, default=None, help="Random points.  [default: 200]")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the random points.")
+@option("seed", help="Of the random points.")
 @click.option(
     "--range", "ranges", multiple=True, metavar="NAME=LOW:HIGH", help="Where; or NAME=VALUE."
 )
-@click.option(
-    "--jacobian", multiple=True, metavar="states|parameters|inputs|time", help="Also derivatives."
-)
-@click.option("--stable", is_flag=True, help="Apply every identity against cancellation.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
-def accuracy(scene: str, target: str, stable: bool, as_json: bool, **options: Any) -> None:
+@options("jacobian", "stable", "json")
+def accuracy(
+    scene: str, target: str, t_end: float | None, stable: bool, as_json: bool, **given: Any
+) -> None:
     """Measure the error of every result of SCENE against 50 digits, and name its cause."""
     from codegen.precision import accuracy_report
 
-    chosen = scene_of(scene)
+    chosen = scene_of(scene, t_end=t_end)
     values = chosen.initial_values() | chosen.parameter_values() | chosen.input_values()
-    options["values"] = values | {"t": chosen.integration.t_end}
+    given["values"] = values | {"t": chosen.integration.t_end}
     compiled = compiled_of(chosen, target, stable)
     with progress_of("measuring") as progress:
-        report = accuracy_report.measured(compiled, progress=progress, **options)
+        report = accuracy_report.measured(compiled, progress=progress, **given)
     accuracy_report.show(report, as_json)

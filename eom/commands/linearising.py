@@ -9,13 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import (
-    compiling,
-    scene_argument,
-    scene_of,
-    target_option,
-    waiting_for,
-)
+from eom.commands.options import option, options, scene_argument
+from eom.commands.shared import compiling, finite, scene_of, waiting_for
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,14 +23,7 @@ MOST_PLACES = 300
 
 @click.command("linearise")
 @scene_argument
-@click.option(
-    "--at",
-    "held",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="A value that a state, an output or a constant of the motion must have: a number, one with a "
-    "unit, or a formula over parameters, such as 90 deg or pi/2.  [default: free]",
-)
+@option("at")
 @click.option("--cyclic", multiple=True, metavar="STATE", help="A state that may run.")
 @click.option("--free", multiple=True, metavar="INPUT", help="An input that is looked for (trim).")
 @click.option(
@@ -46,9 +34,8 @@ MOST_PLACES = 300
     help="Quaternions lose one state, or become three small angles.",
 )  # fmt: skip
 @click.option("--starts", default=24, show_default=True, help="Points that are tried.")
-@click.option("--seed", default=0, show_default=True, help="Of the points after the first.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
-@target_option
+@option("seed", help="Of the points after the first.")
+@options("json", "target")
 def linearise(
     scene: str,
     held: Sequence[str],
@@ -79,7 +66,7 @@ def linearise(
         )  # fmt: skip
         near = codegen.linearise_about(compiled, point, constraints=keep, attitude=attitude)
     if as_json:
-        click.echo(json.dumps(data(near, compiled.layout.name), indent=2, allow_nan=False))
+        click.echo(json.dumps(finite(data(near, compiled.layout.name)), indent=2, allow_nan=False))
     else:
         click.echo(text(near))
 
@@ -105,7 +92,7 @@ def _value(
 
 
 def data(near: LinearMotion, name: str) -> dict[str, Any]:
-    """Return everything as plain values: matrices by rows, eigenvalues as (real, imaginary)."""
+    """Return everything as values: matrices by rows, eigenvalues as (real, imaginary)."""
     point, verdict = near.point, near.stability
     return {
         "system": name,
@@ -114,9 +101,9 @@ def data(near: LinearMotion, name: str) -> dict[str, Any]:
         "outputs": list(near.outputs),
         **{letter: getattr(near, letter).tolist() for letter in "ABCD"},
         "eigenvalues": [[float(v.real), float(v.imag)] for v in near.eigenvalues],
-        "errors": [_finite(e) for e in near.errors],
-        "stability": {"kind": verdict.kind, "growth": verdict.growth, "error": _finite(verdict.error)},
-        "agreement": _finite(near.agreement),
+        "errors": list(near.errors),
+        "stability": {"kind": verdict.kind, "growth": verdict.growth, "error": verdict.error},
+        "agreement": near.agreement,
         "doubtful": list(near.doubtful),
         "eliminated": {k: dict(v) for k, v in near.eliminated.items()},
         "cyclic": dict(point.rates or {}),
@@ -126,10 +113,6 @@ def data(near: LinearMotion, name: str) -> dict[str, Any]:
             "worst": point.worst, "rank": point.rank, "unknowns": point.unknowns,
         },
     }  # fmt: skip
-
-
-def _finite(x: float) -> float | None:
-    return float(x) if abs(x) < float("inf") else None
 
 
 def text(near: LinearMotion) -> str:

@@ -6,6 +6,7 @@ import json
 
 import click
 
+from eom.commands.options import option
 from eom.scenes import catalogue
 
 WIDE = 120
@@ -13,7 +14,7 @@ WIDE = 120
 
 
 @click.command("list")
-@click.option("--json", "as_json", is_flag=True, help="Print names and titles as JSON.")
+@option("json", help="Print names and titles as JSON.")
 def list_names(as_json: bool) -> None:
     """List the scenes and derivations that ship with the package."""
     from eom import derivations

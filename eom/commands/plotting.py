@@ -8,15 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import (
-    SECONDS,
-    Rows,
-    WithTable,
-    progress_of,
-    reading_options,
-    report_files,
-    scene_of,
-)
+from eom.commands.options import SCENE, chosen_values, option, options
+from eom.commands.shared import Rows, WithTable, progress_of, report_files, scene_of
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -31,7 +24,7 @@ def _pictures() -> Rows:
 
 @click.command(cls=WithTable, title="Pictures", rows=_pictures)
 @click.argument("scene", metavar="[SCENE]", default="")
-@reading_options
+@options(*SCENE)
 @click.option(
     "--what",
     "names",
@@ -39,11 +32,8 @@ def _pictures() -> Rows:
     metavar="NAME[,NAME]",
     help="Pictures, of those below; several stand below each other.  [default: what suits the scene]",
 )
-@click.option(
-    "--out",
+@option(
     "file",
-    type=click.Path(path_type=Path),
-    default=None,
     help="File .png, .svg, .pdf, or .html to turn by hand.  [default: SCENE-NAME.png]",
 )
 @click.option(
@@ -55,14 +45,14 @@ def _pictures() -> Rows:
 @click.option(
     "--omega", metavar="W1,W2,W3", default="", help="Its angular velocity at t = 0, rad/s."
 )
-@click.option("--seconds", type=SECONDS, default=None, help="Time that is drawn.")
-@click.option("--points", type=click.IntRange(2, 1_000_000), default=None, help="Number of times.")
+@option("t_end", help="Time that is drawn, in seconds or with a unit.  [default: the scene's]")
+@option("points", type=click.IntRange(2, 1_000_000), help="Number of times.")
 @click.option("--size", metavar="WxH", default="", help="Width and height in inches, as 6x4.")
 @click.option(
     "--dpi", type=float, default=150.0, show_default=True, help="Pixels an inch, of .png."
 )
 @click.option("--list", "listed", is_flag=True, help="List the pictures, or those SCENE can have.")
-def plot(scene: str, names: str, file: Path | None, listed: bool, **options: Any) -> None:
+def plot(scene: str, names: str, file: Path | None, listed: bool, **given: Any) -> None:
     """Draw pictures of SCENE: for print by Matplotlib, or as a page to turn by hand.
 
     Examples: eom plot t-handle --out polhodes.svg; eom plot --moments 1,2,3 --omega 0.1,2,0.1 --what cones
@@ -70,24 +60,26 @@ def plot(scene: str, names: str, file: Path | None, listed: bool, **options: Any
     from eom.views import gallery
     from eom.views.draw.saving import kind_of, save
 
-    if listed and not (scene or options["moments"]):
+    if listed and not (scene or given["moments"]):
         _list(tuple(gallery.PICTURES))
         return
-    chosen = _chosen(scene, options["moments"], options["omega"])
+    chosen = _chosen(scene, given["moments"], given["omega"])
     if listed:
         _list(gallery.available(chosen))
         return
-    size = _size(options["size"])
-    seconds = _seconds(options["seconds"])
+    size = _size(given["size"])
+    seconds = _seconds(given["t_end"])
     asked = [n.strip() for n in names.split(",") if n.strip()] or [gallery.default(chosen)]
     target = file or Path(f"{_stem(scene)}-{asked[0]}.png")
     kind_of(target)  # before any work
     with progress_of("drawing") as progress:
-        ask = gallery.Ask(chosen, seconds, options["points"], lambda done: progress(0.7 * done))
+        ask = gallery.Ask(chosen, seconds, given["points"], lambda done: progress(0.7 * done))
         picture = gallery.pictures(asked, ask)
         progress(0.7)
-        saved = save(picture, target, size, options["dpi"])
+        saved = save(picture, target, size, given["dpi"])
     report_files([saved])
+    if picture.notice:
+        click.echo(f"note: {picture.notice}", err=True)
 
 
 def _list(names: tuple[str, ...]) -> None:
@@ -111,6 +103,8 @@ def _chosen(scene: str, moments: str, omega: str) -> AnyScene:
         return scene_of(scene)
     from eom.scenes.scene import Scene
 
+    if chosen_values():
+        raise InputError("--set is for scenes", where="eom plot", hint="change --moments, --omega")
     rates = zip(("omega_1", "omega_2", "omega_3"), _three(omega, "--omega"), strict=True)
     return Scene(
         name="body",
@@ -146,7 +140,7 @@ def _seconds(given: float | None) -> float | None:
     import math
 
     if given is not None and not 0 < given < math.inf:
-        raise InputError("no time to draw", where="--seconds", got=given, expected="above 0")
+        raise InputError("no time to draw", where="--t-end", got=given, expected="above 0")
     return given
 
 

@@ -1,4 +1,4 @@
-"""What several commands have in common: their arguments, scenes with options, progress.
+"""What several commands have in common: scenes with options, progress, numbers as JSON.
 
 Events of `eom simulate`: how they are spelt, and how what was found is printed.
 """
@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.errors import InputError, printable
+from eom.commands.options import chosen_values, read_as
+from eom.errors import InputError, near_matches, printable
 
 if TYPE_CHECKING:
     from codegen import Compiled, Event, Result
@@ -27,84 +28,8 @@ Rows = list[tuple[str, str]]
 QUIET_SECONDS = 0.5
 """Work that is shorter shows no progress bar."""
 
-READING = {"lenient": "eom.lenient", "floating": "eom.floating"}
-"""Options of reading a robot, by where the context of a command keeps them for `scene_of`."""
-
-
-def _kept(context: click.Context, option: click.Parameter, given: bool) -> None:
-    context.meta[READING[str(option.name)]] = given
-
-
-def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of reading a robot to a command that opens scenes by `scene_of`."""
-    lenient = click.option(
-        "--lenient",
-        is_flag=True,
-        expose_value=False,
-        callback=_kept,
-        help="Of a .urdf or .xml file: mend what no body or tree is, and print what was done.",
-    )
-    floating = click.option(
-        "--floating",
-        is_flag=True,
-        expose_value=False,
-        callback=_kept,
-        help="Of a .urdf or .xml file: free the root link of the ground.",
-    )
-    return lenient(floating(command))
-
-
-def read_as() -> dict[str, bool | None]:
-    """Return the options of reading a robot by name: True where they were given, else None."""
-    meta = click.get_current_context().meta
-    return {f"--{name}": meta.get(key) or None for name, key in READING.items()}
-
-
-def scene_argument(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the argument SCENE to a command, with the options of reading a robot."""
-    return click.argument("scene", metavar="SCENE")(reading_options(command))
-
-
-class _Seconds(click.types.FloatParamType):
-    """A number of seconds, or a time in another unit, as "2 min"."""
-
-    name = "float"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """Return it in seconds. Raises `InputError` for what is no time."""
-        from eom.units import in_unit, nearest
-
-        found = in_unit(value, "s", param.opts[0]) if isinstance(value, str) else None
-        return super().convert(value, param, ctx) if found is None else nearest(found)
-
-
-SECONDS = _Seconds()
-"""What options of times take."""
-
-
-target_option = click.option(
-    "--target",
-    default="auto",
-    show_default=True,
-    metavar="c|numpy|python|jax|auto",
-    help="What to compile for.",
-)
 EVERY = "all"
 """The word for every constant of the motion."""
-project_option = click.option(
-    "--project",
-    multiple=True,
-    metavar="all|NAME",
-    help="Keep these constants of the motion after each step, as T, H or q_norm.",
-)
-
-
-integrate_option = click.option(
-    "--integrate",
-    default=None,
-    metavar="quaternion",
-    help="Integrate a scene in angles in a quaternion, and show its angles.  [default: the scene's]",
-)
 
 
 class WithTable(click.Command):
@@ -124,7 +49,8 @@ class WithTable(click.Command):
 def scene_of(name: str, **options: Any) -> AnyScene:
     """Return a ready scene or one from a file, with the options that were given.
 
-    What lenient reading did goes to standard error.
+    Options of reading a robot and values to set are those of the command. What lenient reading did goes to
+    standard error.
     """
     from eom.multibody.files.scene import repair_notes
     from eom.opening import load_scene
@@ -133,13 +59,24 @@ def scene_of(name: str, **options: Any) -> AnyScene:
     scene = load_scene(name, strict=not asked["--lenient"], floating=bool(asked["--floating"]))
     for line in repair_notes(getattr(scene, "repairs", ())):
         click.echo(f"note: {line}", err=True)
+    if values := chosen_values():
+        try:
+            scene = scene.with_values(values)
+        except InputError as error:
+            raise error.at(f"{name}: --set: {error.where}") from None
     changed = {k: v for k, v in options.items() if v is not None}
     if not changed:
         return scene
     own = {k: changed.pop(k) for k in _OF_THE_SCENE if k in changed}
     if changed:
         own["integration"] = {**scene.integration.model_dump(exclude_unset=True), **changed}
-    return scene.changed(**own)
+    try:
+        return scene.changed(**own)
+    except InputError as error:
+        section, _, key = error.where.rpartition(".")
+        if section != "integration" or key not in options:
+            raise
+        raise error.at(f"--{key.replace('_', '-')}") from None
 
 
 _OF_THE_SCENE = ("integrate",)
@@ -153,10 +90,21 @@ def methods() -> Rows:
     return [(row.name, row.meaning) for row in ROWS]
 
 
+_HTML = (
+    "html is for derivations, and for scenes of many bodies with --method; eom live and eom animate write "
+    "scenes as pages"
+)
+
+
 def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
     """Print the equations of a scene and, if asked for, what they leave out."""
-    from eom.typeset.printing import show
+    from eom.typeset.printing import FORMATS, show
 
+    if style not in FORMATS:
+        raise InputError(
+            f"equations of a scene are not written as {style}", where=f"{scene.name}: --as",
+            expected=", ".join(FORMATS), hint=_HTML if style == "html" else near_matches(style, FORMATS),
+        )  # fmt: skip
     with waiting_for("deriving"):
         shown = show(scene.derive(), style)
         left_out = scene.explain() if explain and style == "text" else ""
@@ -248,22 +196,16 @@ def report_files(files: list[Path], *, err: bool = False) -> None:
 
 
 def finite(values: Any) -> Any:
-    """Return numbers, or nested rows of them, as JSON has them: null where they are not finite."""
+    """Return data as JSON has them, at all depths: null where numbers are not finite, rows as lists."""
+    if isinstance(values, Mapping):
+        return {name: finite(v) for name, v in values.items()}
     if isinstance(values, list | tuple):
         return [finite(v) for v in values]
+    if values is None or isinstance(values, str | bool | int):
+        return values
     return float(values) if math.isfinite(values) else None
 
 
-event_option = click.option(
-    "--event",
-    "events",
-    multiple=True,
-    metavar='"EXPR [rising|falling] [stop [N]]"',
-    help=(
-        "Print when EXPR, over states, parameters, outputs and t, is zero: where it rises or falls "
-        'alone, with stop also end the run there, or at the Nth.  As: --event "theta - 0.5 rising stop".'
-    ),
-)
 _DIRECTIONS = {"rising": 1, "falling": -1}
 _END = re.compile(
     r"^(?P<text>.*?)(?:\s+(?P<direction>rising|falling))?(?:\s+(?P<stop>stop)(?:\s+(?P<times>\S+))?)?\s*$",

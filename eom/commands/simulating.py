@@ -12,25 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.options import FILE, PLAN, option, options, scene_argument
 from eom.commands.shared import (
     EVERY,
-    SECONDS,
     WithTable,
     compiled_of,
-    event_option,
     events_of,
     finite,
-    integrate_option,
     methods,
     news,
     print_equations,
     progress_of,
-    project_option,
     report_files,
     rows,
-    scene_argument,
     scene_of,
-    target_option,
     waiting_for,
 )
 from eom.errors import InputError
@@ -115,62 +110,18 @@ def _times(scene: AnyScene) -> list[float]:
     return [*(plan.t_end * k / (plan.points - 1) for k in range(plan.points - 1)), plan.t_end]
 
 
-accuracy_option = click.option(
-    "--accuracy/--no-accuracy",
-    "estimated",
-    default=True,
-    help="Estimate the error of every state by a second run of another kind.",
-)
-
-
 @click.command(cls=WithTable, title="Methods", rows=methods)
 @scene_argument
-@click.option(
-    "--method", default=None, help="Integrator, one of those below.  [default: the scene's]"
-)
-@click.option(
-    "--t-end",
-    type=SECONDS,
-    default=None,
-    help='End time in seconds, or with a unit, as "2 min".  [default: the scene\'s]',
-)
-@click.option(
-    "--rtol", type=float, default=None, help="Relative tolerance.  [default: the scene's]"
-)
-@click.option(
-    "--points", type=int, default=None, help="Number of stored times.  [default: the scene's]"
-)
-@click.option(
-    "--max-step",
-    type=SECONDS,
-    default=None,
-    help="Longest step in seconds: a pulse or another narrow feature of the rates may be stepped over "
-    "unless this is shorter.  [default: the scene's, else any]",
-)
-@click.option(
-    "--max-steps", type=int, default=None, help="Steps to try at most.  [default: the scene's]"
-)
-@integrate_option
-@project_option
-@event_option
-@target_option
-@click.option(
-    "--out",
-    "file",
-    type=click.Path(path_type=Path),
-    default=None,
-    help="Save to FILE.npz or FILE.csv.",
-)
+@options(*PLAN, "integrate", "project", "event", "target")
+@option("file", help="Save to FILE.npz or FILE.csv.")
 @click.option(
     "--plot",
-    type=click.Path(path_type=Path),
+    type=FILE,
     default=None,
     help="Draw to FILE.png, .svg or .pdf, or to FILE.html to turn by hand.",
 )
-@accuracy_option
-@click.option(
-    "--json", "as_json", is_flag=True, help="Print the trajectory and all that is printed as JSON."
-)
+@option("accuracy")
+@option("json", help="Print the trajectory and all that is printed as JSON.")
 def simulate(
     scene: str,
     target: str,
@@ -180,7 +131,7 @@ def simulate(
     events: tuple[str, ...],
     as_json: bool,
     estimated: bool,
-    **options: Any,
+    **plan: Any,
 ) -> None:
     """Integrate SCENE; print steps, time, accuracy, drift of the constants and distance from singularities.
 
@@ -194,7 +145,7 @@ def simulate(
         export.check_kind(file)
     if plot is not None:
         _check_picture(plot)
-    chosen = scene_of(scene, **options)
+    chosen = scene_of(scene, **plan)
     job = job_of(chosen, target, project, events)
     result = _simulate(job)
     _save(job, result, file, plot, err=as_json)
@@ -206,29 +157,25 @@ def simulate(
     _end(result)
 
 
-@click.command()
+@click.command(cls=WithTable, title="Methods", rows=methods)
 @scene_argument
-@click.option(
-    "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
-)
-@integrate_option
-@project_option
-@accuracy_option
-@target_option
+@option("folder", required=True)
+@options(*PLAN, "integrate", "project", "event", "accuracy", "target")
 def run(
     scene: str,
     folder: Path,
     target: str,
-    integrate: str | None,
     project: tuple[str, ...],
+    events: tuple[str, ...],
     estimated: bool,
+    **plan: Any,
 ) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
     from codegen.compiling.compiled import write_files
     from eom.views.draw.saving import can_write
 
-    chosen = scene_of(scene, integrate=integrate)
-    job = job_of(chosen, target, project)
+    chosen = scene_of(scene, **plan)
+    job = job_of(chosen, target, project, events)
     print_equations(chosen, "text", explain=True)
     click.echo()
     report_files(write_files(job.files, folder))
@@ -287,6 +234,8 @@ def _draw(job: Job, result: Result, file: Path) -> list[Path]:
     except InputError as error:
         click.echo(f"note: no picture: {error.what}", err=True)
         return []
+    if picture.notice:
+        click.echo(f"note: {picture.notice}", err=True)
     return [save(picture, file)]
 
 

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.options import METHOD, option
 from eom.commands.shared import Rows, WithTable, progress_of, report_files
 from eom.errors import InputError
 
@@ -47,21 +48,23 @@ def _checks() -> Rows:
 @click.command(cls=WithTable, title="Checks", rows=_checks)
 @click.argument("names", metavar="[CHECK]...", nargs=-1)
 @click.option(
-    "--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable."
+    "--method",
+    "methods",
+    type=METHOD,
+    multiple=True,
+    metavar="M",
+    help="Only this method; repeatable.",
 )
 @click.option("--quick", is_flag=True, help="Fewer and shorter runs: about two minutes.")
 @click.option(
     "--full", is_flag=True, help="1e6 rotations, whole problems, 1000 scenes: half an hour."
 )
-@click.option(
-    "--out",
+@option(
     "folder",
-    type=click.Path(path_type=Path),
-    default=None,
     help="Folder for the table as stress.txt and all figures as stress.json.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of starts and scenes.")
-@click.option("--json", "as_json", is_flag=True, help="Print all figures as JSON, not the table.")
+@option("seed", help="Of starts and scenes.")
+@option("json", help="Print all figures as JSON, not the table.")
 def stress(
     names: tuple[str, ...],
     methods: tuple[str, ...],

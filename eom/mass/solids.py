@@ -293,11 +293,15 @@ def check_sizes(name: str, sizes: Mapping[str, float], where: str = "sizes") -> 
     """Raise `InputError` unless ``sizes`` (m) are those of the solid, positive and possible."""
     solid = _solid(name, where)
     if set(sizes) != set(solid.sizes):
+        missing = [n for n in solid.sizes if n not in sizes]
+        spare = [n for n in sizes if n not in solid.sizes]
+        named = ", ".join((*(f"{n} is missing" for n in missing), *(f"{n} is none" for n in spare)))
         raise InputError(
-            f"sizes of a {name}",
+            f"the sizes of a {name} do not fit: {named}",
             where=where,
             got=", ".join(sizes) or "none",
             expected=", ".join(solid.sizes),
+            hint="size = { " + ", ".join(f"{n} = 0.1" for n in solid.sizes) + " }, in m",
         )
     for size, value in sizes.items():
         if not (math.isfinite(value) and value > 0):

@@ -31,7 +31,7 @@ from eom.rotations import (
     quaternion_of_matrix,
     transpose,
 )
-from eom.scenes.description import inertia_values, principal_values
+from eom.scenes.description import inertia_values, of_norm_one, principal_values
 from eom.scenes.start import pick, states
 
 if TYPE_CHECKING:
@@ -213,25 +213,17 @@ def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -
     """Return C, in the house's convention, of a unit quaternion.
 
     ``q``: four numbers, in a ``convention``, scalar first or last as it says. C as of `attitude_of_matrix`.
-    Raises `InputError` for a norm that is not 1, to 1e-9. Source: Hughes, Spacecraft Attitude Dynamics
-    (1986), eq. 2.2-27; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+    Raises `InputError` for a norm that is not 1, to 1e-9 or to the rounding of its decimals. Source:
+    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27; Shuster, J. Astronaut. Sci. 41 (1993) 439.
 
     >>> attitude_of_quaternion((0, 0, 1, 0), book("hughes"))[0]  # half a turn about axis 3
     (-1.0, 0.0, 0.0)
     """
     if len(q) != 4:
         raise InputError("a quaternion has four components", where="quaternion", got=len(q))
-    norm = math.sqrt(dot(q, q))
-    if not abs(norm - 1) <= ALMOST:
-        raise InputError(
-            "the quaternion is no rotation",
-            where="quaternion",
-            got=f"norm {norm:.12g}",
-            expected="1",
-            hint="divide by the norm",
-        )
-    s, *v = (q[3], *q[:3]) if convention.scalar == "last" else q
-    return _in_axes(matrix_of_quaternion([x / norm for x in (s, *v)]), convention, back=True)
+    unit = of_norm_one(q, "quaternion")
+    s, *v = (unit[3], *unit[:3]) if convention.scalar == "last" else unit
+    return _in_axes(matrix_of_quaternion([s, *v]), convention, back=True)
 
 
 def attitude_of_angles(angles: Sequence[float], convention: Convention = HOUSE) -> Matrix:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from typing import Annotated, Any, Literal
 
 import pydantic
@@ -571,11 +572,39 @@ def check_initial_attitude(initial: InitialAttitude, where: str) -> None:
     if initial.sequence not in SEQUENCES:
         raise unknown_name("rotation sequence", initial.sequence, SEQUENCES, where)
     if initial.quaternion is not None:
-        norm = math.hypot(*initial.quaternion)
-        if abs(norm - 1) > 1e-9:
-            raise InputError(
-                "quaternion does not have unit norm",
-                where=where,
-                got=f"norm {norm!r}",
-                expected="1 to within 1e-9",
-            )
+        of_norm_one(initial.quaternion, where)
+
+
+ALMOST = 1e-9
+"""How far from 1 the norm of a quaternion may be that is computed."""
+FEWEST = 3
+"""Decimals from which on a quaternion is taken as rounded."""
+
+
+def of_norm_one(q: Sequence[float], where: str) -> tuple[float, ...]:
+    """Return a quaternion that is off by the rounding of its numbers, normalised.
+
+    Of numbers with so many decimals, three or more, the norm is off by half a unit of the last one at
+    most, times the square root of four. Raises `InputError` for other norms, with the quaternion divided by
+    its norm.
+    """
+    norm = math.hypot(*q)
+    decimals = max(_decimals(x) for x in q)
+    rounding = 10.0**-decimals if decimals >= FEWEST else 0.0
+    if not abs(norm - 1) <= max(ALMOST, 1.001 * rounding):
+        divided = ", ".join(f"{x / norm:.10g}" for x in q) if 0 < norm < math.inf else ""
+        raise InputError(
+            "a quaternion without unit norm is no rotation",
+            where=where,
+            got=f"norm {norm!r}",
+            expected=f"1 to within {ALMOST:g}, or to the rounding of three decimals or more",
+            hint=(f"divide by the norm: {divided}; or" if divided else "give")
+            + " angles in [initial_attitude]",
+        )
+    return tuple(x / norm for x in q) if norm != 1 else tuple(q)
+
+
+def _decimals(x: float) -> int:
+    """Return how many decimals a number has that is written with as few digits as name it."""
+    exponent = Decimal(repr(float(x))).normalize().as_tuple().exponent
+    return max(0, -exponent) if isinstance(exponent, int) else 0

@@ -6,7 +6,7 @@ what was skipped and why. Every formula in a scene is read by the restricted par
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from typing import Any, Self
 
@@ -18,6 +18,7 @@ from eom.kinematics.coordinates import attitude
 from eom.mechanics.torques import Torque
 from eom.scenes import assembly, start
 from eom.scenes.description import Body, Description, check
+from eom.scenes.given import Place
 from eom.scenes.reduce import Pass
 from eom.scenes.scene_files import BaseScene
 from eom.system import System
@@ -125,11 +126,32 @@ class Scene(BaseScene, Description):
 
         Raises `InputError` for missing ones, and for an attitude that is no rotation.
         """
-        values, names = self.start, self.derive().state_names
-        for angles in self.full_system.angles if self.integrate else ():
-            if set(angles.quaternion) & {*names} - {*values}:
-                names = angles.names  # what the scene would give
-        return start.pick(values, names, "initial value", "[initial]")
+        with self._told():
+            values, names = self.start, self.derive().state_names
+            for angles in self.full_system.angles if self.integrate else ():
+                if set(angles.quaternion) & {*names} - {*values}:
+                    names = angles.names  # what the scene would give
+            return start.pick(
+                values, names, "initial value", "[initial]", start.attitude_names(self)
+            )
+
+    def _places(self) -> Mapping[str, Place]:
+        return start.places(self)
+
+    def _starting(self) -> Collection[str]:
+        full = self.full_system
+        return (*full.state_names, *full.output_names, *self.control.stepped)
+
+    def _started(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        groups = start.attitude_groups(self)
+        chosen: tuple[str, ...] = next((g for g in groups if {*g} & {*values}), ())
+        initial = dict(data.get("initial", {}))
+        if chosen:
+            stated = start.attitude_at_start(self, chosen)
+            initial = {n: v for n, v in initial.items() if not any(n in g for g in groups)}
+            initial |= stated
+            data = {k: v for k, v in data.items() if k != "initial_attitude"}
+        return {**data, "initial": {**initial, **values}}
 
     @property
     def attitudes(self) -> tuple[tuple[str, ...], ...]:

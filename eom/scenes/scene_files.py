@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,7 @@ import sympy as sp
 from eom.displays import display
 from eom.errors import InputError, entries, near_matches, quoted
 from eom.quantities import Quantity
-from eom.scenes import catalogue, parse, reduce
+from eom.scenes import catalogue, given, parse, reduce
 from eom.scenes.description import Control, Request
 from eom.scenes.reduce import Explanation, Pass, Step
 from eom.scenes.start import pick
@@ -67,6 +67,8 @@ class BaseScene(Request):
 
     is_tree: ClassVar[bool] = False
     """Whether its files say so."""
+    _file: ClassVar[str] = ""
+    """The file that it is from; a scene that knows its own has it in its place."""
 
     def __init__(self, /, **data: Any) -> None:
         try:
@@ -114,7 +116,7 @@ class BaseScene(Request):
                     where="model",
                     hint="eom.load_scene opens scenes of every model",
                 )
-            return cls(**data)
+            return cls(**data)._from(str(file))
 
     @classmethod
     def ready(cls, name: str) -> Self:
@@ -131,7 +133,57 @@ class BaseScene(Request):
 
     def changed(self, **changes: Any) -> Self:
         """Return the scene with ``changes``: values by key. Raises `InputError` as its class does."""
-        return type(self)(**{**self.model_dump(exclude_unset=True), **changes})
+        return type(self)(**{**self.model_dump(exclude_unset=True), **changes})._from(self._file)
+
+    def with_values(self, values: Mapping[str, float | str]) -> Self:
+        """Return the scene with other ``values`` of parameters, inputs and initial values, by name.
+
+        Numbers in SI units, or texts: numbers with units, as "30 deg", formulas of numbers, as "pi/2", for
+        initial values also formulas over parameters. Names are those of the scene's systems; values of a
+        body's own, such as I1 or a weight's m and g, too. An attitude coordinate at the start takes the
+        others as they are. What is set under constraints is kept, and the rest made consistent. Raises
+        `InputError` for other names, numbers that follow from others, inputs that follow a law of control,
+        other dimensions, and for what is no scene.
+
+        >>> from eom import load_scene
+        >>> load_scene("double-pendulum").with_values({"q_elbow": "30 deg"}).initial_values()["q_elbow"]
+        0.5235987755982988
+        """
+        places = self._places()
+        data, start = given.placed(self, self.model_dump(exclude_unset=True), values, places)
+        known = self._starting() if start else ()
+        if not {*start} <= {*known}:
+            units = {q.name: q.unit for q in self.derive().inputs}
+            held = {n: given.number_of(start.pop(n), units[n], n) for n in {*start} & {*units}}
+            data["inputs"] = {**data.get("inputs", {}), **held}
+        for name in start:
+            if name not in known:
+                raise given.unknown(name, self, places, known)
+        if start:
+            data = self._started(data, start)
+        return type(self)(**data)._from(self._file)
+
+    def _places(self) -> Mapping[str, given.Place]:
+        """Return where the numbers of its body are said, by name."""
+        return {}
+
+    def _starting(self) -> Collection[str]:
+        """Return the names of what it may start at."""
+        raise NotImplementedError
+
+    def _started(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return its data with other values at the start, of such names."""
+        raise NotImplementedError
+
+    def _from(self, file: str) -> Self:
+        """Return the scene, which from now on knows its file."""
+        if file:
+            self.__dict__["_file"] = file
+        return self
+
+    def _told(self) -> AbstractContextManager[None]:
+        """Put its file before the place of errors, if it is from one."""
+        return in_file(Path(self._file)) if self._file else nullcontext()
 
     def as_stated(self) -> Self:
         """Return the scene over its own coordinates, whatever it is integrated in."""
@@ -280,7 +332,8 @@ class BaseScene(Request):
 
         Raises `InputError` for missing ones, and for an attitude that is no rotation.
         """
-        return pick(self.start, self.derive().state_names, "initial value", "[initial]")
+        with self._told():
+            return pick(self.start, self.derive().state_names, "initial value", "[initial]")
 
     def parameter_values(self) -> dict[str, float]:
         """Return the value of each parameter of `derive`, by name, constants of the motion included.
@@ -288,7 +341,8 @@ class BaseScene(Request):
         SI units. Raises `InputError` for missing ones.
         """
         names = self.derive().parameter_names
-        return pick(self.start | self.numbers, names, "parameter", "[parameters] or [initial]")
+        with self._told():
+            return pick(self.start | self.numbers, names, "parameter", "[parameters] or [initial]")
 
     def input_values(self) -> dict[str, float]:
         """Return the value at which each input of `derive` is held, by name; 0 where none is given.
@@ -367,10 +421,32 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
         last = first["loc"][-1]
         what = f"missing key {last!r}" if isinstance(last, str) else "too few values"
         return InputError(f"{what}{more}", where=place)
-    expected = re.sub("^(Input should be|Value error, expected) ", "", first["msg"])
+    said = _EXPECTED.get(first["type"], "")
+    expected = said.format(place=place, **first.get("ctx", {})) or re.sub(
+        "^(Input should be|Value error, expected) ", "", first["msg"]
+    )
     return InputError(
         f"unusable value{more}", where=place, got=quoted(first["input"]), expected=expected
     )
+
+
+_TABLE = "a table: keys with values, as [{place}] or {{ key = value }}"
+_EXPECTED: Mapping[str, str] = {
+    **dict.fromkeys(("dict_type", "model_type", "model_attributes_type"), _TABLE),
+    **dict.fromkeys(("list_type", "tuple_type"), "a list, as [1, 2, 3]"),
+    "string_type": "a text in quotes",
+    **dict.fromkeys(("bool_type", "bool_parsing"), "true or false"),
+    **dict.fromkeys(("float_type", "float_parsing"), "a number"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float"), "a whole number"),
+    "finite_number": "a finite number",
+    "greater_than": "a number greater than {gt}",
+    "greater_than_equal": "{ge} or more",
+    "less_than": "a number less than {lt}",
+    "less_than_equal": "{le} or less",
+    "too_long": "at most {max_length} entries",
+    "too_short": "at least {min_length} entries",
+}
+"""What is expected in the place of what was found, by the kind of the finding."""
 
 
 def _keys_at(model: type[pydantic.BaseModel], place: tuple[int | str, ...]) -> list[str]:

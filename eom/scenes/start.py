@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 import sympy as sp
@@ -12,18 +12,22 @@ from eom.errors import InputError, near_matches
 from eom.kinematics.coordinates import attitude, constraint_value, quaternion_of_sequence
 from eom.kinematics.coordinates import quaternion as quaternion_coordinates
 from eom.quantities import Definition
+from eom.rotations import angles_of_matrix, matrix_of_quaternion
 from eom.scenes import parse
 from eom.scenes.description import (
     Description,
     InitialAttitude,
     inertia_values,
+    of_norm_one,
     principal_values,
 )
+from eom.scenes.given import Place
 from eom.scenes.stated import Stated
 from eom.system import System
 from eom.units import in_unit
 
 Expr = Any
+QUATERNION = ("q0", "q1", "q2", "q3")
 
 
 def constants(scene: Description) -> dict[str, float]:
@@ -42,6 +46,60 @@ def constants(scene: Description) -> dict[str, float]:
     if scene.torque.gravity_gradient is not None:
         values["n"] = scene.torque.gravity_gradient.orbital_rate
     return values
+
+
+def places(scene: Description) -> dict[str, Place]:
+    """Return where the numbers of `constants`, and the sizes of a solid, are said in the scene's file."""
+    body, weight = scene.body, ("torque", "weight")
+    found: dict[str, Place] = {}
+    if body.solid is not None:
+        because = f"set {', '.join(('mass', *body.size))} of the {body.solid}"
+        found |= {n: Place("kg m^2", (), because) for n in constants(scene) if n[0] in "IJ"}
+        found |= {n: Place("m", (("body", "size", n),)) for n in body.size}
+    elif body.matrix is not None:
+        pairs = [(i, j) for i in range(3) for j in range(i, 3)]
+        found |= {
+            f"J{i + 1}{j + 1}": Place(
+                "kg m^2", (("body", "matrix", i, j), ("body", "matrix", j, i))[: 1 + (i != j)]
+            )
+            for i, j in pairs
+        }
+    else:
+        moments = range(len(body.moments or ()))
+        found |= {f"I{k + 1}": Place("kg m^2", (("body", "moments", k),)) for k in moments}
+    masses = (("body", "mass"),) if body.mass is not None else ()
+    if scene.torque.weight is not None:
+        masses = (*masses, (*weight, "mass"))
+        found |= {"m": Place("kg", masses), "g": Place("m/s^2", ((*weight, "gravity"),))}
+        found |= {f"r{k + 1}": Place("m", ((*weight, "centre_of_mass", k),)) for k in range(3)}
+    if masses:
+        found["mass"] = Place("kg", masses)
+    if scene.torque.gravity_gradient is not None:
+        found["n"] = Place("rad/s", (("torque", "gravity_gradient", "orbital_rate"),))
+    return found
+
+
+def attitude_groups(scene: Description) -> tuple[tuple[str, ...], ...]:
+    """Return the names of angles, and of coordinates, of which each group is the attitude."""
+    if scene.model == "spinner":
+        return (tuple(q.name for q in attitude("3-1-2").coordinates),)
+    kinds = dict.fromkeys(k for k in (scene.sequence, scene.coordinates) if k not in {"", "none"})
+    return tuple(tuple(q.name for q in attitude(kind).coordinates) for kind in kinds)
+
+
+def attitude_names(scene: Description) -> frozenset[str]:
+    """Return the names of all coordinates and angles of the attitude."""
+    return frozenset(n for group in attitude_groups(scene) for n in group)
+
+
+def attitude_at_start(scene: Description, names: tuple[str, ...]) -> dict[str, float]:
+    """Return the attitude at the start in one of `attitude_groups`, as far as the scene gives it."""
+    values = {**initial(scene), **_turned(scene), **_initial_attitude(scene)}
+    quaternion = [values[q] for q in QUATERNION if q in values]
+    if not {*names} <= {*values} and scene.sequence and len(quaternion) == len(QUATERNION):
+        turned = angles_of_matrix(matrix_of_quaternion(quaternion), scene.sequence)
+        values |= dict(zip(attitude_groups(scene)[0], turned, strict=True))
+    return {n: values[n] for n in names if n in values}
 
 
 def sizes(scene: Description) -> dict[str, Expr]:
@@ -99,7 +157,9 @@ def in_coordinates(given: InitialAttitude, wanted: str, where: str) -> tuple[flo
             got=f"sequence {given.sequence}" if angles else "quaternion",
             hint="give the angles of the chosen sequence, or choose quaternion or dcm",
         )
-    return given.quaternion or quaternion_of_sequence(given.sequence, angles)
+    if given.quaternion:
+        return of_norm_one(given.quaternion, where)
+    return quaternion_of_sequence(given.sequence, angles)
 
 
 def states(scene: Description, full: System) -> dict[str, float]:
@@ -111,6 +171,10 @@ def states(scene: Description, full: System) -> dict[str, float]:
     states, given = full.state_names, initial(scene)
     values = dict.fromkeys(scene.control.states, 0.0)
     values |= {n: v for n, v in given.items() if n in states or n in scene.control.stepped}
+    if scene.coordinates == "quaternion" and {*QUATERNION} <= {*values}:
+        values |= zip(
+            QUATERNION, of_norm_one([values[q] for q in QUATERNION], "[initial]"), strict=True
+        )
     for name, value in {**_turned(scene), **_initial_attitude(scene)}.items():
         if name in values:
             raise InputError(
@@ -218,18 +282,34 @@ def _check_constraints(scene: Description, values: Mapping[str, float]) -> None:
                 )  # fmt: skip
 
 
+_ATTITUDE = (
+    'an attitude may be given in [initial_attitude]: sequence = "3-1-3" with degrees = [0, 30, 0], '
+    "or quaternion = [1, 0, 0, 0]"
+)
+
+
 def pick(
-    values: Mapping[str, float], names: Iterable[str], kind: str, where: str
+    values: Mapping[str, float],
+    names: Iterable[str],
+    kind: str,
+    where: str,
+    attitudes: Collection[str] = (),
 ) -> dict[str, float]:
-    """Return ``values`` of ``names``, in order. Raises `InputError` that lists the missing ones."""
+    """Return ``values`` of ``names``, in order. Raises `InputError` that lists the missing ones.
+
+    ``attitudes``: names that may be given as an attitude.
+    """
     names = tuple(names)
     missing = [n for n in names if n not in values]
     if missing:
         unused = [n for n in values if n not in names]
         hint = near_matches(missing[0], unused) if unused else ""
+        if not hint.startswith("did"):
+            hint = _ATTITUDE if {*missing} & {*attitudes} else f"as --set {missing[0]}=VALUE"
         raise InputError(
             f"missing {kind}: {', '.join(missing)}",
             where=where,
-            hint=hint if hint.startswith("did") else "",
+            expected=f"a line such as {missing[0]} = 0.5",
+            hint=hint,
         )
     return {n: values[n] for n in names}

@@ -237,7 +237,8 @@ def pictures(names: Sequence[str], ask: Ask) -> Picture:
         rows += [titled, *rest]
     captions = " ".join(one.caption for one in made if one.caption)
     title = made[0].title or plain(ask.scene.title)
-    return Picture(tuple(rows), title, captions, _size(made))
+    notices = "; ".join(one.notice for one in made if one.notice)
+    return Picture(tuple(rows), title, captions, _size(made), notices)
 
 
 def _size(made: Sequence[Picture]) -> tuple[float, float] | None:

@@ -713,14 +713,14 @@ BAD = {
         "",
     ),
     "zero tolerance": ({**RIGID, "integration": {"rtol": 0}}, "greater", "integration.rtol", ""),
-    "one point": ({**RIGID, "integration": {"points": 1}}, "greater", "integration.points", ""),
+    "one point": ({**RIGID, "integration": {"points": 1}}, "2 or more", "integration.points", ""),
     "part of a point": (
         {**RIGID, "integration": {"points": 2.5}},
-        "integer",
+        "a whole number",
         "integration.points",
         "",
     ),
-    "body is a number": ({"body": 3}, "Body", "body", ""),
+    "body is a number": ({"body": 3}, "a table", "body", ""),
 }
 
 

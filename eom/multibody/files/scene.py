@@ -14,9 +14,8 @@ What can be asked of a tree by name, and the smallest system that gives it.
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import Any, Self
@@ -34,7 +33,13 @@ from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import OUTPUTS, derive
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
-from eom.scenes.description import Description, check_end, check_initial_attitude
+from eom.scenes.description import (
+    Description,
+    check_end,
+    check_initial_attitude,
+    of_norm_one,
+)
+from eom.scenes.given import number_of
 from eom.scenes.naming import check_used
 from eom.scenes.reduce import Explanation, Pass, Reduction, by_name, only, reductions
 from eom.scenes.scene import Scene
@@ -233,6 +238,32 @@ class TreeScene(BaseScene, TreeDescription):
         left_out = (*map(Reduction, saved.reasons), *reductions(self._reduced[1]))
         notes = tuple(map(Reduction, (*self.notes, *repair_notes(self.repairs))))
         return Explanation((*left_out, *notes), saved.without, saved.done, "without")
+
+    def _starting(self) -> Collection[str]:
+        return (*self._start, *self._angles)
+
+    def _started(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        attitudes, initial = dict(data.get("initial_attitude", {})), dict(data.get("initial", {}))
+        for shown in self._joint_angles:
+            names = [q.name for q in shown.quantities]
+            if {*names} & {*values}:
+                angles = dict(zip(names, shown.at(self._start), strict=True))
+                angles |= {n: number_of(values[n], "rad", n) for n in names if n in values}
+                said = {"sequence": shown.sequence, "radians": [*angles.values()]}
+                attitudes[shown.joint.name] = said
+                for name in (c.name for c in shown.joint.coordinates[-4:]):
+                    initial.pop(name, None)
+        for joint in self.tree.ordered:
+            names = [c.name for c in joint.coordinates if c.name in self._start]
+            if joint.name in self.initial_attitude and {*names} & {*values}:
+                attitudes.pop(joint.name)
+                initial |= {n: self._start[n] for n in names}
+        turned = {*self._angles}
+        own = {n: v for n, v in values.items() if n not in turned}
+        data = {**data, "initial": {**initial, **own}, "initial_attitude": attitudes}
+        if self.tree.constraints:
+            data["keep"] = tuple(dict.fromkeys((*self.keep, *own)))
+        return data
 
     @property
     def start(self) -> dict[str, float]:
@@ -435,10 +466,6 @@ def _put(value: Any, number: Number, place: str) -> Any:
     return _INDEX.sub(numbered, value)
 
 
-NORM = 1e-9
-"""How far from 1 the norm of a given quaternion may be; what is left is divided out."""
-
-
 def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
     """Return the value of every state at t = 0: zero, and no turn, unless the scene says otherwise.
 
@@ -505,16 +532,8 @@ def _attitudes(reading: Reading, free: list[Joint]) -> Iterator[tuple[str, float
 
 
 def _normalised(parts: dict[str, float]) -> dict[str, float]:
-    norm = math.hypot(*parts.values())
-    if not abs(norm - 1) <= NORM:
-        raise InputError(
-            "quaternion at the start does not have unit norm",
-            where=f"[initial] {', '.join(parts)}",
-            got=f"norm {norm!r}",
-            expected=f"1 to within {NORM:g}",
-            hint="[initial_attitude] takes angles and makes them exact",
-        )
-    return {n: v / norm for n, v in parts.items()}
+    unit = of_norm_one([*parts.values()], f"[initial] {', '.join(parts)}")
+    return dict(zip(parts, unit, strict=True))
 
 
 GROUPS: dict[str, tuple[str, ...]] = {

@@ -31,6 +31,7 @@ from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, 
 from eom.multibody.model.parts import Kind, kinds
 from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity
+from eom.rotations import angles_of_matrix, matrix_of_quaternion
 from eom.scenes import parse
 from eom.scenes.description import one_of
 from eom.scenes.naming import check_names, spelling
@@ -431,6 +432,11 @@ class JointAngles:
     def quantities(self) -> tuple[Quantity, ...]:
         """What they would be called if the joint had them in the place of the quaternion."""
         return replace(self.joint, attitude=self.sequence).coordinates[-3:]
+
+    def at(self, values: Mapping[str, float]) -> tuple[float, ...]:
+        """Return the angles (rad) where the joint's quaternion has ``values``, by name."""
+        q = [values[c.name] for c in self.joint.coordinates[-4:]]
+        return tuple(angles_of_matrix(matrix_of_quaternion(q), self.sequence))
 
     def of(self, system: System) -> System:
         """Return a system that has them as outputs; ``system`` has the joint's quaternion."""

@@ -52,6 +52,9 @@ FAR = 5.0
 STAYS = "none"
 """The word for a camera that follows nothing."""
 
+ACTING = {"force": ("N", "blue"), "torque": ("N m", "green")}
+"""Unit and colour of what acts on bodies of a tree."""
+
 Integrate = Callable[[AnyScene], "Result"]
 
 
@@ -212,7 +215,7 @@ def _needed(tracks: Tracks, scene: AnyScene) -> int:
     rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks.bodies], axis=0)
     spans = np.abs(tracks.times - tracks.times[0])
     turned = np.maximum.accumulate(rates) * spans
-    vectors = len(tracks.bodies) + 2 + MOST_READOUTS / 3
+    vectors = len(tracks.bodies) + 2 + MOST_READOUTS / 3 + 2 * len(tracks.acting)
     most = int(BUDGET / (BYTES_OF_BODY * len(tracks.bodies) + BYTES_OF_VECTOR * vectors))
     if turned[-1] > LARGEST_STEP * most:
         possible = float(spans[turned <= 0.95 * LARGEST_STEP * most][-1])
@@ -221,7 +224,7 @@ def _needed(tracks: Tracks, scene: AnyScene) -> int:
             where=scene.name,
             got=f"{turned[-1] / (2 * math.pi):.0f} turns in {spans[-1]:g} s",
             expected=f"at most {LARGEST_STEP * most / (2 * math.pi):.0f}",
-            hint=f"--seconds {possible:.3g}",
+            hint=f"--t-end {possible:.3g}",
         )
     return max(COARSE, min(most, math.ceil(float(turned[-1]) / STEP) + 1))
 
@@ -270,6 +273,9 @@ def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
     yield Arrows("momentum", "H", "N m s", "purple", tracks.momentum, tracks.centre)
     if tracks.torque is not None and np.any(tracks.torque):
         yield Arrows("torque", "τ", "N m", "green", tracks.torque, tracks.centre)
+    for load in tracks.acting:
+        unit, colour = ACTING[load.kind]
+        yield Arrows(load.kind, load.letter, unit, colour, load.values, load.places)
 
 
 def _readouts(scene: AnyScene, result: Result, asked: tuple[str, ...]) -> Iterator[Readout]:

@@ -45,6 +45,7 @@ from eom.scenes import start
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene
 from eom.structure import DCM, NONE, QUATERNION
+from eom.views.animation.acting import acting
 from eom.views.animation.figures import (
     BODY_AXES,
     FLAT,
@@ -52,9 +53,11 @@ from eom.views.animation.figures import (
     Figures,
     Line,
     Shape,
-    central,
+    along,
     equivalent,
+    held,
     rod,
+    stalk,
     wheel,
 )
 from eom.views.animation.tracks import (
@@ -200,7 +203,8 @@ class OneBody:
         """Return what the body looks like, and what holds the fixed point of its weight."""
         figure = _one(self)
         away = figure.shapes[0].mesh.vertices @ self.centre
-        return Figures((figure,), _support(figure.extent) if np.all(away > 0) else ())
+        room = 1e-9 * figure.extent * float(np.linalg.norm(self.centre))
+        return Figures((figure,), _support(figure.extent) if np.all(away >= -room) and room else ())
 
 
 def _quaternions(kind: str, names: Sequence[str | None], motion: Motion) -> Floats:
@@ -227,31 +231,13 @@ def _one(body: OneBody) -> Figure:
         words = f"{solid} of the scene ({dimensions})"
         return _tipped(Figure(name, tuple(_solid(body, axis)), words, axes), axis)
     if scene.torque.weight is not None:
-        return _tipped(_held(name, inertia, scene), axis)
+        return _tipped(held(name, inertia, scene.torque.weight), axis)
     found = equivalent(inertia)
     unknown = "; its size is not known, as the scene says no mass"
     if spinner and found.sizes.get("length", 1) < FLAT * found.sizes.get("radius", 1):
         words = f"wheel{unknown}"
         return _tipped(Figure(name, wheel(found.sizes["radius"], axis), words, axes), axis)
     return _tipped(Figure(name, (Shape(found.mesh),), found.words + unknown, axes), axis)
-
-
-def _held(name: str, inertia: Floats, scene: Scene) -> Figure:
-    """Return a body with weight about its fixed point, and a stalk from there to its centre of mass."""
-    weight = scene.torque.weight
-    assert weight is not None
-    r = np.array(weight.centre_of_mass)
-    found = central(inertia, weight.mass, r)
-    if found is None:
-        body = equivalent(inertia, weight.mass)
-        return Figure(name, (Shape(body.mesh),), f"about the fixed point: {body.words}")
-    body = equivalent(found, weight.mass)
-    return Figure(name, (Shape(body.mesh.moved(r)), *_stalk(r, body.mesh)), body.words)
-
-
-def _stalk(centre: Floats, mesh: Mesh) -> tuple[Shape, ...]:
-    """Return a rod from the fixed point to the centre of mass, none where they coincide."""
-    return rod((0, 0, 0), centre, 0.02 * mesh.extent)
 
 
 def _solid(body: OneBody, axis: int) -> Iterator[Shape]:
@@ -263,7 +249,7 @@ def _solid(body: OneBody, axis: int) -> Iterator[Shape]:
         shapes = wheel(sizes["ring_radius"], axis, sizes["tube_radius"])
     for shape in shapes:
         yield replace(shape, mesh=shape.mesh.moved(body.centre))
-    yield from _stalk(body.centre, mesh)
+    yield from stalk(body.centre, mesh)
 
 
 STAND = 0.7
@@ -284,6 +270,8 @@ def _tipped(figure: Figure, axis: int) -> Figure:
     return replace(figure, tip=1.15 * figure.extent * np.eye(3)[axis])
 
 
+PLATE = 0.09
+"""Radius of the plate that a joint stands on, as a share of the tree's reach."""
 BONE, PIN, HINGE, POINT, ROTOR = 0.008, 0.016, 0.05, 0.12, 0.1
 """Radius of bones and joints, length of a hinge, side of a body without inertia, radius of a rotor: as
 shares of the tree's reach."""
@@ -340,7 +328,8 @@ class ManyBodies:
         heavy = mass(whole)
         centre = [x / heavy for x in first_moments(whole)]
         H = about_centre(whole, momentum(whole))
-        return Tracks(motion.t, (*bodies, *rotors), filled(H, N), filled(centre, N))
+        loads = acting(self.scene.tree, posture.lift, bodies)
+        return Tracks(motion.t, (*bodies, *rotors), filled(H, N), filled(centre, N), acting=loads)
 
     def figures(self, robot: Robot) -> Figures:
         """Return the bodies, then the rotors; ``robot``: shapes of bodies by name, which come first."""
@@ -452,8 +441,20 @@ class Drawing:
                 axis = turn @ self.array(joint.axis) * 3 * self.reach
                 found += rod(place - axis, place + axis, BONE * self.reach)
             elif joint.kind not in {"free", "fixed", "planar"}:
-                found.append(self.ball(place, 2.2, "grey"))
+                found += [self.ball(place, 2.2, "grey"), *self._base(place)]
         return tuple(found)
+
+    def _base(self, place: Floats) -> Iterator[Shape]:
+        """Yield what a joint stands on under gravity: a plate, at the height of the ground's origin."""
+        g = self.array(self.scene.tree.gravity)
+        if not np.any(g):
+            return
+        up = -g / np.linalg.norm(g)
+        foot = place - max(0.0, float(place @ up)) * up
+        plate = {"radius": PLATE * self.reach, "length": BONE * self.reach}
+        mesh = of_solid("cylinder", plate).moved(foot - BONE * self.reach / 2 * up, along(up))
+        yield Shape(replace(mesh, round=False), "grey")
+        yield from rod(foot, place, PIN * self.reach)
 
     def ball(self, place: Floats, size: float, colour: str) -> Shape:
         """Return a ball at a place, of a radius in those of joints."""

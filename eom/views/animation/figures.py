@@ -25,6 +25,7 @@ from eom.mass.meshes import read_mesh
 from eom.multibody.files.mjcf import geoms_of
 from eom.multibody.files.urdf import checked, names_of, parsed
 from eom.scenes import catalogue
+from eom.scenes.description import Weight
 from eom.views.draw.meshes import Mesh, of_solid
 
 Floats = NDArray[np.float64]
@@ -162,6 +163,50 @@ def central(inertia: ArrayLike, mass: float, centre: ArrayLike) -> Floats | None
     J = np.asarray(inertia, dtype=np.float64) - mass * (r @ r * np.eye(3) - np.outer(r, r))
     moments = np.linalg.eigvalsh(J)
     return J if moments[0] > 0 and moments[0] + moments[1] >= moments[2] * (1 - EQUAL) else None
+
+
+def held(name: str, inertia: Floats, weight: Weight) -> Figure:
+    """Return a body with weight about its fixed point, and a stalk from there to its centre of mass.
+
+    ``inertia``: about the fixed point (kg m^2), shape (3, 3). Where a uniform body of the same mass and
+    inertia would reach beyond the fixed point, it is a cone on its tip.
+    """
+    r = np.array(weight.centre_of_mass)
+    found = central(inertia, weight.mass, r)
+    if found is None:
+        body = equivalent(inertia, weight.mass)
+        return Figure(name, (Shape(body.mesh),), f"about the fixed point: {body.words}")
+    body = equivalent(found, weight.mass)
+    mesh = body.mesh.moved(r)
+    if np.any(r) and float(np.min(mesh.vertices @ r)) < 0:
+        return _on_its_tip(name, found, weight.mass, r)
+    return Figure(name, (Shape(mesh), *stalk(r, body.mesh)), body.words)
+
+
+SLIM = 0.3
+"""Radius of a cone on its tip, at least, as a share of its height, which is the most."""
+
+
+def _on_its_tip(name: str, inertia: Floats, mass: float, centre: Floats) -> Figure:
+    """Return a cone whose tip is the fixed point, and whose centre of mass is the body's.
+
+    That is at 3/4 of its height; its moment about the line to it, 3 m r^2 / 10, is the body's as far as the
+    radius stays within bounds.
+    """
+    height = 4 * float(np.linalg.norm(centre)) / 3
+    way = centre / np.linalg.norm(centre)
+    radius = math.sqrt(10 * float(way @ inertia @ way) / (3 * mass))
+    radius = min(max(radius, SLIM * height), height)
+    cone = of_solid("cone", {"radius": radius, "height": height})
+    words = (
+        "cone on its tip, with the body's centre of mass: one of equal inertia would reach below"
+    )
+    return Figure(name, (Shape(cone.moved(centre, along(way))),), words)
+
+
+def stalk(centre: Floats, mesh: Mesh) -> tuple[Shape, ...]:
+    """Return a rod from the fixed point to the centre of mass, none where they coincide."""
+    return rod((0, 0, 0), centre, 0.02 * mesh.extent)
 
 
 def wheel(radius: float, axis: int = 2, tube: float | None = None) -> tuple[Shape, ...]:

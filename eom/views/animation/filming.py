@@ -20,9 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.errors import InputError
-from eom.views.animation.animation import Animation, at, level
+from eom.views.animation.animation import ACTING, Animation, at, level
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
+from eom.views.draw import placing as labels
 from eom.views.draw.depth import View, rgba
 from eom.views.draw.picture import COLOURS
 
@@ -147,7 +148,7 @@ def _scales(animation: Animation) -> dict[str, float]:
     for arrow in animation.arrows:
         size = float(np.linalg.norm(arrow.values, axis=1).max())
         largest[arrow.kind] = max(size, largest.get(arrow.kind, 0.0))
-    share = {"omega": 0.95, "momentum": 0.8, "torque": 0.65}
+    share = {"omega": 0.95, "momentum": 0.8, "torque": 0.65, "force": 0.5}
     return {k: share[k] * animation.view.radius / v for k, v in largest.items() if v > 0}
 
 
@@ -197,13 +198,13 @@ def frames(filming: Filming) -> Iterator[Image]:
     canvas = FigureCanvasAgg(figure)
     for number in range(filming.count):
         figure.clear()
-        _draw(filming, filming.moment(number), figure)
+        draw(filming, filming.moment(number), figure)
         canvas.draw()  # type: ignore[no-untyped-call]
         pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
         yield Image.fromarray(np.asarray(pixels)[..., :3].copy())
 
 
-def _draw(filming: Filming, place: float, figure: Any) -> None:
+def draw(filming: Filming, place: float, figure: Any) -> None:
     """Draw one moment: ground, paths, bodies, vectors, the time."""
     from matplotlib.collections import PolyCollection
 
@@ -235,6 +236,7 @@ def _draw(filming: Filming, place: float, figure: Any) -> None:
     label = {"color": ink, "va": "top", "zorder": 9, "parse_math": False}
     axes.text(-aspect + 0.04, 0.96, title, fontsize=11, weight="bold", **label)
     axes.text(-aspect + 0.04, 0.87, f"t = {time:.{_places(filming)}f} s", fontsize=10, **label)
+    labels.place(figure, covering=True)
 
 
 def _places(filming: Filming) -> int:
@@ -322,24 +324,11 @@ def _links(filming: Filming, place: float, camera: Camera, axes: Any) -> None:
 
 
 def _vectors(filming: Filming, place: float, camera: Camera, axes: Any, back: str) -> None:
-    """Draw omega, H and torque of a single body, and its axes; of many bodies none."""
+    """Draw omega, H and torque of a single body, and its axes; of many what acts on them."""
     from matplotlib import patheffects
 
     animation = filming.animation
-    if len(animation.tracks.bodies) > 1:
-        return
-    (track,), (figure,) = animation.tracks.bodies, animation.figures.bodies
-    origin = _between(track.positions, place)
-    q = interpolated(track.quaternions, place)
-    ends = [
-        (turned(q[None], (1.1 * figure.extent * np.eye(3)[k])[None])[0], figure.axes[k], "grey")
-        for k in range(3)
-    ]
-    for arrow in animation.arrows:
-        if arrow.kind in filming.scales:
-            vector = filming.scales[arrow.kind] * _between(arrow.values, place)
-            ends.append((vector, arrow.text, arrow.colour))
-    for vector, text, colour in ends:
+    for origin, vector, text, colour in _shown_vectors(filming, place):
         if float(np.linalg.norm(vector)) < 0.02 * animation.view.radius:
             continue
         start, end, words = camera.view.flat(
@@ -350,8 +339,27 @@ def _vectors(filming: Filming, place: float, camera: Camera, axes: Any, back: st
                  "linewidth": 1.2 if colour == "grey" else 2.4, "shrinkA": 0, "shrinkB": 0}  # fmt: skip
         axes.annotate("", end, start, arrowprops=style, zorder=5)
         halo = [patheffects.withStroke(linewidth=3, foreground=back)]
-        axes.text(*words, text, color=ink, ha="center", va="center", weight="bold", zorder=6,
-                  path_effects=halo, parse_math=False)  # fmt: skip
+        axes.annotate(text, tuple(words), (0, 0), textcoords="offset points", color=ink, ha="center",
+                      va="center", weight="bold", zorder=6, path_effects=halo, parse_math=False,
+                      annotation_clip=False)  # fmt: skip
+
+
+def _shown_vectors(filming: Filming, place: float) -> Iterator[tuple[Floats, Floats, str, str]]:
+    """Yield vectors at a moment: where from, components (m as they are drawn), words, colour."""
+    animation = filming.animation
+    several = len(animation.tracks.bodies) > 1
+    if not several:
+        (track,), (figure,) = animation.tracks.bodies, animation.figures.bodies
+        origin = _between(track.positions, place)
+        q = interpolated(track.quaternions, place)
+        for k in range(3):
+            axis = turned(q[None], (1.1 * figure.extent * np.eye(3)[k])[None])[0]
+            yield origin, axis, figure.axes[k], "grey"
+    for arrow in animation.arrows:
+        if arrow.kind in filming.scales and (arrow.kind in ACTING or not several):
+            vector = filming.scales[arrow.kind] * _between(arrow.values, place)
+            here = _between(arrow.places, place) if several else origin
+            yield here, vector, arrow.text, arrow.colour
 
 
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {

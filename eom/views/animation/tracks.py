@@ -32,11 +32,25 @@ class Track:
 
 
 @dataclass(frozen=True, eq=False)
+class Acting:
+    """A force (N) or torque (N m), the ``kind``, of a part by ``name``: ``values`` at ``places`` (m).
+
+    ``letter``: what it is called. Components are in A, shape (N, 3).
+    """
+
+    kind: str
+    letter: str
+    name: str
+    values: Floats
+    places: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Tracks:
     """The motion of all ``bodies`` at ``times`` (s), shape (N,), equally far apart.
 
     ``momentum``: angular momentum of all bodies (N m s), about the point of ``centre`` (m), and ``torque``
-    (N m) on one body, or None of several; components in A, shape (N, 3).
+    (N m) on one body, or None of several; components in A, shape (N, 3). ``acting``: on bodies of a tree.
     """
 
     times: Floats
@@ -44,6 +58,7 @@ class Tracks:
     momentum: Floats
     centre: Floats
     torque: Floats | None = None
+    acting: tuple[Acting, ...] = ()
 
 
 def continuous(quaternions: ArrayLike) -> Floats:

@@ -21,16 +21,19 @@ Floats = NDArray[np.float64]
 
 COLOURS = {
     "black": "#000000",
-    "grey": "#8a8a8a",
+    "grey": "#666666",
     "orange": "#e69f00",
     "sky": "#56b4e9",
     "green": "#009e73",
-    "yellow": "#d9c400",
+    "yellow": "#ebdc20",
     "blue": "#0072b2",
     "red": "#d55e00",
     "purple": "#cc79a7",
 }
-"""Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008)."""
+"""Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008).
+
+Grey is darker and yellow less pale than others take them: each two differ as dichromats see them, too.
+"""
 Dash = Literal["solid", "dashed", "dotted"]
 Scale = Literal["linear", "log"]
 
@@ -149,6 +152,8 @@ class Picture:
     """One or two sentences for those who cannot see it, and for the caption of a figure."""
     size: tuple[float, float] | None = None
     """Width and height in inches that its words need, where they need more than panels do."""
+    notice: str = ""
+    """What whoever asked for it should know, as that lines lack points."""
 
     def _repr_mimebundle_(self, **_: object) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
         """Show the picture in a notebook."""

@@ -40,6 +40,7 @@ from eom.views.draw.picture import (
     Words,
     check,
 )
+from eom.views.draw.placing import place
 from eom.views.draw.viewpoint import USUAL
 
 if TYPE_CHECKING:
@@ -146,6 +147,13 @@ def write(
 
 
 def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
+    """Return the figure, with its labels where they overlap no other text."""
+    made = _laid_out(picture, size)
+    place(made)
+    return made
+
+
+def _laid_out(picture: Picture, size: tuple[float, float] | None) -> Figure:
     from matplotlib.figure import Figure
 
     rows = [row for row in picture.rows if row]
@@ -289,8 +297,8 @@ def _plane(axes: Any, panel: Panel) -> None:
         elif isinstance(item, Arrow):
             _arrow(axes, item, order)
         elif isinstance(item, Words):
-            at = {"ha": "center", "va": "center", "zorder": order}
-            axes.text(*item.place, _words(item.text), color=colour, **at)
+            at = {"ha": "center", "va": "center", "zorder": order, "annotation_clip": False}
+            _note(axes, item.place, _words(item.text), (0, 0), color=colour, **at)
     _axes(axes, panel, "xy")
     if panel.equal:
         axes.set_aspect("equal", adjustable="box")
@@ -315,16 +323,21 @@ def _arrow(axes: Any, item: Arrow, order: int) -> None:
     axes.plot(*np.transpose([item.start, item.end]), linestyle="")  # takes part in the limits
     if item.words:
         way = np.sign(np.round(np.subtract(item.end, item.start), 12))
-        axes.annotate(
-            _words(item.words),
+        _note(
+            axes,
             item.end,
-            xytext=(6 * way[0], 6 * way[1]),
-            textcoords="offset points",
+            _words(item.words),
+            (6 * way[0], 6 * way[1]),
             color=colour,
             ha=("right", "center", "left")[int(way[0]) + 1],
             va=("top", "center", "bottom")[int(way[1]) + 1],
             zorder=order,
         )
+
+
+def _note(axes: Any, at: Any, words: str, shift: tuple[float, float], **look: Any) -> None:
+    """Write a label that may be moved, from a place on by some of a printer's points."""
+    axes.annotate(words, tuple(at), xytext=shift, textcoords="offset points", **look)
 
 
 def _axes(axes: Any, panel: Panel, letters: str) -> None:
@@ -415,16 +428,16 @@ def _labels(axes: Any, panel: Panel, view: View) -> None:
             _label(axes, end, item.words, item.colour, (float(shift[0]), float(shift[1])))
 
 
-def _label(axes: Any, place: Any, text: str, colour: str, shift: tuple[float, float]) -> None:
+def _label(axes: Any, at: Any, text: str, colour: str, shift: tuple[float, float]) -> None:
     """Write words at a place of the projection, or beside it on the side of a unit vector."""
     from matplotlib.patheffects import withStroke
 
     side = int(np.sign(shift[0])) if abs(shift[0]) > SIDEWAYS else 0
-    axes.annotate(
+    _note(
+        axes,
+        at,
         _words(text),
-        place,
-        xytext=(6 * shift[0], 9 * shift[1]),
-        textcoords="offset points",
+        (6 * shift[0], 9 * shift[1]),
         color=COLOURS[colour],
         ha=("right", "center", "left")[side + 1],
         va="center",

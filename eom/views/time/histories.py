@@ -29,6 +29,18 @@ MOST = 8
 """Curves of one panel."""
 COLOURS = ("blue", "red", "green", "orange", "purple", "sky", "black", "grey")
 DASHES: tuple[Dash, ...] = ("solid", "dashed")
+UNLIKE = 20.0
+"""Ratio of sizes from which on quantities of one unit have panels of their own."""
+STILL = 1e-7
+"""Share of a size below which nothing moves: where errors of the integration are."""
+MOST_CORNERS = 8
+"""Places at which a curve may jump or turn sharply, as at impacts, and have points enough."""
+COARSE = 0.05
+"""How far a line may be from its curve between two points, as a share of the curve's range."""
+MOST_POINTS = 200_001
+"""Points that are asked for at most where nobody says how many."""
+A_STEP = 8
+"""Points of a step of an integrator: its steps are as long as the fastest motion lets them be."""
 FLOOR, ROUNDING = 1e-17, 1e-13
 """Ends of the scale of drift, at least."""
 TIME = Axis("$t$ [s]")
@@ -36,7 +48,7 @@ TIME = Axis("$t$ [s]")
 
 @dataclass(frozen=True)
 class _Group:
-    """Curves of one unit, by name."""
+    """Curves of one unit and of like sizes, by name."""
 
     unit: str
     names: tuple[str, ...]
@@ -58,11 +70,12 @@ def histories(
     """Return states and outputs of a run over time (s), quantities of one unit together.
 
     ``result``: of `codegen.simulate`; ``known``: the quantities of `quantities`, for their units.
-    ``names``: which to draw, in panels of eight curves at most; without them all, but eight a unit, and
-    the caption says how many are left out. The lowest panel has the drift of the invariants, value less
-    first value, on a logarithmic scale; it says whether drift is relative (over the size of the terms that
-    the invariant is made of) or absolute (in its unit, where all terms are zero). Values that are no
-    numbers leave gaps.
+    ``names``: which to draw, in panels of eight curves at most, those apart whose sizes are unlike; without
+    them all, but eight a unit, and the caption says how many are left out. Where lines have too few points
+    for what moves fastest the picture's ``notice`` says so. The lowest panel has the drift of the
+    invariants, value less first value, on a logarithmic scale; it says whether drift is relative (over
+    the size of the terms that the invariant is made of) or absolute (in its unit, where all terms are
+    zero). Values that are no numbers leave gaps.
 
     Raises `InputError` for unknown names, for fewer than two times, and for a quantity without numbers.
 
@@ -86,14 +99,24 @@ def histories(
     units = {q.name: q.unit for q in known}
     groups = _groups(asked or tuple(q.name for q in known if _held(result, q.name)), units)
     shown = groups if asked else [_Group(g.unit, g.names[:MOST]) for g in groups]
-    panels = [_panel(result, part) for group in shown for part in _parts(group)]
+    panels = [
+        _panel(result, part)
+        for group in shown
+        for own in _alike(result, group)
+        for part in _parts(own)
+    ]
     if not panels:
         raise InputError("no quantity to draw", where="histories", hint="name states or outputs")
     notes = [*_left_out(groups, shown), *_gaps(result, shown)]
     if result.drift:
         panels.append(_drifts(result, notes))
     return check(
-        Picture(tuple((p,) for p in _timed(panels, result)), short(title), " ".join(notes))
+        Picture(
+            tuple((p,) for p in _timed(panels, result)),
+            short(title),
+            " ".join(notes),
+            notice=_too_coarse(result, [n for group in shown for n in group.names]),
+        )
     )
 
 
@@ -163,6 +186,60 @@ def _groups(names: Iterable[str], units: Mapping[str, str]) -> list[_Group]:
     return [_Group(own, tuple(group)) for own, group in found.items()]
 
 
+def _alike(result: Result, group: _Group) -> list[_Group]:
+    """Return the curves of a group in groups of like sizes, each in the order of its first curve.
+
+    From the largest down a group ends where one is less than a share of its largest; zeros, and what is
+    zero but for errors, are with the smallest that are not.
+    """
+    sizes = {n: _magnitude(result[n]) for n in group.names}
+    least = STILL * max(sizes.values())
+    found: list[list[str]] = []
+    largest = 0.0
+    for n in sorted(group.names, key=lambda n: -sizes[n]):
+        if not found or least < sizes[n] < largest / UNLIKE:
+            found.append([])
+            largest = sizes[n]
+        found[-1].append(n)
+    ordered = ([n for n in group.names if n in own] for own in found)
+    by_first = sorted(ordered, key=lambda own: group.names.index(own[0]))
+    return [_Group(group.unit, tuple(own)) for own in by_first]
+
+
+def _magnitude(values: Floats) -> float:
+    known = np.abs(np.asarray(values, dtype=np.float64))
+    return float(np.max(known, where=np.isfinite(known), initial=0.0))
+
+
+def _too_coarse(result: Result, names: Iterable[str]) -> str:
+    """Return a notice of curves with too few points, nothing where all have enough."""
+    lost = [n for n in names if _is_coarse(np.asarray(result[n], dtype=np.float64))]
+    count = f"{len(result.t):,} points"
+    if lost:
+        whose = f"{', '.join(lost[:3])}{', ...' if len(lost) > 3 else ''}"
+        return f"{count} are too few for {whose}: between them the motion is otherwise; more by --points"
+    if result.steps > len(result.t):
+        took = f"the integrator took {result.steps:,} steps"
+        return f"{count} are drawn, and {took}: fast motion between points is not seen; more by --points"
+    return ""
+
+
+def _is_coarse(values: Floats) -> bool:
+    """Return whether lines between points stray: as far as those through every other point show.
+
+    Of a smooth curve these stray four times as far.
+    """
+    if len(values) < 3:
+        return False
+    last = len(values) - (len(values) + 1) % 2
+    left, right, middle = values[0 : last - 2 : 2], values[2:last:2], values[1 : last - 1 : 2]
+    strays = np.abs(middle - 0.5 * (left + right))
+    known = values[np.isfinite(values)]
+    span = float(np.ptp(known)) if len(known) else 0.0
+    rough = np.count_nonzero(strays > 4 * COARSE * span)
+    return bool(span > 1e-9 * _magnitude(values) and rough > MOST_CORNERS)
+
+
 def _parts(group: _Group) -> Iterator[_Group]:
     for first in range(0, len(group.names), MOST):
         yield _Group(group.unit, group.names[first : first + MOST])
@@ -178,7 +255,14 @@ def _panel(result: Result, group: _Group) -> Panel:
         items.append(Curve(line, colour, dash=dash, label=name(n)))
     alone = name(group.names[0]) if len(group.names) == 1 else ""
     words = f"{alone} [{unit(group.unit) or 1}]".strip()
-    return Panel(tuple(items), (Axis(), Axis(words)))
+    return Panel(tuple(items), (Axis(), Axis(words, limits=_limits(items))))
+
+
+def _limits(items: Sequence[Item]) -> tuple[float, float] | None:
+    """Return the limits of a panel in which nothing moves but by errors, which are not to fill it."""
+    values = np.concatenate([i.points[:, 1] for i in items if isinstance(i, Curve)])
+    low, high, size = float(np.nanmin(values)), float(np.nanmax(values)), _magnitude(values)
+    return (low - 0.1 * size, high + 0.1 * size) if size > 0 and high - low < STILL * size else None
 
 
 def _looks() -> Iterator[tuple[str, Dash]]:
@@ -257,12 +341,20 @@ def run(
 ) -> tuple[Result, System]:
     """Integrate a scene as `eom simulate` does; return the run and the system of its states and outputs.
 
-    ``seconds``, ``points``: end and number of the stored times, by default the scene's own. Raises as
-    derivation and `codegen.simulate` do.
+    ``seconds``, ``points``: end and number of the stored times, by default the scene's own, and more where
+    these are too few for what moves fastest. Raises as derivation and `codegen.simulate` do.
     """
     plan = scene.integration
-    t = np.linspace(0.0, seconds or plan.t_end, points or plan.points)
-    return integrated(scene, t), scene.derive()
+    end = seconds or plan.t_end
+    result = integrated(scene, np.linspace(0.0, end, points or plan.points))
+    if points is None:
+        wanted = min(MOST_POINTS, A_STEP * result.steps + 1)
+        if wanted > len(result.t):
+            result = integrated(scene, np.linspace(0.0, end, wanted))
+        while len(result.t) < MOST_POINTS and any(map(_is_coarse, result.y)):
+            more = min(MOST_POINTS, 4 * len(result.t))
+            result = integrated(scene, np.linspace(0.0, end, more))
+    return result, scene.derive()
 
 
 def integrated(scene: AnyScene, t: Floats) -> Result:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,10 +53,13 @@ def work_precision(diagram: Diagram) -> Picture:
     """
     if not diagram.points:
         raise InputError("nothing was measured", where=short(diagram.case.title))
+    names = dict.fromkeys(p.program for p in diagram.points)
     items: list[Item] = [
         item
-        for k, name in enumerate(dict.fromkeys(p.program for p in diagram.points))
-        for item in _program(name, k, [p for p in diagram.points if p.program == name])
+        for name in names
+        for item in _program(
+            name, _number(name, names), [p for p in diagram.points if p.program == name]
+        )
     ]
     times = _limits([p.seconds for p in diagram.points])
     reference = diagram.reference.error
@@ -81,9 +84,18 @@ def work_precision(diagram: Diagram) -> Picture:
     return check(Picture(((panel,),), short(diagram.case.title), caption))
 
 
+def _style(name: str) -> Style:
+    return next((v for k, v in STYLES.items() if name.startswith(k)), OWN)
+
+
+def _number(name: str, names: Iterable[str]) -> int:
+    """Return the number of a program among those of its dash, so that no two lines look the same."""
+    return [n for n in names if _style(n)[0] == _style(name)[0]].index(name)
+
+
 def _program(name: str, number: int, measured: Sequence[Point]) -> tuple[Item, Item]:
     """Return the line of a program and its dots, in the order of its tolerances."""
-    dash, width = next((v for k, v in STYLES.items() if name.startswith(k)), OWN)
+    dash, width = _style(name)
     colour = HEYOKA if name == "heyoka" else COLOURS[number % len(COLOURS)]
     at = points([p.error for p in measured], [p.seconds for p in measured])
     return Curve(at, colour, width, dash, short(name)), Marks(at, colour, 4.0)

@@ -68,7 +68,7 @@ class Sketch:
 
     ``axles``: axes that it is best not seen from the side of. ``points``: places by the names that are put
     where there is room, ``away`` from them. ``corner``: the axes of the ground as they are drawn at the
-    lower left of all else, rows of (3, 3), None where they are not.
+    lower left of all else, rows of (3, 3), None where they are not; ``down``: the way of gravity there.
     """
 
     items: Sequence[Item]
@@ -77,6 +77,7 @@ class Sketch:
     points: Mapping[str, Floats] = field(default_factory=dict)
     away: float = 0.0
     corner: Floats | None = None
+    down: Floats | None = None
     height: float = 1.4
 
 
@@ -110,13 +111,15 @@ def _picture(scene: AnyScene, s: Sketch) -> Picture:
     view = best_view(s.axles, items, CROWDED)
     items += names(s.points, items, view, s.away)
     if s.corner is not None:
-        items += [*_corner(s.corner, items, view)]
+        items += [*_corner(s.corner, s.down, items, view)]
     panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=s.height, view=view)
     return check(Picture(((panel,),), short(scene.title or scene.name), s.caption))
 
 
-def _corner(axes: Floats, items: Sequence[Item], view: tuple[float, float]) -> Iterator[Item]:
-    """Yield axes, rows of (3, 3), at the lower left of all else, words of arrows included."""
+def _corner(
+    axes: Floats, down: Floats | None, items: Sequence[Item], view: tuple[float, float]
+) -> Iterator[Item]:
+    """Yield axes, rows of (3, 3), and gravity, at the lower left of all else, words of arrows included."""
     across, up = paper(view)
     points = np.concatenate([np.reshape(a, (-1, 3)) for item in items for a in placed(item)])
     size = float(np.linalg.norm(axes[0])) / 0.35
@@ -125,6 +128,9 @@ def _corner(axes: Floats, items: Sequence[Item], view: tuple[float, float]) -> I
     start = (left - 0.45 * size) * across + (low + 0.1 * size) * up
     for axis, letter in zip(axes, "xyz", strict=True):
         yield Arrow(start, start + axis, "black", 1.6, f"${letter}$")
+    if down is not None:
+        beside = start - 0.3 * size * across + 0.35 * size * up
+        yield Arrow(beside, beside + 0.35 * size * down, FORCE, 1.6, r"$\mathbf{g}$")
 
 
 @singledispatch
@@ -252,6 +258,7 @@ def _points(s: BodyAtStart) -> Iterator[Item]:
     away = np.array([0.0, 0.0, -0.14])
     yield from marked(s.centre @ s.C, "$G$", away)
     if s.weight is not None:
+        yield from support(np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.5)
         yield from marked(np.zeros(3), "$O$", np.array([0.1, -0.1, 0.05]))
 
 
@@ -280,6 +287,8 @@ def _component(s: BodyAtStart, k: int, component: Any) -> Iterator[Item]:
 
 FORCE, TORQUE, REACTION = "red", "purple", "green"
 LEGEND = {FORCE: "force", TORQUE: "torque", REACTION: "reaction"}
+HATCHES = 7
+"""Lines under the plate of a support."""
 RING = 1.6 * math.pi
 """Angle of the ring round a torque."""
 
@@ -318,6 +327,23 @@ def torque(point: Floats, way: Floats, length: float, words: str) -> Iterator[It
     ring = point + 0.6 * length * along + arc_points(along, radius * across, RING)
     yield Curve(ring, TORQUE, 1.8)
     yield Arrow(ring[-5], ring[-1], TORQUE, 1.8)
+
+
+def support(point: Floats, up: Floats, size: float) -> Iterator[Item]:
+    """Yield what holds a point: a plate of the ground under it, across what is up, hatched below."""
+    normal = unit(up)
+    if normal is None:
+        return
+    across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    across /= np.linalg.norm(across)
+    sides = 0.5 * size * np.stack([across, np.cross(normal, across)])
+    corners = point + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ sides
+    yield Surface(corners, np.array([[0, 1, 2], [0, 2, 3]]), "grey", 0.35)
+    places = np.linspace(-0.8, 1.0, HATCHES)[:, None] * sides[0] + point - sides[1]
+    feet = places - 0.18 * size * normal - 0.15 * sides[0]
+    gaps = np.full_like(places, np.nan)
+    yield Curve(np.stack([places, feet, gaps], axis=1).reshape(-1, 3), "grey", 1.0)
+    yield Curve(np.concatenate([corners, corners[:1]]), "grey", 1.0)
 
 
 def marked(point: Floats, words: str, away: Floats, colour: str = "black") -> Iterator[Item]:
@@ -457,6 +483,7 @@ def _of_many(bodies: ManyBodies) -> Sketch:
         points=centres if len(centres) <= MOST_NAMED else {},
         away=0.17 * s.size,
         corner=0.35 * s.size * s.upright.T,
+        down=s.upright @ s.down if np.any(s.down) else None,
     )
 
 
@@ -504,6 +531,8 @@ def _joint(s: TreeAtStart, joint: Joint) -> Iterator[Item]:
     if joint.kind == "free":
         return
     yield Marks(frame.origin[None], "blue", 5.0)
+    if joint.parent == GROUND:
+        yield from support(frame.origin, -s.down if np.any(s.down) else s.upright[2], 0.28 * s.size)
     if joint.parent == GROUND and np.any(s.down):
         words = f"$R_{{{name(joint.name).strip('$')}}}$"
         standing = float((s.centre(joint.child) - frame.origin) @ s.down) < -0.01 * s.size
@@ -610,6 +639,8 @@ def _rotors(s: TreeAtStart) -> Iterator[Item]:
 
 
 COLOURS = ("blue", "red", "green", "purple", "orange", "sky", "grey")
+BY_LETTER = ("red", "green", "blue")
+"""Colours of the axes x, y, z where there are more bodies than colours."""
 MOST_INDEXED = 6
 """Bodies whose axes have the body's name as an index; of more, the names stand at the origins alone."""
 
@@ -625,10 +656,11 @@ def tree_frames(scene: TreeScene) -> Picture:
     'The frames of the ground and of 2 bodies at the start.'
     """
     s = TreeAtStart(ManyBodies(scene))
-    items: list[Item] = [*_bones(s), *_axes(s, GROUND, "black", "")]
+    items: list[Item] = [*_bones(s), *_axes(s, GROUND, ("black",) * 3, "")]
+    few = len(s.tree.bodies) <= MOST_INDEXED
     for k, body in enumerate(s.tree.bodies):
-        index = body.name if len(s.tree.bodies) <= MOST_INDEXED else ""
-        items += _axes(s, body.name, COLOURS[k % len(COLOURS)], index)
+        colours = (COLOURS[k],) * 3 if few else BY_LETTER
+        items += _axes(s, body.name, colours, body.name if few else "")
     origins = {short(b.name): s.upright @ s.bodies[b.name].origin for b in s.tree.bodies}
     found = Sketch(
         [upright(item, s.upright) for item in items],
@@ -648,10 +680,11 @@ def _bones(s: TreeAtStart) -> Iterator[Item]:
             yield Marks(frame.origin[None], "grey", 5.0)
 
 
-def _axes(s: TreeAtStart, body: str, colour: str, index: str) -> Iterator[Item]:
-    """Yield the three axes of a body; a longer set is the ground's."""
+def _axes(s: TreeAtStart, body: str, colours: Sequence[str], index: str) -> Iterator[Item]:
+    """Yield the three axes of a body, those without names for the legend; a longer set is the ground's."""
     place, length = s.bodies[body], (0.55 if body == GROUND else 0.4) * s.size
     below = f"_{{{name(index).strip('$')}}}" if index else ""
-    for axis, letter in zip(place.C, "xyz", strict=True):
+    for axis, letter, colour in zip(place.C, "xyz", colours, strict=True):
         words = f"${letter}{below}$" if index or body == GROUND else ""
-        yield Arrow(place.origin, place.origin + length * axis, colour, 1.8, words)
+        label = "" if words else f"${letter}$"
+        yield Arrow(place.origin, place.origin + length * axis, colour, 1.8, words, label)

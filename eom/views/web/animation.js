@@ -92,7 +92,7 @@
     }
   });
   const reach = (several ? 0.5 : 0.95) * data.radius;
-  const SHARE = {omega: 1, momentum: 0.84, torque: 0.68};
+  const SHARE = {omega: 1, momentum: 0.84, torque: 0.68, force: 0.6};
 
   const TRAIL = {width: 2, opacity: 0.75, layer: "trails"};
   const trailColour = (n) => (several ? data.bodies[n].colour : "orange");
@@ -118,9 +118,9 @@
 
   // -- what is shown ----------------------------------------------------------------------------------
 
-  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0, follow: data.follow};
+  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, follow: data.follow};
   const shown = {};
-  const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque"};
+  const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque", force: "F, forces"};
 
   function swatch(colour) {
     const found = document.createElement("span");
@@ -150,7 +150,7 @@
   const kinds = [...new Set(arrows.map((a) => a.kind))];
   kinds.forEach((kind) => {
     const colour = arrows.find((a) => a.kind === kind).colour;
-    box(kind, WORDS[kind], !several || data.ground === null, (on) => { shown[kind] = on; }, colour);
+    box(kind, WORDS[kind], !several || kind === "force" || data.ground === null, (on) => { shown[kind] = on; }, colour);
   });
   if (several) {
     const label = document.createElement("label");
@@ -218,7 +218,7 @@
     rows[1].cell.previousSibling.textContent = several ? "|\u03c9| of " + bodies[state.chosen].name : "|\u03c9|";
   }
   chosenRow();
-  arrows.filter((a) => a.kind !== "omega").forEach((a) => row("|" + a.text + "|", a.unit, size(a)));
+  arrows.filter((a) => a.kind === "momentum" || (a.kind === "torque" && !several)).forEach((a) => row("|" + a.text + "|", a.unit, size(a)));
   readouts.forEach((t) => row(t.name, t.unit, (k, part) => between(t.values, 1, k, part)[0]));
 
   if (several) {
@@ -233,7 +233,7 @@
   byId("sizes").textContent = "Longest arrows: " + kinds.map((kind) => {
     const arrow = arrows.find((a) => a.kind === kind);
     return arrow.text + " " + scales[kind].toPrecision(3) + " " + arrow.unit;
-  }).join(", ") + ". Momentum and torque are about the " + (several ? "common centre of mass." : "body's origin.");
+  }).join(", ") + ". Momentum " + (several ? "is about the common centre of mass." : "and torque are about the body's origin.");
 
   // -- one moment -----------------------------------------------------------------------------------
 
@@ -286,7 +286,6 @@
   function say() {
     const [k, part] = moment();
     rows.forEach((r) => { r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part)); });
-    state.said = performance.now();
     if (!state.playing) {
       byId("status").textContent = rows.slice(0, 4).map((r) => r.name + " " + r.cell.textContent + " " + r.unit).join(", ");
     }
@@ -315,9 +314,7 @@
     }
     state.time = time;
     draw();
-    if (now - state.said > 100) {
-      say();
-    }
+    say(); // the panel is of the instant that the clock shows
     requestAnimationFrame(frame);
   }
 

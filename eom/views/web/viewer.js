@@ -27,8 +27,8 @@
 
 const createViewer = (() => {
   const COLOURS = {
-    black: "#000000", grey: "#8a8a8a", orange: "#e69f00", sky: "#56b4e9", green: "#009e73",
-    yellow: "#d9c400", blue: "#0072b2", red: "#d55e00", purple: "#cc79a7",
+    black: "#000000", grey: "#666666", orange: "#e69f00", sky: "#56b4e9", green: "#009e73",
+    yellow: "#ebdc20", blue: "#0072b2", red: "#d55e00", purple: "#cc79a7",
   };
   const THEMES = {
     light: {background: "#fafaf7", text: "#1c1c1c", grid: "#d4d4ce", strong: "#b4b4ac", shadow: 0.16,
