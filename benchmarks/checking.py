@@ -301,7 +301,7 @@ def _entry_of(key: str, piece: Piece, truth: dict[str, Entry]) -> Entry:
 
 
 def _letters(text: str) -> str:
-    return re.sub(r"\W", "", text)
+    return re.sub(r"\W", "", re.sub(r"\\(?:label|tag)\{[^}]*\}|\\nonumber", "", text))
 
 
 def _other(key: str, entry: Entry | None, piece: Piece) -> InputError:

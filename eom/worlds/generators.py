@@ -168,6 +168,10 @@ def _placed(
     if body_fixed and "O_fixed_in_space" in assumed:
         anchor, path = pivot, still
 
+    marked = {n: draw.point() for n in ("OA", "OB") if f"{n}_fixed_in_space" in assumed}
+    for place in marked.values():
+        anchor, path = place, draw.fixed(draw.point())
+
     def carried(point: Point) -> Vector:
         return series.add(path, body.carried(draw, along(draw.field, point, anchor, -1)))
 
@@ -177,7 +181,7 @@ def _placed(
     if body_fixed:
         reference = carried(pivot)
     points = {"O": reference, "C": carried(centre)}
-    points |= {name: carried(draw.point()) for name in ("OA", "OB")}
+    points |= {name: carried(marked.get(name) or draw.point()) for name in ("OA", "OB")}
     if "OA_at_centre" in assumed:
         points["OA"] = points["C"]
     masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in body.points)

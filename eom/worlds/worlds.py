@@ -349,6 +349,15 @@ ASSUMPTIONS: dict[str, Restriction] = {
     "OA_at_centre": Restriction(
         "the point OA of the body is its centre of mass", ("rigid",), joins=("OA", "C")
     ),
+    **{
+        f"{point}_fixed_in_space": Restriction(
+            f"the point {point} of the body is inertially fixed",
+            ("rigid",),
+            ("C_at_rest", "O_fixed_in_space", "O_uniform", *others),
+            kind=SPECIAL,
+        )
+        for point, others in (("OA", ("OA_at_centre",)), ("OB", ("OA_fixed_in_space",)))
+    },
     "thin_rod": Restriction(
         "all mass lies on one line",
         ("body_frame",),

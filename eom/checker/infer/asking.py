@@ -9,8 +9,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from eom.checker.infer.books import candidates as by_books
-from eom.checker.infer.draft import GUESSED, Draft, Proposal, operands_of
+from eom.checker.infer.draft import Proposal
+from eom.checker.infer.letters import GUESSED, Draft
 from eom.checker.infer.sayings import look_of
+from eom.checker.infer.shown import operands_of
 from eom.checker.infer.systems import USUAL, Guess, Tie, rows
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.read.grammar import read_formula

@@ -46,12 +46,33 @@ def angles(text: Prose) -> Iterator[tuple[Look, str, str, int]]:
     for k, sentence in enumerate(text.sentences):
         window = " ".join(text.sentences[k : k + 2])
         for part in (*re.split(r"[;,] (?=the \d-)", sentence), window):
-            axes = _sequence(part)
-            of = _of(text, part) if axes else ()
+            several = " ".join(text.sentences[k : k + 3]) if part is window else part
+            axes, of = _turn_by_turn(text, several)
+            if not axes:
+                axes = _sequence(part)
+                of = _of(text, part) if axes else ()
             if of:
                 for number, mention in enumerate(of, 1):
                     words = text.shown(sentence)[-70:]
                     yield mention.look, f"turn_angle {number} {axes} B I", words, mention.line
+
+
+_ORDINALS = {"first": "1", "second": "2", "third": "3", "x": "1", "y": "2", "z": "3"}
+_ONE_BY_ONE = re.compile(
+    rf"({MARK})[^⟦]{{0,40}}?\babout\s+(?:the\s+)?(?:(?:new|final|carried|rotated|body|resulting|inertial)\s+)*"
+    r"(first|second|third|[xyz123])(?:[- ]|'+\s?)ax[ie]s",
+    re.IGNORECASE,
+)
+"""An angle with the axis about which it turns, where a sequence is told turn by turn."""
+
+
+def _turn_by_turn(text: Prose, words: str) -> tuple[str, tuple[Mention, ...]]:
+    """Return the axes and the angles of three turns that are told one after the other."""
+    found = [(text.marked(m[1])[0], m[2].lower()) for m in _ONE_BY_ONE.finditer(words)]
+    axes = "".join(_ORDINALS.get(a, a) for _, a in found)
+    of = tuple(m for m, _ in found)
+    whole = len(axes) == 3 and axes[0] != axes[1] != axes[2] and all(_is_angle(m.look) for m in of)
+    return (axes, of) if whole else ("", ())
 
 
 def _of(text: Prose, words: str) -> tuple[Mention, ...]:

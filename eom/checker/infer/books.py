@@ -42,8 +42,10 @@ def rows() -> tuple[Row, ...]:
     )
 
 
-def candidates(look: Look, body: str, lexicon: Lexicon) -> Iterator[tuple[str, str]]:
-    """Yield patterns with meanings that books give a symbol."""
+def candidates(
+    look: Look, body: str, lexicon: Lexicon, *, wheels: bool = True
+) -> Iterator[tuple[str, str]]:
+    """Yield patterns with meanings that books give a symbol; ``wheels``: whether the note speaks of any."""
     marked = bool(look.accents or look.style)
     for row in rows():
         fits = row.mark == "table" or (row.mark == "vector") == marked
@@ -51,6 +53,8 @@ def candidates(look: Look, body: str, lexicon: Lexicon) -> Iterator[tuple[str, s
             continue
         pattern = latex_of(Look(look.name, look.style, look.accents)) + row.labels
         for means in row.means:
+            if means.startswith("rotor_") and not wheels:
+                continue
             words = means.replace("{body}", body)
             one, _ = lexicon_of({"symbols": {pattern: words}}, "book")
             whole = replace(lexicon, layers=one.layers)
@@ -96,6 +100,7 @@ class _Search:
     body: str
     own: Mapping[Look, tuple[str, str]]
     added: Callable[[Lexicon], Lexicon]
+    wheels: bool = True
     chosen: dict[Look, tuple[str, str]] = field(default_factory=dict)
 
     @property
@@ -134,7 +139,7 @@ class _Search:
             yield self.own[look]
         bare = lexicon.find(replace(look, sub=(), sup=(), presub=(), presup=()))
         if not known and (bare is None or bare.entry.latex not in self.given):
-            yield from dict.fromkeys(candidates(look, self.body, lexicon))
+            yield from dict.fromkeys(candidates(look, self.body, lexicon, wheels=self.wheels))
 
 
 def taken(
@@ -145,14 +150,16 @@ def taken(
     body: str,
     own: Mapping[Look, tuple[str, str]],
     added: Callable[[Lexicon], Lexicon],
+    *,
+    wheels: bool = True,
 ) -> Mapping[str, tuple[str, Look]]:
     """Return meanings by their patterns, each with the symbol that it was taken for.
 
     ``unknown``: symbols, those first that stand in most places; ``own``: what formulas of the text say;
-    ``added``: puts the note's system into a lexicon.
+    ``added``: puts the note's system into a lexicon; ``wheels``: whether the note speaks of any.
     In a second sweep each is decided again, with all others known.
     """
-    search = _Search(formulas, preset, tables, body, own, added)
+    search = _Search(formulas, preset, tables, body, own, added, wheels)
     unknown = tuple(unknown)
     for _ in range(SWEEPS):
         for look in unknown:

@@ -25,16 +25,26 @@ from typing import Any
 
 from eom.checker.infer.attitude import angles, components
 from eom.checker.infer.books import taken
-from eom.checker.infer.house import drafted, house
-from eom.checker.infer.phrases import Phrases, slotted, spelt
-from eom.checker.infer.places import as_label, marks, places
+from eom.checker.infer.house import drafted, fit, house
+from eom.checker.infer.letters import (
+    BOOKS,
+    CUSTOMARY,
+    FORMULA,
+    LETTER,
+    Draft,
+    by_custom,
+    derived,
+    free_vectors,
+)
+from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
+from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
+from eom.checker.infer.sections import sections
+from eom.checker.infer.shown import bare, known, symbols
 from eom.checker.infer.systems import USUAL, Guess, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
-from eom.checker.mean.elaborate import elaborator
-from eom.checker.mean.elaborator import FUNCTIONS
-from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
+from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import (
     PRESETS,
     in_yaml,
@@ -44,7 +54,6 @@ from eom.checker.mean.lexicon_files import (
     parse_lexicon,
     preset,
 )
-from eom.checker.mean.values import Refusal
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import printable
@@ -52,41 +61,17 @@ from eom.checker.read.statements import Formula, Statement, read
 from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import (
     Addition,
-    Derivative,
-    Differential,
-    Integral,
     Node,
     Number,
     Sequence,
-    Symbol,
-    children,
 )
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
 from eom.limits import Overdue
-from eom.terms.terms import INDICES, VECTOR
+from eom.terms.terms import INDICES
 
-CUSTOMARY = "by custom"
-LETTER = "by its letter"
-FORMULA = "by its formula in the text"
-BOOKS = "as in the usual books"
-GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS})
-"""What stands in the place of words where they say nothing."""
 MAX_UNKNOWN = 40
 """Symbols that are looked for in books, those that stand in most places first."""
-WINDOW = 90
-"""Characters of prose on either side of a symbol that may say what it is."""
-
-
-@dataclass(frozen=True)
-class Draft:
-    """A proposed entry: table, pattern, meaning, the words that say so, and their line."""
-
-    table: str
-    latex: str
-    meaning: str
-    words: str
-    line: int
 
 
 @dataclass(frozen=True)
@@ -106,6 +91,7 @@ class Proposal:
     body: str = "body"
     confirmed: frozenset[str] = frozenset()
     systems: tuple[Guess, ...] = ()
+    parts: tuple[tuple[str, tuple[Draft, ...]], ...] = ()
 
     @property
     def toml(self) -> str:
@@ -116,6 +102,9 @@ class Proposal:
             lines += ["", f"[{table}]"] if rows else []
             lines += [_row(d) for d in rows]
         lines += [line for one in self.systems for line in _described(one)]
+        for heading, own in self.parts:
+            lines += ["", "[[scope]]", f"heading = {json.dumps(heading)}", "[scope.symbols]"]
+            lines += [_row(d) for d in own]
         if self.defined:
             lines += ["", "# defined by the note itself:"]
             lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.defined]
@@ -168,13 +157,14 @@ def propose(document: Document) -> Proposal:
     with those; then formulas of the text and the usual books, for what is left.
     """
     formulas, text = read(document), prose(document)
-    note = _Drafted(formulas, text, tuple(_symbols(formulas)))
+    note = _Drafted(formulas, text, tuple(symbols(formulas)))
     note.by_words()
     note.by_systems(document)
     for draft in derived(note.lexicon, (n for n, _ in note.symbols), text):
         note.add(draft)
     note.settle()
-    for draft in _by_custom(note.lexicon, note.looks, note.drafts):
+    note.without_marks()
+    for draft in by_custom(note.lexicon, note.looks, note.drafts):
         note.drafts[draft.table, draft.latex] = draft
     note.settle()
     new = _defined(formulas, note.lexicon)
@@ -189,6 +179,7 @@ def propose(document: Document) -> Proposal:
         _body(text),
         frozenset(note.confirmed),
         note.systems,
+        tuple(note.by_parts(document)),
     )
 
 
@@ -211,7 +202,7 @@ class _Drafted:
         """What symbols look like, with the first line of each."""
         found: dict[Look, int] = {}
         for node, line in self.symbols:
-            look = _bare(node)
+            look = bare(node)
             if look is not None:
                 found.setdefault(look, line)
         return found
@@ -220,8 +211,8 @@ class _Drafted:
         """Return the symbols that nothing gives a meaning so far, with the first line of each."""
         found: dict[Look, int] = {}
         for node, line in self.symbols:
-            look = _bare(node)
-            if look is not None and not _known(self.lexicon, node):
+            look = bare(node)
+            if look is not None and not known(self.lexicon, node):
                 found.setdefault(look, line)
         return found
 
@@ -251,7 +242,7 @@ class _Drafted:
 
     def by_words(self) -> None:
         """Take what words say, but for what the preset says as well, or more closely."""
-        for draft in _by_words(self.text, tuple(said(self.text))):
+        for draft in _by_words(self.text, tuple(said(self.text)), tuple(self.looks)):
             self.add(draft)
         self.settle()
         own = preset(self.preset)
@@ -259,6 +250,26 @@ class _Drafted:
         self.confirmed = {p for p in known.values() if p}
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
+
+    def without_marks(self) -> None:
+        """Take plain letters of vectors for these where they make no sense as their norms."""
+        for key, draft in tuple(self.drafts.items()):
+            if draft.words != LETTER or not draft.meaning.startswith(r"= \left|"):
+                continue
+            itself = draft.meaning.replace(r"\left|", "").replace(r"\right|", "")
+            other = {**self.drafts, key: replace(draft, meaning=itself)}
+            lexicon = self._added(drafted(self.preset, _tables(other.values())))
+            if fit(self.formulas, lexicon).ill < fit(self.formulas, self.lexicon).ill:
+                self.drafts, self.lexicon = other, lexicon
+
+    def by_parts(self, document: Document) -> Iterator[tuple[str, tuple[Draft, ...]]]:
+        """Yield what parts of the note say otherwise."""
+
+        def reads(latex: str, means: str) -> bool:
+            return _reads(Draft("symbols", latex, means, "", 0))
+
+        for heading, rows in sections(document, _body(self.text), self.lexicon, reads):
+            yield heading, tuple(Draft("symbols", o.latex, o.means, o.words, o.line) for o in rows)
 
     def by_books(self, defined: Container[Look]) -> None:
         """Take formulas of the text and the usual books for symbols without a meaning."""
@@ -268,43 +279,31 @@ class _Drafted:
             for k, d in _by_formulas(self.text).items()
             if plain.find(k) is None and _reads(d)
         }
-        count = Counter(k for n, _ in self.symbols if (k := _bare(n)) is not None)
+        count = Counter(k for n, _ in self.symbols if (k := bare(n)) is not None)
         left = sorted((k for k in self.unknown() if k not in own), key=lambda k: -count[k])
         order = [*(k for k in self.looks if k in own), *left[:MAX_UNKNOWN]]
         order = [k for k in order if self.lexicon.notation.plain(k) not in defined]
         tables = _tables(self.drafts.values())
         body = _body(self.text)
-        books = taken(self.formulas, self.preset, tables, order, body, own, self._added)
+        wheels = any(_WHEELS.search(s) for s in self.text.sentences)
+        books = taken(
+            self.formulas, self.preset, tables, order, body, own, self._added, wheels=wheels
+        )
         for pattern, (means, look) in books.items():
             words = FORMULA if own.get(look) == (pattern, means) else BOOKS
             line = self.looks.get(look, 0)
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, line)
+        for look in free_vectors(self.formulas, self.unknown()):
+            pattern = latex_of(look)
+            self.drafts["symbols", pattern] = Draft(
+                "symbols", pattern, f"vector {look.name}", CUSTOMARY, 0
+            )
         self.settle()
 
 
-CUSTOM = {
-    "frames": {"b": "B", "B": "B", "body": "B", "i": "I", "I": "I", "N": "I", "n": "I", "0": "I"},
-    "points": {"C": "C", "G": "C", "S": "C", "O": "O"},
-}
-"""What labels name by custom, where neither words nor the preset say, and nothing else is called so."""
-
-
-def _by_custom(
-    lexicon: Lexicon, looks: Iterable[Look], drafts: Mapping[tuple[str, str], Draft]
-) -> Iterator[Draft]:
-    """Yield frames and points that labels of the note name by custom."""
-    labels = dict.fromkeys((w,) for look in looks for c in look.corners for w in c if w != "d")
-    pairs = any(c[i : i + 2] == ("d", "m") for k in looks for c in k.corners for i in range(len(c)))
-    if pairs and ("d", "m") not in lexicon.points:
-        yield Draft("points", "dm", "dm", CUSTOMARY, 0)
-    for table, names in CUSTOM.items():
-        said = {d.meaning for d in drafts.values() if d.table == table}
-        for label in labels:
-            name = names.get("".join(label))
-            known = label in lexicon.frames or label in lexicon.points
-            known = known or (label[0] in INDICES and ("b",) not in labels)
-            if name and not known and (table == "frames" or name not in said):
-                yield Draft(table, "".join(label), name, CUSTOMARY, 0)
+_WHEELS = re.compile(
+    r"\b(?:rotors?|wheels?|flywheels?|gyrostats?|momentum device)\b", re.IGNORECASE
+)
 
 
 def _tables(drafts: Iterable[Draft]) -> dict[str, dict[str, str]]:
@@ -313,66 +312,6 @@ def _tables(drafts: Iterable[Draft]) -> dict[str, dict[str, str]]:
     for draft in drafts:
         found.setdefault(draft.table, {})[draft.latex] = draft.meaning
     return found
-
-
-def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[Draft]:
-    r"""Yield entries for symbols without a meaning that others of the same letter give.
-
-    ``v_C`` the norm of the vector ``\vec v_C``, ``\hat r`` the direction of ``\vec r``, ``\omega_2`` a
-    component, ``\mathbf u`` the column of ``\vec u``; ``s_\theta`` the sine of an angle where words say so.
-    """
-    short = any("sine" in s and "cosine" in s for s in text.sentences)
-    done: set[Look] = set()
-    for node in symbols:
-        found = _bare(node)
-        if found is None or found in done or _known(lexicon, node):
-            continue
-        done.add(found)
-        means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
-        if means:
-            yield Draft("symbols", latex_of(found), means, LETTER, 0)
-
-
-_FUNCTIONS = {"s": "sin", "c": "cos"}
-
-
-def _short(lexicon: Lexicon, look: Look) -> str:
-    """Return the sine or cosine that a letter with an angle below it stands for."""
-    angle = Look(look.sub[0]) if len(look.sub) == 1 and not look.accents else None
-    known = angle is not None and lexicon.find(angle) is not None and look.name in _FUNCTIONS
-    return rf"= \{_FUNCTIONS[look.name]} {latex_of(angle)}" if known and angle is not None else ""
-
-
-def _of_letter(lexicon: Lexicon, look: Look) -> str:
-    """Return what a letter stands for that a vector has, too: its norm, direction, component, column."""
-    axis = AXES.get(look.sub[-1]) if look.sub else None
-    plain = not look.accents and not look.style
-    unit = "hat" in look.accents
-    for entry in (e for layer in lexicon.layers for e in layer):
-        e = entry.look
-        vector = (e.accents or e.style) and entry.meaning.kind == VECTOR and e.name == look.name
-        if not vector or (e.accents, e.style) == (look.accents, look.style):
-            continue
-        whole = latex_of(replace(e, sub=look.sub, sup=look.sup))
-        if plain and lexicon.find(replace(e, sub=look.sub, sup=look.sup)) is not None:
-            return rf"= \left|{whole}\right|"
-        if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
-            return rf"= {whole} / \left|{whole}\right|"
-        if plain and axis and not entry.meaning.component and len(look.sub) == 1 and not e.sub:
-            return f"{_worded(entry.meaning)} in B component {axis}"
-        if (
-            look.style == "bold"
-            and not look.accents
-            and not entry.meaning.frame
-            and "vec" not in e.style
-        ):
-            return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
-    return ""
-
-
-def _worded(meaning: Meaning) -> str:
-    """Return a meaning without frame and components in words of a lexicon."""
-    return " ".join((meaning.quantity, *meaning.labels))
 
 
 def _reads(draft: Draft) -> bool:
@@ -384,9 +323,9 @@ def _reads(draft: Draft) -> bool:
     return True
 
 
-def _by_words(text: Prose, sayings: tuple[Said, ...]) -> Iterator[Draft]:
+def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -> Iterator[Draft]:
     """Yield entries that the words of a note give, the plainest first."""
-    found = places(text, sayings)
+    found = places(text, sayings, looks)
     for table in ("frames", "points"):
         for label, name in getattr(found, table).items():
             words, line = found.words[table, label]
@@ -396,10 +335,7 @@ def _by_words(text: Prose, sayings: tuple[Said, ...]) -> Iterator[Draft]:
         yield Draft("marks", mark, name, words, line)
     phrases = Phrases(text, found, _body(text))
     for one in sayings:
-        for meant in phrases.meant(one):
-            vectors = meant.mark == "vector" and meant.look.sub[-1:] not in {("1",), ("2",), ("3",)}
-            if not vectors and not _fits(meant.look, meant.mark):
-                continue
+        for meant in fitting(phrases, one):
             for pattern, means in slotted(meant, found):
                 yield Draft("symbols", pattern, means, meant.words, meant.line)
             for part, more in components(meant.look, meant.means):
@@ -476,84 +412,6 @@ def _attitude(text: Prose) -> Iterator[Draft]:
 # -- symbols -------------------------------------------------------------------------------------
 
 
-def _symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
-    """Yield every symbol with its line, whole ones only."""
-    for formula in formulas:
-        stack = [m for s in formula.statements for m in _members(s)]
-        while stack:
-            node = stack.pop()
-            if seen(node) is not None:
-                yield node, formula.piece.source.line_column(node.span.start)[0]
-            elif not isinstance(node, Number):
-                stack += reversed(_operands(node))
-
-
-def symbols_in(formula: Formula) -> Iterator[Node]:
-    """Yield the symbols of a formula, whole ones."""
-    return (n for n, _ in _symbols((formula,)))
-
-
-def operands_of(formula: Formula) -> Iterator[Look]:
-    """Yield what the symbols of a formula look like, each as often as it stands."""
-    return (k for n in symbols_in(formula) if (k := _bare(n)) is not None)
-
-
-def _members(statement: Statement) -> list[Node]:
-    """Return the members of a statement and of its conditions; a lone symbol of the text is none."""
-    own = list(statement.members) if statement.relational else []
-    return own + [m for _, c in statement.conditions for m in _members(c)]
-
-
-def _covered(look: Look, drafts: Iterable[Draft]) -> bool:
-    """Return whether a draft with slots names this."""
-    indexed = len(look.sub) in {1, 2} and set(look.sub) <= INDICES
-    letters = {d.latex.partition("_")[0] for d in drafts if "_{<" in d.latex}
-    return indexed and latex_of(replace(look, sub=())) in letters
-
-
-def _operands(node: Node) -> tuple[Node, ...]:
-    """Return what of a node has a value: no variables and bounds of integrals, no labels."""
-    if isinstance(node, Integral):
-        return (node.integrand,) if node.integrand is not None else ()
-    if isinstance(node, Derivative):
-        return (node.operand,) if node.operand is not None else ()
-    if isinstance(node, Differential):
-        return ()
-    lower = getattr(node, "lower", None)
-    upper, sub = getattr(node, "upper", None), getattr(node, "sub", None)
-    return tuple(c for c in children(node) if c not in (lower, upper, sub))
-
-
-def _bare(node: Node) -> Look | None:
-    """Return the look without dots and with a raised label only if it is one letter."""
-    found = seen(node)
-    if found is None:
-        return None
-    raised = found.raised[0] if found.raised else None
-    labelled = isinstance(raised, Symbol) and raised.name not in {"T", "top", "t", "intercal"}
-    return found.with_label() if labelled else found.look
-
-
-def _known(lexicon: Lexicon, node: Node) -> bool:
-    look = _bare(node)
-    names = {**lexicon.frames, **lexicon.points}
-    if look is not None and (as_label(look) in names or look.name in {"infty", "bullet"}):
-        return True
-    found = None if look is None else lexicon.find(look)
-    if found is not None and found.meaning.quantity in FUNCTIONS:
-        return True
-    try:
-        elaborator(lexicon).value(node)
-    except Refusal:
-        return False
-    return True
-
-
-def _score(lexicon: Lexicon, symbols: list[tuple[Node, int]]) -> int:
-    looks = {_bare(node): node for node, _ in symbols}
-    return sum(_known(lexicon, node) for node in looks.values())
-
-
 _ALIKE: tuple[frozenset[str], ...] = (
     frozenset({"angular_momentum", "absolute_angular_momentum"}),
     frozenset({"kinetic_energy", "rotational_energy"}),
@@ -591,7 +449,7 @@ def _defined(formulas: tuple[Formula, ...], base: Lexicon) -> dict[Look, int]:
         line = formula.piece.line
         for statement in formula.statements:
             if any(s.name == ":=" for s in statement.signs):
-                look = _bare(statement.members[0])
+                look = bare(statement.members[0])
                 if look is not None and claims(statement, base):
                     found.setdefault(base.notation.plain(look), line)
     return {k: n for k, n in found.items() if base.find(k) is None}
@@ -648,7 +506,7 @@ def _added(document: Document, lexicon: Lexicon, origin: str) -> Meanings:
         for meant in phrases.meant(one):
             look = lexicon.notation.plain(meant.look)
             known = lexicon.find(look) is not None or look in scoped
-            if meant.means.split()[0] in LOADS and _fits(look, meant.mark) and not known:
+            if meant.means.split()[0] in LOADS and fits(look, meant.mark) and not known:
                 drafts.setdefault(
                     look, Draft("symbols", latex_of(look), meant.means, meant.words, meant.line)
                 )
@@ -658,12 +516,6 @@ def _added(document: Document, lexicon: Lexicon, origin: str) -> Meanings:
     words = ", ".join(f"{d.latex} is {d.meaning} (line {d.line})" for d in drafts.values())
     whole = replace(lexicon, layers=(*lexicon.layers, *more.layers))
     return Meanings(whole, f"{origin}, and the note's words: {words}")
-
-
-def _fits(look: Look, mark: str) -> bool:
-    """Return whether a symbol is marked as what it would stand for: vectors are, scalars are not."""
-    marked = bool(look.accents) or bool(look.style)
-    return {"vector": marked, "scalar": not marked}.get(mark, True)
 
 
 def _front(document: Document) -> str:
@@ -682,7 +534,8 @@ def _drafted(document: Document) -> Meanings:
         data.setdefault(draft.table, {})[draft.latex] = draft.meaning
     names = [f"preset {proposal.preset}"] if proposal.preset else []
     names += dict.fromkeys(one.name for one in proposal.systems)
-    lexicon = with_systems(drafted(proposal.preset, data), proposal.systems)
+    scopes = [{"heading": h, "symbols": {d.latex: d.meaning for d in r}} for h, r in proposal.parts]
+    lexicon = with_systems(drafted(proposal.preset, data, scopes), proposal.systems)
     return Meanings(lexicon, f"{DRAFT} on {', '.join(names)}", proposal)
 
 

@@ -12,8 +12,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eom.checker.infer.books import candidates
-from eom.checker.infer.draft import BOOKS, GUESSED, Proposal, operands_of, symbols_in
-from eom.checker.infer.systems import USUAL
+from eom.checker.infer.draft import Proposal
+from eom.checker.infer.letters import BOOKS, GUESSED
+from eom.checker.infer.shown import operands_of, symbols_in
+from eom.checker.infer.systems import IN_A_MOTION, USUAL
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
@@ -47,13 +49,13 @@ def doubts(
     """Yield for each formula the meanings in it that nothing makes sure; ``hold``: which formulas do."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
-        for d in draft.drafts
+        for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
         if d.words not in GUESSED
     }
     guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}
     ties = [t for one in draft.systems for t in one.ties]
-    guessed |= {t.latex: t.words for t in ties if t.words == USUAL}
-    said_of = {t.latex for t in ties if t.words != USUAL}
+    told = {t.latex for t in ties if t.words != USUAL and not IN_A_MOTION.search(t.means)}
+    guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
     meant = {t.latex: f"the {t.means} of the system" for t in ties}
     used = [dict(_used(f, lexicon)) for f in formulas]
     count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
@@ -61,7 +63,7 @@ def doubts(
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     firm = {
         *said,
-        *said_of,
+        *told,
         *draft.confirmed,
         *(own if sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every) else ()),
     }

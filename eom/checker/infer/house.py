@@ -6,7 +6,7 @@ counts. A meaning that words give goes before one of a preset.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from eom.checker.mean.claims import claims, defined
@@ -34,9 +34,10 @@ class Fit:
         return self.ill + self.open
 
 
-def drafted(name: str, tables: Tables) -> Lexicon:
-    """Return a lexicon on a preset, or on none. Raises `InputError` for an entry that cannot be read."""
-    return lexicon_of({**({"preset": name} if name else {}), **tables}, "draft")[0]
+def drafted(name: str, tables: Tables, parts: Sequence[Mapping[str, object]] = ()) -> Lexicon:
+    """Return a lexicon on a preset, or none; ``parts``: its scopes. Raises `InputError` for bad entries."""
+    own = {"scope": list(parts)} if parts else {}
+    return lexicon_of({**({"preset": name} if name else {}), **tables, **own}, "draft")[0]
 
 
 def fit(formulas: Iterable[Formula], lexicon: Lexicon) -> Fit:

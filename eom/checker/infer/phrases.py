@@ -21,6 +21,10 @@ UNKNOWN = "?"
 """What stands in a place that words do not fill."""
 
 
+OF_ONE = {"total_mass": "mass", "external_force": "force"}
+"""Quantities of many that are called otherwise of a single particle."""
+
+
 @dataclass(frozen=True)
 class Row:
     """A row of the table: its words, how the symbol looks, the meaning with places."""
@@ -121,6 +125,9 @@ class Phrases:
         of, start = self._position(words, one.of[k])
         several = len(one.of) > 1
         turning = frames["of"]
+        both = [self.places.frames[(n,)] for n in one.of[k].look.sub if (n,) in self.places.frames]
+        if len(both) == 2 and not (frames["into"] or frames["of"] or frames["in"]):
+            frames = {**frames, "into": both[:1], "in": both[1:]}
         values = {
             "body": self.body,
             "particle": self._particle(one.of[k]),
@@ -146,8 +153,10 @@ class Phrases:
         filled = re.sub(r"\{(\w+)\}", lambda m: values[m[1]] or UNKNOWN, row.means)
         if filled.startswith("quaternion ") and re.search(r"scalar (?:part )?last", one.sentence):
             filled = filled.replace("quaternion", "quaternion_last")
+        quantity, _, rest = filled.partition(" ")
+        filled = f"{OF_ONE.get(quantity, quantity)} {rest}" if rest == "P" else filled
         labels = filled.split()[1:3]
-        same = len(set(labels)) < len(labels) and filled.startswith(("position", "velocity", "acc"))
+        same = len(set(labels)) < len(labels) and filled.startswith(_BETWEEN)
         partly = filled.startswith("external_force") and _PARTLY.search(one.sentence) is not None
         return "" if UNKNOWN in filled or same or partly else filled
 
@@ -218,7 +227,10 @@ class Phrases:
 
     def _point(self, words: str) -> str:
         if words.startswith("⟦"):
-            return self.places.points.get(as_label(self.text.marked(words)[0].look), "")
+            look = self.text.marked(words)[0].look
+            free = "<P>" if look == Look(look.name) and _NAME.fullmatch(look.name) else ""
+            known = as_label(look) in self.places.frames
+            return self.places.points.get(as_label(look), "" if known else free)
         if "mass" in words or "gravity" in words:
             return "C"
         values = self.places.points.values()
@@ -228,7 +240,7 @@ class Phrases:
 
     def _position(self, words: str, mention: Mention) -> tuple[str, str]:
         """Return which point a vector leads to, and from which; by its label where words do not say."""
-        thing = rf"(?:{MARK}|particle\s+{MARK}|mass element|element|{_WORDS})"
+        thing = rf"(?:{MARK}|particle\s+{MARK}|{_THINGS}|{_WORDS})"
         led = re.search(
             rf"from\s+(?:the |an? )*(?:\w+\s+)*?({thing})\s+to\s+(?:the |an? )*(?:\w+\s+)*?({thing})",
             words,
@@ -261,11 +273,15 @@ class Phrases:
             return "<i>"
         if "element" in words:
             return "dm"
+        if words.startswith(("each", "ith")):
+            return "<i>"
+        if words == "point mass":
+            return "P"
         return self._point(words)
 
     def _frames(self, words: str) -> dict[str, list[str]]:
         """Return the frames behind prepositions, in order."""
-        named = rf"(?:the |frame |body |an? )*(?P<what>{MARK}|body(?: frame)?|inertial\b|space)"
+        named = rf"{_ARTICLES}(?P<what>{MARK}|body(?: frame)?|inertial\b|space)"
         return {
             key: [
                 n for m in re.finditer(rf"{lead}\s+{named}", words) if (n := self._frame(m["what"]))
@@ -283,9 +299,27 @@ class Phrases:
         return "<i>" if len(labels) == 1 and labels[0] in INDICES else "P"
 
 
+def fits(look: Look, mark: str) -> bool:
+    """Return whether a symbol is marked as what it would stand for: vectors are, scalars are not."""
+    marked = bool(look.accents) or bool(look.style)
+    return {"vector": marked, "scalar": not marked}.get(mark, True)
+
+
+def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
+    """Yield the meanings that words give symbols which look like that."""
+    for meant in phrases.meant(one):
+        vectors = meant.mark == "vector" and meant.look.sub[-1:] not in {("1",), ("2",), ("3",)}
+        if vectors or fits(meant.look, meant.mark):
+            yield meant
+
+
+_ARTICLES = r"(?:the |frame |body |an? |columns? of |components of )*"
+_BETWEEN = ("position", "velocity", "acc", "rotation ", "angular_velocity")
+"""Beginnings of meanings that are about two points or frames."""
 _PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")
 _REST = re.compile(
-    r"(?:\s+(?:vectors?|matrix|column))?(?:\s+of (?:the |a |this |each )?[a-z]+)?"
+    r"(?:\s+(?:vectors?|matrix|column))?"
+    r"(?:\s+of\s+[a-z]+|\s+(?:of )?(?:the|a|this|each)\s+(?:point\s+)?[a-z]+)?"
     r"(?:\s+(?:is|are|be|by|at))?\s*"
 )
 """What may stand between a noun and the symbol behind it."""
@@ -311,6 +345,7 @@ def spelt(label: Labels) -> str:
     return word
 
 
+_THINGS = r"point mass|(?:each|ith) (?:mass|particle)|(?:mass )?element"
 _WORDS = (
     r"fixed origin|inertial\w* (?:fixed )?origin|mass cent(?:re|er)|cent(?:re|er) of (?:mass|gravity)|"
     r"origin|reference point|fixed point|pivot"
@@ -325,8 +360,9 @@ _LEAD = re.compile(
 def slotted(meant: Meant, places: Places) -> Iterator[tuple[str, str]]:
     """Yield patterns with meanings: of the symbol as it stands, and with slots for what labels name."""
     look, means = meant.look, meant.means
-    if means.startswith("total_mass") and len(look.sub) == 1 and look.sub[0] in INDICES:
-        means = "mass <i>"
+    quantity, _, whose = means.partition(" ")
+    if len(look.sub) == 1 and look.sub[0] in INDICES and quantity in OF_ONE and " " not in whose:
+        means = f"{OF_ONE[quantity]} <i>"
     if "<i>" in means and len(look.sub) == 1 and look.sub[0] in INDICES:
         yield f"{latex_of(replace(look, sub=()))}_{{<i>}}", means
         return

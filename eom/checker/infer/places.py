@@ -70,11 +70,14 @@ def as_label(look: Look) -> Labels:
     return (shaped.get(look.style, "") + look.name + tail,)
 
 
-def places(text: Prose, sayings: Iterable[Said]) -> Places:
+def places(text: Prose, sayings: Iterable[Said], looks: Iterable[Look] = ()) -> Places:
     """Return the frames and points that the words of a note name.
 
     What is called a frame or a point anywhere is one; all that is said of it counts, the plainest first.
+    ``looks``: the symbols of its displays; a point that no label of them names only stands for any
+    ("for points $X$ and $Y$").
     """
+    named = {name for look in looks for c in look.corners for name in c}
     found = Places()
     every = [
         (m, s) for s in sayings for m in s.of if _plain(m.look) and not CASE.search(s.sentence)
@@ -84,19 +87,50 @@ def places(text: Prose, sayings: Iterable[Said]) -> Places:
         rows = tables()["places"][table]
         chosen = []
         for label in called:
+            if table == "points" and named and _placeholder(label, named):
+                continue
             here = [(m, s) for m, s in every if as_label(m.look) == label]
             said = [(k, m, s) for m, s in here if (k := _first(rows, _near(s, table))) is not None]
             drawn = table == "points" and here[0][0].look.style
             if said and label not in found.frames and not drawn:
                 chosen.append(said[0])
         for k, mention, one in sorted(chosen, key=lambda c: c[0]):
-            found.add(table, mention, rows[k][1], text.shown(one.words))
+            name = rows[k][1]
+            pair = (
+                table == "points" and name == "O" and len(one.of) > 1 and _WELDED.search(one.words)
+            )
+            found.add(table, mention, "OA" if pair else name, text.shown(one.words))
         for mention, one in every:
-            default = {"frames": "B", "points": "O"}[table]
+            default = _usual(table, mention.look)
             drawn = table == "points" and mention.look.style
-            if _is(one, kind) and as_label(mention.look) not in found.frames and not drawn:
+            label = as_label(mention.look)
+            if table == "points" and named and _placeholder(label, named):
+                continue
+            if _is(one, kind) and label not in found.frames and not drawn:
                 found.add(table, mention, default, text.shown(one.words))
     return found
+
+
+_WELDED = re.compile(r"fixed (?:both )?(?:in|to)|welded|attached|of the body")
+"""Words of points of a body: of two neither is the one about which things are taken."""
+
+
+def _placeholder(label: Labels, named: set[str]) -> bool:
+    """Return whether a capital letter names no point in any symbol of the displays."""
+    return label[0] in "UVWXYZ" and label[0] not in named
+
+
+USUAL = {
+    "frames": {"b": "B", "B": "B", "body": "B", "i": "I", "I": "I", "N": "I", "n": "I", "0": "I"},
+    "points": {"C": "C", "G": "C", "S": "C", "O": "O"},
+}
+"""What labels name by custom, where nothing else says so."""
+
+
+def _usual(table: str, look: Look) -> str:
+    """Return what a frame or point is by its letter, of which words say no more than that it is one."""
+    name = look.name if table == "frames" else ""
+    return USUAL[table].get(name, {"frames": "B", "points": "O"}[table])
 
 
 _BEHIND = re.compile(
@@ -133,7 +167,7 @@ def _near(one: Said, table: str) -> str:
     """Return the words that are about the symbol itself: the last ones before it, the first behind it."""
     if one.before:
         behind = one.behind if _BEHIND.match(one.behind) else ""
-        return " ".join(one.words.split()[-3:]) + " " + behind
+        return " ".join(one.words.split()[-(5 if table == "frames" else 3) :]) + " " + behind
     ends = r"[,;(]| whose | with | and " + (r"" if table == "points" else "| that | which ")
     return re.split(ends, one.words)[0]
 
@@ -146,9 +180,10 @@ def _first(rows: Sequence[Sequence[str]], words: str) -> int | None:
 
 _CALLED_MARK = re.compile(
     r"\b(?:an?|the|small|open|over|raised)\s+(?P<mark>prime|circle|ring|bullet|star|asterisk)\b[^.;]*?"
-    r"derivative(?P<what>[^.;]*)",
+    r"(?:derivative|rate of change|the one|differentiat)(?P<what>[^.;]*)",
     re.IGNORECASE,
 )
+"""A mark in words, and what is said of the derivative that it is."""
 _SIGNS = {
     "prime": ("prime",),
     "circle": ("circ", "ring"),
@@ -179,7 +214,9 @@ def _seen(text: Prose, found: Places, words: str) -> list[str]:
     named = []
     for match in _SEEN.finditer(words):
         if match[1].startswith("⟦"):
-            named.append(found.frames.get(as_label(text.marked(match[1])[0].look), ""))
+            label = as_label(text.marked(match[1])[0].look)
+            bare = USUAL["frames"].get(label[0].removeprefix("cal "), "")
+            named.append(found.frames.get(label, bare))
         else:
             named.append("B" if match[1] in {"body", "moving", "rotating"} else "I")
     return [n for n in named if n]

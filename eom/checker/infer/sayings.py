@@ -22,7 +22,8 @@ MARK = r"⟦\d+⟧"
 BREAK = "‡"
 LIST = rf"{MARK}(?:(?:\s*,\s*(?:and |or |then )?|\s+and\s+|\s+or\s+|\s*/\s*){MARK})*"
 _VERB = (
-    r"(?:is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|takes?|maps?|turns?|leads?|"
+    r"(?:is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|designates?|signif(?:y|ies)|names?|"
+    r"takes?|maps?|turns?|leads?|"
     r"points?|carries|transforms?|runs?)"
 )
 _ADVERB = r"(?:(?:itself|here|again|now|then|both|respectively|always|shall|will|also)\s+)*"
@@ -36,10 +37,11 @@ _OBJECT = re.compile(
 """Words before a list of symbols that make it the object of what is said."""
 _CALLED = re.compile(
     rf"(?P<what>[^,;()]*?)\s+(?:(?:is|are|be)\s+(?:\w+\s+)?)?(?:called|denoted(?:\s+by)?|written(?:\s+as)?|"
-    rf"named|abbreviated(?:\s+as)?)\s+(?P<of>{LIST})"
+    rf"named|abbreviated(?:\s+as)?|(?:defined|given|expressed)(?:\s+(?:as|by))(?:\s+follows)?:?)\s+(?P<of>{LIST})"
 )
 _BEFORE = re.compile(
-    rf"(?P<what>(?:[\w’'-]+\s+){{0,8}}[\w’'-]+)(?:\s+(?P<of>{LIST})|,\s+(?P<within>{LIST})(?=\s*[,)]))"
+    rf"(?P<what>(?:[\w’'-]+\s+){{0,8}}[\w’'-]+)"
+    rf"(?:\s+(?P<of>{LIST})|,\s+(?P<within>{LIST})(?=\s*[,)]))"
 )
 _END = re.compile(rf"(?<=[.;:!?])\s+|{BREAK}|\n\s*\n")
 
@@ -91,6 +93,7 @@ class Prose:
 def prose(document: Document) -> Prose:
     """Return the text of a document with marks for the symbols in it."""
     inline = {id(f.piece): f for f in read(document)}
+    shown = {k: f for k, f in inline.items() if f.piece.kind == "display"}
     mentions: list[Mention] = []
     formulas: list[tuple[Statement, int]] = []
     text: list[str] = []
@@ -98,7 +101,11 @@ def prose(document: Document) -> Prose:
         if piece.kind == "prose":
             text.append(_plain(piece.body))
         elif piece.kind != "inline":
-            text.append(BREAK)
+            led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
+            left = _left(shown.get(id(piece)), mentions) if led else ""
+            if left:
+                text[-1] = text[-1].rstrip().rstrip(":,")
+            text.append(f"{left}{BREAK}")
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
             text.append(_marks(formula, mentions, [] if CASE.search(lead) else formulas))
@@ -160,6 +167,27 @@ def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[State
     return ", ".join(marks) if marks else "…"
 
 
+_LED = re.compile(
+    r"\b(?:is|are|be|reads?|(?:defined|given|expressed)\s+(?:as|by)(?:\s+follows)?)\s*[:,]?\s*$",
+    re.IGNORECASE,
+)
+"""The end of words that say what the left side of the display behind them is."""
+
+
+def _left(formula: Formula | None, mentions: list[Mention]) -> str:
+    """Return the mark of a symbol that stands alone on the left of a display, which words lead to."""
+    first = next((s for s in formula.statements if s.relational), None) if formula else None
+    node = first.members[0] if first is not None and len(first.members) > 1 else None
+    given = seen(node) if node is not None else None
+    look = look_of(node) if node is not None else None
+    if formula is None or node is None or look is None or given is None or given.dots:
+        return ""
+    if given.raised and look == given.look:
+        return ""
+    mentions.append(Mention(look, node, formula.piece.line))
+    return f" ⟦{len(mentions) - 1}⟧"
+
+
 def _items(node: Node) -> tuple[Node, ...]:
     if isinstance(node, Group) and isinstance(node.body, Items):
         return node.body.items
@@ -200,13 +228,23 @@ def said(text: Prose) -> Iterator[Said]:
             words = verb + _TAIL.sub("", sentence[end:stop].strip())
             yield Said(text.marked(of), words, sentence, start=heads[k][0])
         for match in _CALLED.finditer(sentence):
+            whole = re.sub(r"^\s*(?:and|where|while|with)\s+", "", match["what"])
+            yield Said(text.marked(match["of"]), whole, sentence, start=match.start())
             yield Said(text.marked(match["of"]), match["what"], sentence, before=True)
         for match in _BEFORE.finditer(sentence):
+            if match["within"] and _PREDICATE.match(match["what"]):
+                continue
             behind = re.split(r"[,;.:()]", sentence[match.end() :])[0].strip()
             named = text.marked(match["of"] or match["within"])
             yield Said(named, match["what"].strip(), sentence, True, behind, match.start())
 
 
+_EQUATES = re.compile(
+    r"is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|designates?|signif(?:y|ies)"
+)
+"""Verbs behind which stands what symbols are."""
+_PREDICATE = re.compile(r"(?:is|are|be|was|were)\b")
+"""What begins so is said of the symbols in front of it, and not of those behind a comma."""
 _TAIL = re.compile(r"(?:[\s,]+(?:and|or|while|where|with|but))*[\s,.]*$")
 
 
@@ -227,7 +265,7 @@ def _heads(sentence: str) -> list[tuple[int, int, str, str]]:
         last = re.search(rf"(?:,|and)\s*({MARK})$", of) if verb in {"is", "was"} else None
         if last is not None:
             start, of = start + last.start(1), last[1]
-        says = "" if verb in {"is", "are", "be", "was", "were"} else f"{verb} "
+        says = "" if _EQUATES.fullmatch(verb) else f"{verb} "
         found.append((start, match.end(), of, says if verb else f"{article} "))
     return found
 

@@ -31,6 +31,10 @@ MAX_ROWS, MAX_VARIANTS, MAX_CHOICES = 5, 8, 24
 """Rows that are tried for a part of a note, ways to count angles, choices of letters."""
 
 
+IN_A_MOTION = re.compile(r" (?:at|before|after) |^impulse ")
+"""How meanings say that they are values in a motion of the system, perhaps none that the note means."""
+
+
 @dataclass(frozen=True)
 class Letter:
     """A quantity of a system with the letters that are usual for it, and words beside it."""
@@ -42,7 +46,7 @@ class Letter:
     @property
     def derived(self) -> bool:
         """Whether it is a value in a motion of the system, which has no rate."""
-        return re.search(r" (?:at|before|after) |^impulse ", self.means) is not None
+        return IN_A_MOTION.search(self.means) is not None
 
     @property
     def marked(self) -> bool:

@@ -32,6 +32,7 @@ from eom.checker.mean.roles import (
     Named,
     brings,
     first,
+    in_a_case,
     labelled,
     listed,
     otherwise_named,
@@ -193,7 +194,8 @@ def _understood(
             previous, before = new.formula.statements, new.claims
         if new_names:
             named_here.add(titles, new.claims)
-        definitions |= _lasting(new.claims, new.lexicon, new_names)
+        if not in_a_case(document.pieces, number):
+            definitions |= _lasting(new.claims, new.lexicon, new_names)
         relations.add(titles, general.claims)
         around = Around(known, context.before, earlier, (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))

@@ -127,7 +127,8 @@ def moves(name: str, claim: Claim) -> bool:
 
 
 STEADY = frozenset(
-    "O_fixed_in_space O_uniform C_at_rest fixed_axis steady_turn steady_rotors A_fixed_in_body".split()
+    "O_fixed_in_space OA_fixed_in_space OB_fixed_in_space O_uniform C_at_rest fixed_axis steady_turn "
+    "steady_rotors A_fixed_in_body".split()
 )
 """Assumptions on how a point, a frame or a rotor moves."""
 

@@ -72,6 +72,8 @@ MENTIONS: dict[str, frozenset[str]] = {
     "A_fixed_in_body": frozenset({"A"}),
     "unit_eigenvectors": frozenset({"eigenvectors"}),
     "OA_at_centre": frozenset({"OA"}),
+    "OA_fixed_in_space": frozenset({"OA"}),
+    "OB_fixed_in_space": frozenset({"OB"}),
     "about_centre": frozenset({"O"}),
     "O_fixed_in_body": frozenset({"O"}),
     "O_fixed_in_space": frozenset({"O"}),
@@ -93,6 +95,7 @@ MENTIONS: dict[str, frozenset[str]] = {
 RARE = (
     *("plane_body", "fixed_axis", "one_rotor", "steady_rotors"),
     *("symmetric_1", "symmetric_2", "O_uniform", "steady_turn"),
+    *("OA_fixed_in_space", "OB_fixed_in_space"),
 )
 """Assumptions that are tried where nothing else makes a claim true."""
 

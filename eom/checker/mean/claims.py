@@ -446,13 +446,25 @@ def _new(
         return None
     for look in (found.with_label(), found.look):
         entry = e.lexicon.find(look, e.indices) if look is not None else None
+        if entry is not None and signs[0] == ":=" and _primed(inner, e):
+            break
         if entry is not None:
             own = own_look(entry, e)
             free = entry.meaning.quantity in open_ and own not in e.definitions
             free = free and not turned_round(e, entry)
             return own if free and (look == found.with_label() or not found.raised) else None
     look = e.lexicon.notation.plain(found.with_label() or found.look).numbered(e.indices)
-    return look if signs[0] == ":=" and not _values(e, [inner])[0] else None
+    new = signs[0] == ":=" and (_primed(inner, e) or not _values(e, [inner])[0])
+    return look if new else None
+
+
+def _primed(node: Node, e: Elaborator) -> bool:
+    """Return whether the mark of a derivative in a frame stands on a scalar, which has none: a name."""
+    if not isinstance(node, Scripts) or not isinstance(node.sup, Marks):
+        return False
+    bare, _ = _values(e, [replace(node, sup=None) if node.sub is not None else node.base])
+    moving = e.lexicon.notation.marks.keys() >= set(node.sup.names)
+    return moving and len(bare) == 1 and bare[0].shape == SCALAR
 
 
 def _defines_brackets(look: Look, sign: str, others: Iterable[Node], e: Elaborator) -> bool:

@@ -303,6 +303,16 @@ def brings(pieces: tuple[Piece, ...], number: int, role: str, last: bool) -> boo
     return bool(_BRINGS.search(text)) or (last and bool(_GOES_ON.match(text)))
 
 
+_CASE = re.compile(r"\bin which case\W*$", re.IGNORECASE)
+
+
+def in_a_case(pieces: tuple[Piece, ...], number: int) -> bool:
+    """Return whether words say that a formula of the text holds in a special case: it defines nothing."""
+    before = pieces[number - 1] if number else None
+    inline = pieces[number].kind == "inline" and before is not None and before.kind == "prose"
+    return inline and before is not None and _CASE.search(before.body) is not None
+
+
 def first(statement: Statement, lexicon: Lexicon) -> Statement | None:
     """Return an equation as a definition of its left side; None if the lexicon knows that."""
     if not statement.members or [s.name for s in statement.signs] != ["="]:

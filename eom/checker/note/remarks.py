@@ -61,6 +61,8 @@ NOUNS: dict[str, str] = {
     "torque_free": "no torque about the centre of mass",
     "unit_eigenvectors": "eigenvectors of unit length, right-handed",
     "A_fixed_in_body": "that frame A is fixed in the body",
+    "OA_fixed_in_space": "the point OA fixed in space",
+    "OB_fixed_in_space": "the point OB fixed in space",
     "OA_at_centre": "the centre of mass as the point OA",
     "thin_rod": "a thin rod",
     "plane_body": "a plane body",

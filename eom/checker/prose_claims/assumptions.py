@@ -621,6 +621,8 @@ EQUATIONS: Mapping[str, tuple[Term, ...]] = {
     "OA_at_centre": (position("C", "OA"),),
     "O_at_origin": (position("O", "OI"),),
     "O_fixed_in_space": (der(position("O", "OI")),),
+    "OA_fixed_in_space": (der(position("OA", "OI")),),
+    "OB_fixed_in_space": (der(position("OB", "OI")),),
     "C_at_rest": (der(position("C", "OI")),),
     "principal_axes": (inertia_entry(1, 2), inertia_entry(1, 3), inertia_entry(2, 3)),
     "symmetric": (inertia_entry(1, 1) - inertia_entry(2, 2),),
@@ -633,7 +635,7 @@ EQUATIONS: Mapping[str, tuple[Term, ...]] = {
 }
 """What is zero by an assumption, where that is one equation."""
 _BASES: Mapping[str, tuple[str, ...]] = {
-    "OA_at_centre": ("rigid",),
+    **dict.fromkeys(("OA_at_centre", "OA_fixed_in_space", "OB_fixed_in_space"), ("rigid",)),
     "torque_free": ("body_frame",),
     **dict.fromkeys(("symmetric", "symmetric_1", "symmetric_2"), ("principal_axes",)),
     "principal_axes": ("body_frame",),

@@ -1,0 +1,168 @@
+r"""What letters and labels stand for where words are silent: by others of the same letter, by custom.
+
+``v_C`` is the norm of ``\vec v_C``, ``B`` a frame of the body; a letter that stands in identities alone is
+any vector.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from eom.checker.infer.places import USUAL
+from eom.checker.infer.sayings import Prose, look_of
+from eom.checker.infer.shown import bare, known, operands_of
+from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
+from eom.checker.read.statements import Formula
+from eom.checker.read.symbol_shape import Look
+from eom.checker.read.syntax import Node
+from eom.checker.read.writing import latex, latex_of
+from eom.terms.terms import INDICES, VECTOR
+
+CUSTOMARY = "by custom"
+LETTER = "by its letter"
+FORMULA = "by its formula in the text"
+BOOKS = "as in the usual books"
+GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS})
+"""What stands in the place of words where they say nothing."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A proposed entry: table, pattern, meaning, the words that say so, and their line."""
+
+    table: str
+    latex: str
+    meaning: str
+    words: str
+    line: int
+
+
+def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[Draft]:
+    r"""Yield entries for symbols without a meaning that others of the same letter give.
+
+    ``v_C`` the norm of the vector ``\vec v_C``, ``\hat r`` the direction of ``\vec r``, ``\omega_2`` a
+    component, ``\mathbf u`` the column of ``\vec u``; ``s_\theta`` the sine of an angle where words say so.
+    """
+    short = any("sine" in s and "cosine" in s for s in text.sentences) or _shown_short(text)
+    done: set[Look] = set()
+    for node in symbols:
+        found = bare(node)
+        if found is None or found in done or known(lexicon, node):
+            continue
+        done.add(found)
+        means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
+        pattern = latex_of(found)
+        if "<i>" in means:
+            pattern = f"{latex_of(replace(found, sub=()))}_{{<i>}}"
+        if means:
+            yield Draft("symbols", pattern, means, LETTER, 0)
+
+
+_FUNCTIONS = {"s": "sin", "c": "cos"}
+
+
+def _shown_short(text: Prose) -> bool:
+    """Return whether a formula of the text says that a letter with an angle below is its sine or cosine."""
+    for statement in text.formulas:
+        look, right = look_of(statement.members[0]), latex(statement.members[1])
+        of = _FUNCTIONS.get(look.name) if look is not None and len(look.sub) == 1 else None
+        if of is not None and right.startswith(rf"\{of} "):
+            return True
+    return False
+
+
+def _short(lexicon: Lexicon, look: Look) -> str:
+    """Return the sine or cosine that a letter with an angle below it stands for."""
+    angle = Look(look.sub[0]) if len(look.sub) == 1 and not look.accents else None
+    known = angle is not None and lexicon.find(angle) is not None and look.name in _FUNCTIONS
+    return rf"= \{_FUNCTIONS[look.name]} {latex_of(angle)}" if known and angle is not None else ""
+
+
+def _of_letter(lexicon: Lexicon, look: Look) -> str:
+    """Return what a letter stands for that a vector has, too: its norm, direction, component, column."""
+    axis = AXES.get(look.sub[-1]) if look.sub else None
+    bare = lexicon.find(replace(look, sub=())) if len(look.sub) == 1 else None
+    if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
+        return "linear_momentum <i>"
+    plain = not look.accents and not look.style
+    unit = "hat" in look.accents
+    for entry in (e for layer in lexicon.layers for e in layer):
+        e = entry.look
+        vector = (e.accents or e.style) and entry.meaning.kind == VECTOR and e.name == look.name
+        if not vector or (e.accents, e.style) == (look.accents, look.style):
+            continue
+        whole = latex_of(replace(e, sub=look.sub, sup=look.sup))
+        if plain and lexicon.find(replace(e, sub=look.sub, sup=look.sup)) is not None:
+            return rf"= \left|{whole}\right|"
+        if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
+            return rf"= {whole} / \left|{whole}\right|"
+        if plain and axis and not entry.meaning.component and len(look.sub) == 1 and not e.sub:
+            return f"{_worded(entry.meaning)} in B component {axis}"
+        if (
+            look.style == "bold"
+            and not look.accents
+            and not entry.meaning.frame
+            and "vec" not in e.style
+        ):
+            return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
+    return ""
+
+
+def _worded(meaning: Meaning) -> str:
+    """Return a meaning without frame and components in words of a lexicon."""
+    return " ".join((meaning.quantity, *meaning.labels))
+
+
+def by_custom(
+    lexicon: Lexicon, looks: Iterable[Look], drafts: Mapping[tuple[str, str], Draft]
+) -> Iterator[Draft]:
+    """Yield frames and points that labels of the note name by custom."""
+    labels = dict.fromkeys((w,) for look in looks for c in look.corners for w in c if w != "d")
+    yield from _free_point(lexicon, looks)
+    pairs = any(c[i : i + 2] == ("d", "m") for k in looks for c in k.corners for i in range(len(c)))
+    if pairs and ("d", "m") not in lexicon.points:
+        yield Draft("points", "dm", "dm", CUSTOMARY, 0)
+    for table, names in USUAL.items():
+        said = {d.meaning for d in drafts.values() if d.table == table}
+        for label in labels:
+            name = names.get("".join(label))
+            known = label in lexicon.frames or label in lexicon.points
+            known = known or (label[0] in INDICES and ("b",) not in labels)
+            if name and not known and (table == "frames" or name not in said):
+                yield Draft(table, "".join(label), name, CUSTOMARY, 0)
+
+
+def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
+    """Yield the one label that stands where points do and that no words name: a point that moves freely."""
+    open_ = {e.look.name for layer in lexicon.layers for e in layer if "<P>" in e.latex}
+    labels = dict.fromkeys(
+        w
+        for k in looks
+        if k.name in open_ and lexicon.find(k) is None
+        for c in k.corners
+        for w in c
+    )
+    names = [w for w in labels if re.fullmatch("[A-Z]", w)]
+    free = [w for w in names if not {(w,)} & {*lexicon.points, *lexicon.frames}]
+    if len(free) == 1 and "P" not in lexicon.points.values():
+        yield Draft("points", free[0], "P", CUSTOMARY, 0)
+
+
+_ANY_VECTOR = re.compile("[abcuvwxy]")
+"""Letters of vectors in an identity that holds for all of them."""
+
+
+def free_vectors(formulas: Iterable[Formula], unknown: Mapping[Look, int]) -> Iterator[Look]:
+    """Yield unknown vectors that stand in displays of nothing but such letters: in identities."""
+    free = {
+        k
+        for k in unknown
+        if (k.accents or k.style) and _ANY_VECTOR.fullmatch(k.name) and not any(k.corners)
+    }
+    shown = [set(operands_of(f)) for f in formulas if f.piece.kind == "display"]
+    for look in free:
+        lines = [s for s in shown if look in s]
+        if lines and all(s <= free for s in lines):
+            yield look

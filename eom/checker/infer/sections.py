@@ -1,0 +1,121 @@
+r"""What parts of a note say of its symbols otherwise than the whole: "here $r$ is the position of $dm$".
+
+A part is a heading with what stands below it. What it says of a symbol goes before what the note says
+elsewhere, there and in the parts behind it, until one says something else. A heading that names whose
+mechanics follows ("a point mass", "a system of particles", "the rigid body") makes the quantities of the
+note those of that.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from eom.checker.infer.phrases import OF_ONE, Phrases, fitting, slotted
+from eom.checker.infer.places import places
+from eom.checker.infer.sayings import look_of, said
+from eom.checker.infer.trials import Part, parts
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon_files import lexicon_of
+from eom.checker.read.documents import Document
+from eom.checker.read.grammar import read_formula
+
+_TITLES = (
+    (
+        r"\b(?:systems?|collections?|sets?) of (?:\w+ )?(?:particles|point masses|masses)|\bparticles\b",
+        "system",
+    ),
+    (r"\bparticle\b|\bpoint mass\b|\bmass point\b", "P"),
+    (r"\brigid bod(?:y|ies)\b", "body"),
+)
+"""Words of a heading, and whose mechanics stands below it."""
+TITLE = "as the heading says whose it is"
+
+
+@dataclass(frozen=True)
+class Own:
+    """A meaning that a part gives a symbol: pattern, meaning, the words that say so, their line."""
+
+    latex: str
+    means: str
+    words: str
+    line: int
+
+
+def sections(
+    document: Document, body: str, lexicon: Lexicon, reads: Callable[[str, str], bool]
+) -> Iterator[tuple[str, tuple[Own, ...]]]:
+    """Yield headings with what symbols mean below them, where that is not what they mean elsewhere.
+
+    ``body``: whose mechanics the note is about; ``lexicon``: what the whole note says; ``reads``: whether
+    a lexicon takes a pattern with a meaning.
+    """
+    found = [p for p in parts(document) if len(p.document.pieces) < len(document.pieces) - 1]
+    titles = [p.headings[0] for p in found]
+    earlier: dict[str, Own] = {}
+    whose = body
+    for part in found:
+        if titles.count(part.headings[0]) > 1:
+            continue
+        new = _whose(part.headings[0]) or whose
+        if new != whose:
+            earlier = {k: o for k, o in earlier.items() if whose not in o.means.split()}
+        whose = new
+        spoken = {o.latex: o for o in _said(part, whose) if reads(o.latex, o.means)}
+        turned = {
+            o.latex: o for o in _turned(part, body, whose, lexicon) if reads(o.latex, o.means)
+        }
+        every = {**turned, **earlier, **spoken}
+        earlier = {k: o for k, o in every.items() if o.means != _known(lexicon, k)}
+        own = tuple(o for o in earlier.values() if _stands(o, part))
+        if own:
+            yield part.headings[0], own
+
+
+def _whose(title: str) -> str:
+    """Return whose mechanics a heading names, nothing if it names none."""
+    return next((b for words, b in _TITLES if re.search(words, title, re.IGNORECASE)), "")
+
+
+def _said(part: Part, whose: str) -> Iterator[Own]:
+    """Yield what the words of a part give its symbols, what they say first in front."""
+    sayings = tuple(said(part.text))
+    found = places(part.text, sayings, part.looks[0])
+    phrases, done = Phrases(part.text, found, whose), set[str]()
+    for one in sayings:
+        for meant in fitting(phrases, one):
+            for pattern, means in slotted(meant, found):
+                if pattern not in done:
+                    done.add(pattern)
+                    yield Own(pattern, means, meant.words, meant.line)
+
+
+def _turned(part: Part, body: str, whose: str, lexicon: Lexicon) -> Iterator[Own]:
+    """Yield the quantities of the note's body as those of whose mechanics a part is about."""
+    for look in part.looks[0] if whose != body else ():
+        found = lexicon.find(look)
+        if found is None or body not in found.entry.meaning.labels:
+            continue
+        means = found.entry.meaning
+        labels = tuple(whose if n == body else n for n in means.labels)
+        name = OF_ONE.get(means.quantity, means.quantity) if whose == "P" else means.quantity
+        words = replace(means, quantity=name, labels=labels).words
+        yield Own(found.entry.latex, words, TITLE, 0)
+
+
+def _known(lexicon: Lexicon, pattern: str) -> str:
+    """Return what a lexicon says of a pattern, or of the symbol that it is."""
+    rows = (e for layer in lexicon.layers for e in layer if e.latex == pattern)
+    entry = next(rows, None)
+    if entry is not None:
+        return entry.meaning.words
+    look = look_of(read_formula(pattern).tree) if "<" not in pattern else None
+    found = lexicon.find(look) if look is not None else None
+    return "" if found is None else found.meaning.words
+
+
+def _stands(own: Own, part: Part) -> bool:
+    """Return whether a symbol of a part's formulas is meant."""
+    one, _ = lexicon_of({"symbols": {own.latex: own.means}}, "part")
+    return any(one.find(look) is not None for look in part.looks[0])

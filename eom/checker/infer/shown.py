@@ -1,0 +1,90 @@
+r"""Symbols of a note's formulas: each with its line, what it looks like, and whether a lexicon knows it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from eom.checker.infer.places import as_label
+from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborator import FUNCTIONS, TRANSPOSED
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.values import Refusal
+from eom.checker.read.statements import Formula, Statement
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import (
+    Derivative,
+    Differential,
+    Integral,
+    Node,
+    Number,
+    Symbol,
+    children,
+)
+
+
+def symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
+    """Yield every symbol with its line, whole ones only."""
+    for formula in formulas:
+        stack = [m for s in formula.statements for m in _members(s)]
+        while stack:
+            node = stack.pop()
+            if seen(node) is not None:
+                yield node, formula.piece.source.line_column(node.span.start)[0]
+            elif not isinstance(node, Number):
+                stack += reversed(_operands(node))
+
+
+def symbols_in(formula: Formula) -> Iterator[Node]:
+    """Yield the symbols of a formula, whole ones."""
+    return (n for n, _ in symbols((formula,)))
+
+
+def operands_of(formula: Formula) -> Iterator[Look]:
+    """Yield what the symbols of a formula look like, each as often as it stands."""
+    return (k for n in symbols_in(formula) if (k := bare(n)) is not None)
+
+
+def _members(statement: Statement) -> list[Node]:
+    """Return the members of a statement and of its conditions; a lone symbol of the text is none."""
+    own = list(statement.members) if statement.relational else []
+    return own + [m for _, c in statement.conditions for m in _members(c)]
+
+
+def _operands(node: Node) -> tuple[Node, ...]:
+    """Return what of a node has a value: no variables and bounds of integrals, no labels."""
+    if isinstance(node, Integral):
+        return (node.integrand,) if node.integrand is not None else ()
+    if isinstance(node, Derivative):
+        return (node.operand,) if node.operand is not None else ()
+    if isinstance(node, Differential):
+        return ()
+    out = [getattr(node, name, None) for name in ("lower", "upper", "sub")]
+    above = getattr(node, "sup", None)
+    out += [above] if isinstance(above, Symbol) and above.name in TRANSPOSED else []
+    return tuple(c for c in children(node) if c not in out)
+
+
+def bare(node: Node) -> Look | None:
+    """Return the look without dots and with a raised label only if it is one letter."""
+    found = seen(node)
+    if found is None:
+        return None
+    raised = found.raised[0] if found.raised else None
+    labelled = isinstance(raised, Symbol) and raised.name not in {"T", "top", "t", "intercal"}
+    return found.with_label() if labelled else found.look
+
+
+def known(lexicon: Lexicon, node: Node) -> bool:
+    """Return whether a lexicon gives a symbol a meaning, or it names a frame or a point."""
+    look = bare(node)
+    names = {**lexicon.frames, **lexicon.points}
+    if look is not None and (as_label(look) in names or look.name in {"infty", "bullet"}):
+        return True
+    found = None if look is None else lexicon.find(look)
+    if found is not None and found.meaning.quantity in FUNCTIONS:
+        return True
+    try:
+        elaborator(lexicon).value(node)
+    except Refusal:
+        return False
+    return True
