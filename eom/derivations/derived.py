@@ -21,6 +21,7 @@ import sympy as sp
 
 from eom.derivations.corrections import NOTES
 from eom.derivations.verification import Scalars
+from eom.derivations.wording import letters_in_words
 from eom.errors import unknown_name
 from eom.system import System
 from eom.terms.own import Own
@@ -60,6 +61,7 @@ from eom.typeset.boxes import (
     Scripts,
     Symbol,
     Words,
+    joined,
     nucleus,
     row,
     symbol,
@@ -67,6 +69,7 @@ from eom.typeset.boxes import (
 from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex, width
 from eom.typeset.notation import equation_parts, notation_named, term_box, write
+from eom.typeset.sentences import Prose, phrases
 from eom.typeset.writing import expression_pieces
 from eom.worlds.worlds import ASSUMPTIONS
 
@@ -215,7 +218,7 @@ def _places(labels: list[str], items: Sequence[Chosen]) -> Iterator[int]:
         yield from range(start, stop)
 
 
-Item = tuple[Box | str | None, str]
+Item = tuple[Box | str | None, Prose]
 
 
 def show_derivation(
@@ -249,16 +252,22 @@ def blocks(derivation: Derived, notation: Notation, steps: bool = True) -> Itera
     """Yield what there is to show, in reading order."""
     yield Heading(derivation.title, 1)
     yield Paragraph(_summary(derivation, notation))
-    assumptions = tuple((f"A{k}", meaning_of(a)) for a, k in _letters(derivation).items())
-    yield from _listed("Assumptions", assumptions)
+    yield from _listed("Assumptions", tuple(_assumed(derivation, notation)))
     yield from _listed("Symbols", tuple(symbols(derivation, notation)))
     yield Heading("Derivation" if steps else "Statements")
     yield from _derived(derivation, notation) if steps else [_statements(derivation, notation)]
     yield from _results(derivation, notation)
 
 
+def _assumed(derivation: Derived, notation: Notation) -> Iterator[Item]:
+    """Yield assumptions by the letters they are called by."""
+    known = letters_in_words(derivation, notation)
+    for a, k in _letters(derivation).items():
+        yield f"A{k}", phrases(meaning_of(a), known)
+
+
 def _summary(derivation: Derived, notation: Notation) -> str:
-    count = len(derivation.steps)
+    count = len(numbers(derivation, notation))
     return (
         f"{derivation.group}; {count} step{'s' * (count != 1)}, each verified when it was made. "
         f"Notation: {notation.title}."
@@ -272,7 +281,7 @@ def _listed(heading: str, items: tuple[Item, ...]) -> list[Block]:
 # -- symbols ---------------------------------------------------------------------------------
 
 
-def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
+def symbols(derivation: Derived, notation: Notation) -> Iterator[tuple[Box, Prose]]:
     """Yield symbols with their meanings: quantities, SymPy symbols, then signs of operations."""
     sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
     found = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
@@ -284,11 +293,12 @@ def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
     letters = ((symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found))
     items += [(box, meaning) for box, meaning in letters if render(box, "text") not in shown]
     items += list(_operations(found, notation))
+    known = letters_in_words(derivation, notation)
     for box, meaning in items:
         key = (render(box, "text"), meaning)
         if key not in seen:
             seen.add(key)
-            yield box, meaning
+            yield box, phrases(meaning, known)
 
 
 _ANY = frozenset({"scalar", "coordinate"})
@@ -366,7 +376,7 @@ def _derived(
     derivation: Derived, notation: Notation, chosen: Collection[str] | None = None
 ) -> Iterator[Block]:
     """Yield one block a chain, of the chosen steps; of all where none are chosen."""
-    notes_of = _Notes(derivation, numbers(derivation, notation))
+    notes_of = _Notes(derivation, notation, numbers(derivation, notation))
     spoken = (s for s in derivation.steps if not only_names(s, notation))
     for chain in chains(spoken):
         lines: list[tuple[Line, ...]] = []
@@ -388,7 +398,8 @@ def numbers(derivation: Derived, notation: Notation) -> dict[str, int]:
 
 def separate(derivation: Derived, notation: Notation) -> Iterator[Steps]:
     """Yield one block a step, each an equation of its own with its whole left side on one line."""
-    notes_of = _Notes(derivation, {s.label: k for k, s in enumerate(derivation.steps, 1)})
+    numbered = {s.label: k for k, s in enumerate(derivation.steps, 1)}
+    notes_of = _Notes(derivation, notation, numbered)
     for step in derivation.steps:
         left, relation, right = equation_parts(step.statement, notation)
         lines = _lines(step.statement, notation)
@@ -422,7 +433,7 @@ def _lines(equation: Equation, notation: Notation, first: bool = True) -> tuple[
     return (Line(row(*left) if first else None, relation, right, broken_left=left),)
 
 
-WIDEST = 105
+WIDEST = 84
 """Letters up to which a matrix stands on one line."""
 
 
@@ -488,8 +499,13 @@ class _Notes:
     """
 
     derivation: Derived
+    notation: Notation
     numbers: Mapping[str, int]
     told: set[str] = field(default_factory=set)
+    known: Mapping[str, Box] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.known = letters_in_words(self.derivation, self.notation)
 
     def __call__(self, step: Step) -> Note:
         kind = step.kind if step.kind not in {"result", step.evidence} else ""
@@ -503,7 +519,9 @@ class _Notes:
         remarks = "; ".join(p for p in parts if p)
         assumed = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in new)
         told = f"Assumed: {assumed}." if assumed else ""
-        return Note(self.numbers[step.label], _sentence(step.reason), remarks, told)
+        words = _sentence(step.reason, self.known)
+        said, more, before = (phrases(w, self.known) for w in (words, remarks, told))
+        return Note(self.numbers[step.label], said, more, before)
 
     def _origin(self, step: Step) -> str:
         """Say from which lines a step follows, and by which rules."""
@@ -523,10 +541,10 @@ def _letters(derivation: Derived) -> dict[str, int]:
 _FIRST_WORD = re.compile(r"(a )?([a-z]{2,})(?![\w/.(])")
 
 
-def _sentence(reason: str) -> str:
+def _sentence(reason: str, known: Mapping[str, Box]) -> str:
     """Begin with a capital letter unless the first word is a symbol."""
     found = _FIRST_WORD.match(reason)
-    starts = found is not None and found[2] not in GREEK
+    starts = found is not None and found[2] not in {*GREEK, *known}
     return reason[:1].upper() + reason[1:] if starts else reason or "Statement"
 
 
@@ -553,12 +571,9 @@ def _result(name: str, value: Any, notation: Notation) -> Iterator[Block]:
         yield Heading(value.title or value.name, 3)
         for block in printing.blocks(value):
             yield Heading(block.words, 4) if isinstance(block, Heading) else block
-    elif isinstance(value, Mapping):
-        for key, part in value.items():
-            yield from _result(f"{name}: {key}", part, notation)
-    elif isinstance(value, tuple | list) and any(map(_is_formula, value)):
-        for k, part in enumerate(value, 1):
-            yield from _result(f"{name}_{k}", part, notation)
+    elif parts := _parts_of(name, value):
+        for key, part in parts:
+            yield from _result(key, part, notation)
     elif isinstance(value, Equation):
         yield Display(_lines(value, notation))
     elif isinstance(value, sp.MatrixBase) and value.shape in {(3, 1), (3, 3)}:
@@ -568,6 +583,19 @@ def _result(name: str, value: Any, notation: Notation) -> Iterator[Block]:
         yield Display((Line(_name(name), EQUALS, _pieces(value, notation)),))
     else:
         yield Paragraph(f"{name.replace('_', ' ')}: {value}")
+
+
+def _parts_of(name: str, value: Any) -> list[tuple[str, Any]]:
+    """Return the parts of a collection by name, or none for other values."""
+    if isinstance(value, Mapping):
+        return [(f"{name}: {key}", part) for key, part in value.items()]
+    found = value if isinstance(value, tuple | list) else ()
+    parts = [
+        sp.Tuple(*v) if isinstance(v, tuple) and any(map(_is_formula, v)) else v for v in found
+    ]
+    if not any(map(_is_formula, parts)):
+        return []
+    return [(f"{name}_{k}", part) for k, part in enumerate(parts, 1)]
 
 
 def _named_matrix(name: str, equation: Equation, notation: Notation) -> tuple[Line, ...]:
@@ -583,6 +611,9 @@ def _is_formula(value: Any) -> bool:
 def _pieces(value: Any, notation: Notation) -> tuple[Box, ...]:
     if isinstance(value, Term):
         return (term_box(value, notation),)
+    if isinstance(value, sp.Tuple):
+        parts = [row(*_pieces(part, notation)) for part in value]
+        return (Fence(joined(parts) or Row(())),)
     return expression_pieces(value) if isinstance(value, sp.Expr) else (Formula(value),)
 
 

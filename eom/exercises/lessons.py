@@ -30,8 +30,9 @@ from eom.typeset import pages
 from eom.typeset.blocks import Block, Bullets, Heading, Paragraph, Steps
 from eom.typeset.boxes import Formula
 from eom.typeset.letters import Notation
-from eom.typeset.markup import symbol_latex
+from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import NOTATIONS, notation_named, write
+from eom.typeset.sentences import Prose
 
 RELATIONS = ("=", ":=")
 
@@ -327,6 +328,12 @@ Said = tuple[Part, ...]
 def said(*texts: str | Part) -> Said:
     """Return a paragraph; plain texts are words."""
     return tuple(t if isinstance(t, Part) else Part(WORDS, t) for t in texts)
+
+
+def spoken(words: Prose) -> Said:
+    """Return words with formulas among them."""
+    parts = (words,) if isinstance(words, str) else words
+    return said(*(p if isinstance(p, str) else inline(render(p, "latex")) for p in parts))
 
 
 def inline(latex: str) -> Part:

@@ -7,13 +7,14 @@ What objects show of themselves: each kind is registered by the module that writ
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
 
 from eom.typeset.boxes import Box, Operator, Row
+from eom.typeset.breaking import Measure, chunks
 from eom.typeset.markup import width
+from eom.typeset.sentences import Prose
 
 
 @dataclass(frozen=True)
@@ -28,14 +29,14 @@ class Heading:
 class Paragraph:
     """Words."""
 
-    words: str
+    words: Prose
 
 
 @dataclass(frozen=True)
 class Bullets:
     """A list of a name or formula (or none) and words."""
 
-    items: tuple[tuple[Box | str | None, str], ...]
+    items: tuple[tuple[Box | str | None, Prose], ...]
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,9 @@ class Note:
     """Why a step holds: its number, the reason, what else there is to say, what is assumed anew."""
 
     number: int
-    reason: str
-    remarks: str = ""
-    assumed: str = ""
+    reason: Prose
+    remarks: Prose = ""
+    assumed: Prose = ""
 
 
 @dataclass(frozen=True)
@@ -105,34 +106,26 @@ WIDTH = 78
 EQUALS = Operator("=")
 
 
-def is_wide(left: Box) -> bool:
+def is_wide(left: Box, limit: int = WIDTH, measure: Measure = width) -> bool:
     """Return whether a left side stands on lines of its own."""
-    return width(left) > WIDTH // 2
+    return width(left) > WIDTH // 2 or measure(left) > 6 * limit // 10
 
 
-def broken(line: Line, limit: int = WIDTH) -> list[Line]:
-    """Return a line as lines of at most ``limit`` letters, broken between pieces."""
-    if line.left is not None and is_wide(line.left):
-        left = _chunks(line.broken_left or (line.left,), limit)
-        right = broken(Line(None, line.relation, line.right), limit)
-        return [*(Line(None, Row(()), chunk) for chunk in left), *right]
-    used = width(line.left) if line.left else 0
-    first, *others = _chunks(line.right, limit - used)
+def broken(line: Line, limit: int = WIDTH, measure: Measure = width, indent: int = 0) -> list[Line]:
+    """Return a line as lines of at most ``limit`` letters, broken between pieces, then within them.
+
+    ``measure``: how long a box is; ``indent``: letters that left sides take at least.
+    """
+    if line.left is not None and is_wide(line.left, limit, measure):
+        left = chunks(line.broken_left or (line.left,), limit, measure)
+        rest = limit - (indent if indent < WIDTH // 2 else 0)
+        right = broken(Line(None, line.relation, line.right), rest, measure)
+        begins = [Line(Row(()), Row(()), chunk) for chunk in left[:1]]
+        return [*begins, *(Line(None, Row(()), chunk) for chunk in left[1:]), *right]
+    used = max(indent, measure(line.left) if line.left else 0)
+    first, *others = chunks(line.right, limit - used, measure)
     start = Line(line.left, line.relation, first, line.words)
     return [start, *(Line(None, Row(()), more) for more in others)]
-
-
-def _chunks(boxes: Iterable[Box], limit: int) -> list[tuple[Box, ...]]:
-    found: list[tuple[Box, ...]] = [()]
-    length = 0
-    for box in boxes:
-        needed = width(box)
-        if found[-1] and length + needed > limit:
-            found.append(())
-            length = 0
-        found[-1] += (box,)
-        length += needed
-    return found
 
 
 @singledispatch

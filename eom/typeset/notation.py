@@ -26,6 +26,7 @@ from eom.typeset.boxes import (
     accented,
     joined,
     nucleus,
+    raised,
     row,
     symbol,
 )
@@ -37,7 +38,6 @@ from eom.typeset.writing import (
     equation_parts,
     is_inertial,
     peel,
-    raised,
     rate,
     term_box,
     write,

@@ -10,6 +10,8 @@ How four formats write a table whose cells hold formulas with words in front.
 from __future__ import annotations
 
 import html
+import math
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
@@ -31,7 +33,7 @@ from eom.typeset.blocks import (
 )
 from eom.typeset.boxes import Box, Row, Unseen
 from eom.typeset.markup import escape_latex, render, width
-from eom.typeset.sentences import sentence
+from eom.typeset.sentences import Prose, sentence
 
 Part = Callable[[str, tuple[Box, ...]], str]
 """Writes words and the formula after them."""
@@ -122,12 +124,14 @@ def _text_side(value: Box | str | None, letters: str) -> str:
 
 def _text_bullets(block: Bullets, letters: str) -> list[str]:
     names = [_text_side(name, letters) for name, _ in block.items]
-    size = max(map(_length, names))
+    lengths = [n for n in map(_length, names) if letters != "text" or n <= WIDTH // 2]
+    size = max(lengths, default=0)
     gap = "  " if size else ""
-    return [
-        f"  {_padded(name, size)}{gap}{_text_words(words, letters)}".rstrip()
-        for name, (_, words) in zip(names, block.items, strict=True)
-    ]
+    lines = []
+    for name, (_, words) in zip(names, block.items, strict=True):
+        line = f"  {_padded(name, size)}{gap}{_text_words(words, letters)}".rstrip()
+        lines += _wrapped(line, " " * (2 + size + len(gap))) if letters == "text" else [line]
+    return lines
 
 
 def _length(words: str) -> int:
@@ -139,13 +143,59 @@ def _padded(words: str, size: int) -> str:
     return words + " " * (size - _length(words))
 
 
+COLUMNS = 100
+"""Letters on a line of a page of Unicode text."""
+
+
 def _text_display(block: Display, letters: str) -> list[str]:
     lefts = [_text_side(line.left, letters) for line in block.lines]
-    size = max(map(_length, lefts))
-    return [
-        _text_line(line, letters, size) + (f"  # {line.words}" if line.words else "")
-        for line in block.lines
-    ]
+    if letters != "text":
+        size = max(map(_length, lefts))
+        return [
+            _text_line(line, letters, size) + (f"  # {line.words}" if line.words else "")
+            for line in block.lines
+        ]
+    size = max((n for n in map(_length, lefts) if n <= WIDTH // 2), default=0)
+    return [row for line in block.lines for row in _text_rows(line, size)]
+
+
+def _text_rows(line: Line, size: int) -> list[str]:
+    """Return the lines of an equation, what it means behind or under it."""
+    parts = broken(line, COLUMNS - 6, _text_measure, size)
+    rows = [row for p in parts for row in _wrapped(_text_line(p, "text", size), "      ")]
+    if not line.words:
+        return rows
+    words = f"# {line.words}"
+    if _length(rows[-1]) + 2 + _length(words) <= COLUMNS:
+        return [*rows[:-1], f"{rows[-1]}  {words}"]
+    return [*rows, *_wrapped(f"      {words}", "      # ")]
+
+
+def _text_measure(box: Box) -> int:
+    return _length(render(box, "text"))
+
+
+def _wrapped(words: str, indent: str) -> list[str]:
+    """Return words, or what cannot be broken elsewhere, on lines of `COLUMNS` letters."""
+    if _length(words) <= COLUMNS:
+        return [words]
+    start = words[: len(words) - len(words.lstrip())]
+    rows = words.strip().split("], [")
+    if len(rows) > 1 and _length(max(rows, key=_length)) < COLUMNS - len(indent) - 2:
+        rows = [f"{'[' if k else ''}{row}" for k, row in enumerate(rows)]
+        inner = start + " " * (rows[0].find("[[") + 1)
+        return [
+            f"{inner if k else start}{row}{'],' if k < len(rows) - 1 else ''}"
+            for k, row in enumerate(rows)
+        ]
+    return textwrap.wrap(
+        words.strip(),
+        COLUMNS,
+        initial_indent=start,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def _text_line(line: Line, letters: str, size: int) -> str:
@@ -154,32 +204,40 @@ def _text_line(line: Line, letters: str, size: int) -> str:
     return f"  {left} {relation} {render(Row(line.right), letters).strip()}".rstrip()
 
 
-_RAISED = {"": "", **dict(zip("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))}
-
-
-def _text_words(words: str, letters: str) -> str:
+def _text_words(words: Prose, letters: str) -> str:
     """Set letters that are spelt out as letters; ASCII leaves words as they are."""
-    if letters != "text":
+    if letters != "text" and isinstance(words, str):
         return words
-    return sentence(words, lambda b, marks, n: f"{render(b, 'text')}{marks}{_RAISED[n]}")
+    return sentence(words, lambda b: render(b, letters).strip())
+
+
+def _text_paragraph(block: Paragraph, letters: str) -> list[str]:
+    words = _text_words(block.words, letters)
+    return _wrapped(words, "") if letters == "text" else [words]
 
 
 def _text_steps(block: Steps, letters: str) -> list[str]:
-    size = _length(_text_side(block.indent, letters))
+    left = block.lines[0][0].left
+    wide = left is None or is_wide(left, COLUMNS - 9, _text_measure)
+    size = 0 if wide else _length(_text_side(left, letters))
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):
-        lines += [f"     {note.assumed}"] if note.assumed else []
-        remarks = f"  [{note.remarks}]" if note.remarks else ""
-        lines += [f"{note.number:>3}. {_text_words(note.reason, letters)}{remarks}"]
-        parts = [p for line in group for p in broken(line, WIDTH + 12)]
-        lines += [f"   {_text_line(p, letters, size)}" for p in parts]
+        assumed, remarks = (_text_words(w, letters) for w in (note.assumed, note.remarks))
+        lines += _wrapped(f"     {assumed}", "     ") if assumed else []
+        remarks = f"  [{remarks}]" if remarks else ""
+        why = f"{note.number:>3}. {_text_words(note.reason, letters)}{remarks}"
+        lines += _wrapped(why, "     ")
+        for line in group:
+            parts = broken(line, COLUMNS - 9, _text_measure, size)
+            rows = [f"   {_text_line(p, letters, size)}" for p in parts]
+            lines += [w for row in rows for w in _wrapped(row, "         ")]
     return [*lines, ""]
 
 
 def _text_table(letters: str) -> dict[type, Callable[[Any], list[str]]]:
     return {
         Heading: lambda b: [b.words] if b.level == 1 else ["", b.words],
-        Paragraph: lambda b: [b.words],
+        Paragraph: lambda b: _text_paragraph(b, letters),
         Bullets: lambda b: _text_bullets(b, letters),
         Display: lambda b: _text_display(b, letters),
         Steps: lambda b: _text_steps(b, letters),
@@ -193,11 +251,26 @@ _SMALLER = ((115, r"\tiny"), (98, r"\scriptsize"), (82, r"\footnotesize"))
 """Sizes for what cannot be broken and is wider than so many letters."""
 
 
+LATEX_LINE = 180
+"""Letters of LaTeX on a line of a formula, but for what cannot be broken."""
+
+
+def _latex_measure(box: Box) -> int:
+    """Return the width of a box, or more if its LaTeX is long: `LATEX_LINE` fill a line."""
+    return max(width(box), math.ceil(len(render(box, "latex")) * WIDTH / LATEX_LINE))
+
+
+def _latex_relation(part: Line) -> str:
+    """Return the relation of a line; what continues one stands to its right."""
+    begins = part.left is not None
+    return render(part.relation, "latex") or ("" if begins else r"\quad{}")
+
+
 def _latex_line(line: Line) -> str:
     rows = []
-    for part in broken(line):
+    for part in broken(line, WIDTH, _latex_measure):
         left = render(part.left, "latex") if part.left else ""
-        relation = render(part.relation, "latex") or r"\quad{}"
+        relation = _latex_relation(part)
         rows.append(f"{left} &{relation} {_latex_fitted(part)}")
     return " \\\\\n".join(rows)
 
@@ -232,17 +305,18 @@ def _latex_display(block: Display) -> list[str]:
 
 
 def _latex_note(note: Note) -> str:
-    remarks = f" {{\\small [{escape_latex(note.remarks)}]}}" if note.remarks else ""
-    assumed = f"\\emph{{{escape_latex(note.assumed)}}}\\endgraf\\noindent\n" if note.assumed else ""
+    assumed, remarks = map(_latex_words, (note.assumed, note.remarks))
+    remarks = f" {{\\small [{remarks}]}}" if remarks else ""
+    assumed = f"\\emph{{{assumed}}}\\endgraf\\noindent\n" if assumed else ""
     return f"\\noindent {assumed}\\textbf{{{note.number}.}} {_latex_words(note.reason)}{remarks}"
 
 
-def _latex_words(words: str) -> str:
-    return sentence(words, _in_dollars, lambda w: escape_latex(w).replace("\u00d7", r"$\times$"))
+def _latex_words(words: Prose) -> str:
+    return sentence(words, _in_dollars, escape_latex)
 
 
-def _in_dollars(box: Box, marks: str, power: str) -> str:
-    return f"${render(box, 'latex')}{marks}{f'^{{{power}}}' * bool(power)}$"
+def _in_dollars(box: Box) -> str:
+    return f"${render(box, 'latex')}$"
 
 
 def _latex_noted(block: Steps) -> Iterator[tuple[str, Line]]:
@@ -260,7 +334,7 @@ def _latex_name(value: Box | str) -> str:
     return escape_latex(value) if isinstance(value, str) else f"${render(value, 'latex')}$"
 
 
-def _named(name: Box | str | None, words: str, show: Callable[[Box | str], str]) -> str:
+def _named(name: Box | str | None, words: Prose, show: Callable[[Box | str], str]) -> str:
     """Return a name and what it means, as an item of a list."""
     escaped = _latex_words(words) if show is _latex_name else sentence(words, _in_dollars)
     if name is None:
@@ -272,7 +346,7 @@ _SECTIONS = {1: "section*", 2: "subsection*", 3: "subsubsection*", 4: "paragraph
 
 _LATEX: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: [f"\\{_SECTIONS[b.level]}{{{escape_latex(b.words)}}}"],
-    Paragraph: lambda b: [f"\\noindent {escape_latex(b.words)}", ""],
+    Paragraph: lambda b: [f"\\noindent {_latex_words(b.words)}", ""],
     Bullets: _latex_bullets,
     Display: _latex_display,
     Steps: lambda b: _latex_aligned(_latex_noted(b)),
@@ -313,12 +387,12 @@ def display_latex(lines: Iterable[tuple[Line, str]]) -> str:
 
 def _markdown_sides(line: Line) -> tuple[str, str]:
     left = render(line.left, "latex") if line.left else ""
-    relation = render(line.relation, "latex") or r"\quad{}"
+    relation = _latex_relation(line)
     return left, f"{relation} {render(Row(line.right), 'latex')}"
 
 
 def _numbered(line: Line, number: str) -> list[tuple[Line, str]]:
-    parts = broken(line)
+    parts = broken(line, WIDTH, _latex_measure)
     return [(p, number if p is parts[-1] else "") for p in parts]
 
 
@@ -333,8 +407,9 @@ def _markdown_display(block: Display) -> list[str]:
 def _markdown_steps(block: Steps) -> list[str]:
     found = []
     for note in block.notes:
-        found += [f"*{note.assumed}*", ""] if note.assumed else []
-        remarks = f" — <small>{note.remarks}</small>" if note.remarks else ""
+        assumed, remarks = (sentence(w, _in_dollars) for w in (note.assumed, note.remarks))
+        found += [f"*{assumed}*", ""] if assumed else []
+        remarks = f" — <small>{remarks}</small>" if remarks else ""
         found += [f"**{note.number}.** {sentence(note.reason, _in_dollars)}{remarks}", ""]
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):
@@ -345,7 +420,7 @@ def _markdown_steps(block: Steps) -> list[str]:
 
 _MARKDOWN: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: ["", f"{'#' * b.level} {b.words}", ""],
-    Paragraph: lambda b: [b.words, ""],
+    Paragraph: lambda b: [sentence(b.words, _in_dollars), ""],
     Bullets: lambda b: [*(f"- {_named(n, w, _markdown_name)}" for n, w in b.items), ""],
     Display: _markdown_display,
     Steps: _markdown_steps,
@@ -394,19 +469,20 @@ def _html_display(block: Display) -> list[str]:
     return found
 
 
-def _html_words(words: str) -> str:
-    def setting(box: Box, marks: str, power: str) -> str:
-        return f"{_math(box)}{html.escape(marks)}{f'<sup>{power}</sup>' * bool(power)}"
+def _html_words(words: Prose) -> str:
+    return sentence(words, _inline, html.escape)
 
-    return sentence(words, setting, html.escape)
+
+def _inline(box: Box) -> str:
+    return f"<math>{render(box, 'mathml')}</math>"
 
 
 def _html_steps(block: Steps) -> list[str]:
     found = ['<div class="chain">']
     for note, group in zip(block.notes, block.lines, strict=True):
-        found += [f'<p class="assumed">{html.escape(note.assumed)}</p>'] if note.assumed else []
-        remarks = f" <small>{html.escape(note.remarks)}</small>" if note.remarks else ""
-        reason = _html_words(note.reason)
+        assumed, remarks, reason = map(_html_words, (note.assumed, note.remarks, note.reason))
+        found += [f'<p class="assumed">{assumed}</p>'] if assumed else []
+        remarks = f" <small>{remarks}</small>" if remarks else ""
         found.append(f'<p class="why"><b>{note.number}.</b> {reason}{remarks}</p>')
         found += [_html_line(line, block.indent) for line in group]
     return [*found, "</div>"]
@@ -414,7 +490,7 @@ def _html_steps(block: Steps) -> list[str]:
 
 _HTML: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: [f"<h{b.level}>{html.escape(b.words)}</h{b.level}>"],
-    Paragraph: lambda b: [f"<p>{html.escape(b.words)}</p>"],
+    Paragraph: lambda b: [f"<p>{_html_words(b.words)}</p>"],
     Bullets: _html_bullets,
     Display: _html_display,
     Steps: _html_steps,

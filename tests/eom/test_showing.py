@@ -86,7 +86,7 @@ def test_markdown_has_displays_and_balanced_dollars(small):
     assert shown.startswith("# A small <derivation> & more\n")
     assert shown.count("$") % 2 == 0
     assert r"$${}^{\mathcal{B}}" not in shown
-    assert r"\frac{\mathrm{d}}{\mathrm{d}t} \mathbf{v} = " in shown
+    assert r"\frac{\mathrm{d}}{\mathrm{d}t} \mathbf{v} = " in shown.replace("&=", "=")
     assert small._repr_markdown_() == show_derivation(small, "markdown")
 
 

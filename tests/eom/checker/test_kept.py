@@ -152,9 +152,9 @@ def test_a_derivation_of_ones_own_becomes_a_note_and_comes_back(name):
 ACTIVE = r"\cdot \left( -g m \hat{h}_{3} \right) = "
 SLIPS = [
     ("bead_by_kane", r"\ddot{q} = w^{2}", r"\ddot{q} = -w^{2}", "left less right is w**2*sin(2*q)"),
-    ("bead_by_kane", r"= 2 R m \dot{q} w", r"= R m \dot{q} w", "left less right is "),
-    ("bead_by_kane", ACTIVE + "-R g", ACTIVE + "R g", "left less right is -2*R*g*m*sin(q)"),
-    ("disc", r"n = g m \cos", r"n = g m \sin", "left less right"),
+    ("bead_by_kane", r"= 2 m R \dot{q} w", r"= m R \dot{q} w", "left less right is "),
+    ("bead_by_kane", ACTIVE + "-m R g", ACTIVE + "m R g", "left less right is -2*R*g*m*sin(q)"),
+    ("disc", r"n = m g \cos", r"n = m g \sin", "left less right"),
     (
         "pendulum_by_hamilton",
         r"\frac{\partial H}{\partial p} = \dot{q}",
