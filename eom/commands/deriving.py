@@ -227,7 +227,8 @@ def _print_derivation(
     made: Callable[[], list[Derived]], style: str, notation: str, steps: bool, lexicon: bool
 ) -> None:
     from eom.checker.note.derived import front_matter
-    from eom.derivations.derived import check_choices, show_derivation
+    from eom.derivations.forms import show_derivation
+    from eom.derivations.showing import check_choices
 
     check_choices(style, notation)
     with waiting_for("deriving"):

@@ -14,9 +14,10 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derived import Derived, Step
+from eom.derivations.derived import Derived
 from eom.derivations.reached import KINDS, RESULT, Path, is_tautology, meets, smallest
 from eom.derivations.refuted import disagreement
+from eom.derivations.steps import Step
 from eom.derivations.verification import (
     FALSE,
     IDENTITY,

@@ -19,7 +19,9 @@ from eom.checker.mean.solid_models import COORDINATES, SPELLINGS
 from eom.checker.note.derived import front_matter
 from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
-from eom.derivations.derived import Derived, Item, Step, meaning_of, only_names, separate, symbols
+from eom.derivations.derived import Derived
+from eom.derivations.showing import Item, meaning_of, only_names, separate, symbols
+from eom.derivations.steps import Step
 from eom.errors import typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties

@@ -7,7 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from eom.typeset.boxes import Box, Fence, Formula, Fraction, Operator, Row, Scripts, Symbol
+from eom.typeset.boxes import (
+    Box,
+    Fence,
+    Form,
+    Formula,
+    Fraction,
+    Grid,
+    Operator,
+    Row,
+    Scripts,
+    Symbol,
+)
 from eom.typeset.expressions import expression_box
 
 Measure = Callable[[Box], int]
@@ -108,3 +119,30 @@ def _within(box: Fence, closing: Box) -> tuple[Box, ...]:
         return (box,)
     first, *middle, last = parts
     return (Row((Operator("open"), first)), *middle, Row((last, closing)))
+
+
+# -- heights ---------------------------------------------------------------------------------
+
+_FRACTION, _LIMITS = 0.9, 1.0
+"""By how many lines a fraction, and a sum sign with its limits, is higher than a letter."""
+
+
+def height(box: Box) -> float:
+    """Return about how many lines a box is high."""
+    return 1.0 + _excess(box)
+
+
+def _excess(box: Box) -> float:
+    if isinstance(box, Formula):
+        box = expression_box(box.value, box.names)
+    if isinstance(box, Grid):
+        return sum(1.1 + max(map(_excess, cells)) for cells in box.rows) - 0.9
+    if isinstance(box, Fraction):
+        return _FRACTION + max(_excess(box.above), _excess(box.below))
+    if isinstance(box, Scripts):
+        tall = box.stacked or box.base == Operator("integral")
+        return max(_excess(box.base), _LIMITS if tall else 0.0)
+    inside = {Row: "items", Form: "parts"}.get(type(box))
+    if inside:
+        return max(map(_excess, getattr(box, inside)), default=0.0)
+    return _excess(box.inner) if isinstance(box, Fence) else 0.0

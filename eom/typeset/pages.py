@@ -266,9 +266,14 @@ def _latex_relation(part: Line) -> str:
     return render(part.relation, "latex") or ("" if begins else r"\quad{}")
 
 
+def latex_lines(line: Line) -> list[Line]:
+    """Return a line as the lines that it takes on paper."""
+    return broken(line, WIDTH, _latex_measure)
+
+
 def _latex_line(line: Line) -> str:
     rows = []
-    for part in broken(line, WIDTH, _latex_measure):
+    for part in latex_lines(line):
         left = render(part.left, "latex") if part.left else ""
         relation = _latex_relation(part)
         rows.append(f"{left} &{relation} {_latex_fitted(part)}")
@@ -363,6 +368,21 @@ LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
 \end{document}
 """
 
+HANDOUT = r"""\documentclass[10pt,fleqn]{article}
+\usepackage{amsmath,amssymb}
+\usepackage[a4paper,margin=15mm]{geometry}
+\pagestyle{empty}
+\setlength{\parindent}{0pt}
+\setlength{\mathindent}{8mm}
+\AtBeginDocument{\small
+  \abovedisplayskip=2pt plus 2pt \belowdisplayskip=3pt plus 2pt
+  \abovedisplayshortskip=1pt plus 2pt \belowdisplayshortskip=3pt plus 2pt}
+\begin{document}
+%s
+\end{document}
+"""
+"""A page that is to hold much."""
+
 # -- Markdown --------------------------------------------------------------------------------
 
 
@@ -392,7 +412,7 @@ def _markdown_sides(line: Line) -> tuple[str, str]:
 
 
 def _numbered(line: Line, number: str) -> list[tuple[Line, str]]:
-    parts = broken(line, WIDTH, _latex_measure)
+    parts = latex_lines(line)
     return [(p, number if p is parts[-1] else "") for p in parts]
 
 

@@ -10,7 +10,8 @@ import sympy as sp
 
 from eom import derivations
 from eom.derivations.derivation import Derivation
-from eom.derivations.derived import FORMATS, chains, show_derivation
+from eom.derivations.forms import show_derivation
+from eom.derivations.showing import FORMATS, chains
 from eom.errors import InputError
 from eom.mechanics.rigidbody import free_rigid_body
 from eom.terms.rules import transport
