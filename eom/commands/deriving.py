@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from eom.commands.keeping import PROGRAM, is_kept, kept
+from eom.commands.paging import style_of, write_page
 from eom.commands.shared import print_equations, read_as, reading_options, scene_of, waiting_for
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, printable, unknown_name
 from eom.scenes import catalogue
 
 if TYPE_CHECKING:
@@ -23,10 +25,9 @@ if TYPE_CHECKING:
 @click.option(
     "--as",
     "style",
-    default="text",
-    show_default=True,
+    default=None,
     metavar="text|latex|markdown|html",
-    help="Format; html for derivations and methods alone.",
+    help="Format; html for derivations and methods alone.  [default: text]",
 )
 @click.option(
     "--explain/--no-explain",
@@ -43,6 +44,19 @@ if TYPE_CHECKING:
     "--steps/--no-steps",
     default=None,
     help="Derivations: every step, or the statements alone.  [default: steps]",
+)
+@click.option(
+    "--form",
+    default=None,
+    metavar="full|handout",
+    help="Derivations: everything, or one page with the results and the reasons of the key steps.  "
+    "[default: full]",
+)
+@click.option(
+    "--out",
+    default=None,
+    metavar="FILE",
+    help="Derivations: write a file, .txt, .tex, .pdf (by LaTeX), .md or .html; its ending is the format.",
 )
 @click.option(
     "--lexicon/--no-lexicon",
@@ -93,10 +107,12 @@ if TYPE_CHECKING:
 @reading_options
 def derive(
     name: str,
-    style: str,
+    style: str | None,
     explain: bool | None,
     notation: str | None,
     steps: bool | None,
+    form: str | None,
+    out: str | None,
     lexicon: bool | None,
     method: str | None,
     absolute: bool | None,
@@ -119,14 +135,16 @@ def derive(
         _refuse(name, _TREES, {**wishes, "--method": method, "--absolute": absolute})
         _refuse(name, "scenes", {"--explain": explain})
         _refuse(name, "robots from .urdf and .xml files", read_as())
-        if lexicon and style != "markdown":
+        asked = Asked(_style(name, style, out), notation or "arrow", steps is not False)
+        asked = replace(asked, form=form or "full", lexicon=bool(lexicon))
+        if lexicon and asked.style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
         made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
-        _print_derivation(made, style, notation or "arrow", steps is not False, bool(lexicon))
+        _give(_page(made, asked), out)
     else:
-        _refuse(
-            name, "derivations", {"--notation": notation, "--steps": steps, "--lexicon": lexicon}
-        )
+        style = style or "text"
+        options = {"--notation": notation, "--steps": steps, "--form": form, "--out": out}
+        _refuse(name, "derivations", {**options, "--lexicon": lexicon})
         if method is None:
             _refuse(name, "closed forms, by --method", {"--absolute": absolute, **wishes})
             print_equations(scene_of(name), style, explain is not False)
@@ -223,17 +241,53 @@ def _shipped(name: str) -> list[Derived]:
     return [derive(name)]
 
 
-def _print_derivation(
-    made: Callable[[], list[Derived]], style: str, notation: str, steps: bool, lexicon: bool
-) -> None:
+@dataclass(frozen=True)
+class Asked:
+    """How a derivation is to be shown (`eom.derivations.forms`); ``lexicon``: with front matter."""
+
+    style: str
+    notation: str
+    steps: bool
+    form: str = "full"
+    lexicon: bool = False
+
+
+def _style(name: str, style: str | None, out: str | None) -> str:
+    """Return the format that is asked for. Raises `InputError` where a file's ending says another."""
+    if out is None:
+        return style or "text"
+    written = style_of(out)
+    if style not in {None, written}:
+        raise InputError(
+            "the ending of the file says another format",
+            where=f"{name}: --as {style}",
+            got=out,
+            hint="leave out --as, or take another ending",
+        )
+    return written
+
+
+def _page(made: Callable[[], list[Derived]], asked: Asked) -> str:
     from eom.checker.note.derived import front_matter
     from eom.derivations.forms import show_derivation
     from eom.derivations.showing import check_choices
 
-    check_choices(style, notation)
+    check_choices(asked.style, asked.notation)
     with waiting_for("deriving"):
         pages = []
         for derivation in made():
-            before = front_matter(derivation, notation) if lexicon else ""
-            pages.append(before + show_derivation(derivation, style, notation, steps))
-    click.echo("\n".join(pages))
+            before = front_matter(derivation, asked.notation) if asked.lexicon else ""
+            shown = show_derivation(
+                derivation, asked.style, asked.notation, asked.steps, form=asked.form
+            )
+            pages.append(before + shown)
+    return "\n".join(pages)
+
+
+def _give(page: str, out: str | None) -> None:
+    """Print a page, or write it to a file."""
+    if out is None:
+        click.echo(page)
+        return
+    write_page(page, out)
+    click.echo(f"wrote {printable(out)}", err=True)

@@ -1,8 +1,8 @@
 """One page of a derivation: its results, and the key steps that they hang on, with their reasons.
 
-A result is a line that no later one follows from; the more lines stand behind it, the more it says. A key
-step is a line that results hang on, the more the better. Both are read off what each step follows from;
-as many as a page holds are shown, in their order, numbered as in the whole.
+A result is a line that no later one follows from. Results are chosen that together rest on as much of the
+derivation as can be. A key step is a line that results hang on, the more the better. Both are read off
+what each step follows from; as many as a page holds are shown, in their order, numbered as in the whole.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 
-from eom.derivations.showing import Shown, lines_of, meaning_of, numbers, only_names
+from eom.derivations.showing import Shown, capitalised, lines_of, meaning_of, numbers, only_names
 from eom.derivations.steps import Step
 from eom.derivations.wording import letters_in_words
 from eom.terms.terms import Term
@@ -20,9 +20,9 @@ from eom.typeset.letters import Notation
 from eom.typeset.pages import latex_lines
 from eom.typeset.sentences import phrases
 
-PAGE = 50.0
+PAGE = 68.0
 """Lines that a page holds below its title."""
-SHARE = 0.7
+SHARE = 0.85
 """The part of them that results may take."""
 _WORDS, _GAP = 108, 0.8
 """Letters of a line of words; the room around a formula, in lines."""
@@ -45,8 +45,8 @@ def handout(derivation: Shown, notation: Notation) -> Iterator[Block]:
         yield Paragraph(phrases(f"Assumed: {said}.", known))
     for step in steps:
         under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
-        words = step.reason[:1].upper() + step.reason[1:] if " " in step.reason else step.reason
-        note = Note(numbered[step.label], phrases(words, known), under)
+        words = phrases(capitalised(step.reason, known), known)
+        note = Note(numbered[step.label], words, under)
         yield Steps((note,), (lines_of(step.statement, notation),))
 
 
@@ -54,11 +54,34 @@ def key_steps(derivation: Shown, notation: Notation) -> list[Step]:
     """Return the results and key steps that fit on a page, in their order."""
     spoken = [s for s in derivation.steps if not only_names(s, notation)]
     size = partial(_height, notation=notation)
-    results = sorted(_results(derivation, spoken), key=lambda s: -len(behind(derivation)[s.label]))
-    chosen = list(_fitting(results, SHARE * _room(derivation), size))
+    results = list(_results(derivation, spoken))
+    chosen = _covering(results, SHARE * _room(derivation), behind(derivation), size)
     room = _room(derivation) - sum(map(size, chosen))
     chosen += _fitting(_bearing(derivation, spoken, chosen), room, size)
     return [s for s in spoken if s in chosen]
+
+
+def _covering(
+    results: list[Step],
+    room: float,
+    rests: Mapping[str, frozenset[str]],
+    size: Callable[[Step], float],
+) -> list[Step]:
+    """Return results that together rest on as many lines as can be, for the room that they take.
+
+    Of two that say the same of other axes the second adds little, and gives way.
+    """
+    sizes = {s.label: size(s) for s in results}
+    chosen: list[Step] = []
+    covered: frozenset[str] = frozenset()
+    left = list(results)
+    while left := [s for s in left if sizes[s.label] <= room]:
+        gains = [len((rests[s.label] | {s.label}) - covered) / sizes[s.label] for s in left]
+        best = left.pop(gains.index(max(gains)))
+        chosen.append(best)
+        covered |= rests[best.label] | {best.label}
+        room -= sizes[best.label]
+    return chosen
 
 
 def _room(derivation: Shown) -> float:
@@ -90,7 +113,9 @@ def _bearing(derivation: Shown, spoken: Iterable[Step], results: list[Step]) -> 
     rests = behind(derivation)
     order = {s.label: k for k, s in enumerate(derivation.steps)}
     counted = {
-        s.label: sum(s.label in rests[r.label] for r in results) for s in spoken if s not in results
+        s.label: sum(s.label in rests[r.label] for r in results)
+        for s in spoken
+        if s not in results and s.kind != "definition"
     }
     found = [s for s in spoken if counted.get(s.label)]
     return sorted(found, key=lambda s: (-counted[s.label], -order[s.label]))

@@ -398,7 +398,7 @@ class _Notes:
         remarks = "; ".join(p for p in parts if p)
         assumed = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in new)
         told = f"Assumed: {assumed}." if assumed else ""
-        words = _sentence(step.reason, self.known)
+        words = capitalised(step.reason, self.known)
         said, more, before = (phrases(w, self.known) for w in (words, remarks, told))
         return Note(self.numbers[step.label], said, more, before)
 
@@ -420,7 +420,7 @@ def _letters(derivation: Shown) -> dict[str, int]:
 _FIRST_WORD = re.compile(r"(a )?([a-z]{2,})(?![\w/.(])")
 
 
-def _sentence(reason: str, known: Mapping[str, Box]) -> str:
+def capitalised(reason: str, known: Mapping[str, Box]) -> str:
     """Begin with a capital letter unless the first word is a symbol."""
     found = _FIRST_WORD.match(reason)
     starts = found is not None and found[2] not in {*GREEK, *known}

@@ -87,7 +87,7 @@ def named(derivation: Any, notation: Notation) -> Iterator[Named]:
 def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
     """Return the boxes of letters that reasons spell, in a notation."""
     found = terms_of(derivation)
-    known: dict[str, Box] = {}
+    known: dict[str, Box] = {"t": symbol("t")}
     for letter, name in PLAIN_LETTERS.items():
         known |= _plain_letter(letter, name, found, notation)
     known |= {p: notation.point(p) for p in points_of(found)}

@@ -116,14 +116,17 @@ def broken(line: Line, limit: int = WIDTH, measure: Measure = width, indent: int
 
     ``measure``: how long a box is; ``indent``: letters that left sides take at least.
     """
-    if line.left is not None and is_wide(line.left, limit, measure):
+    whole = sum(map(measure, (*line.right, *(() if line.left is None else (line.left,)))))
+    if line.left is not None and whole > limit and is_wide(line.left, limit, measure):
         left = chunks(line.broken_left or (line.left,), limit, measure)
         rest = limit - (indent if indent < WIDTH // 2 else 0)
         right = broken(Line(None, line.relation, line.right), rest, measure)
         begins = [Line(Row(()), Row(()), chunk) for chunk in left[:1]]
         return [*begins, *(Line(None, Row(()), chunk) for chunk in left[1:]), *right]
-    used = max(indent, measure(line.left) if line.left else 0)
-    first, *others = chunks(line.right, limit - used, measure)
+    seen = width(line.left) * limit // WIDTH if line.left else 0
+    room = limit - max(indent, min(seen, measure(line.left) if line.left else 0))
+    used = max(0, room - limit + (measure(line.left) if line.left else 0))
+    first, *others = chunks(line.right, room, measure, used=used)
     start = Line(line.left, line.relation, first, line.words)
     return [start, *(Line(None, Row(()), more) for more in others)]
 

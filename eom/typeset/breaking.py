@@ -25,11 +25,16 @@ Measure = Callable[[Box], int]
 """Returns how long a box is, in letters."""
 
 
-def chunks(boxes: Iterable[Box], limit: int, measure: Measure) -> list[tuple[Box, ...]]:
-    """Return boxes as lines of at most ``limit`` letters; one that is longer is opened if it can be."""
+def chunks(
+    boxes: Iterable[Box], limit: int, measure: Measure, *, used: int = 0
+) -> list[tuple[Box, ...]]:
+    """Return boxes as lines of at most ``limit`` letters; one that is longer is opened if it can be.
+
+    ``used``: how many letters the first line has besides.
+    """
     found: list[tuple[Box, ...]] = [()]
-    length = 0
-    for box in _fitted(boxes, limit, measure):
+    length = used
+    for box in _fitted(boxes, limit - used, measure):
         needed = measure(box)
         if found[-1] and length + needed > limit:
             found.append(())

@@ -10,7 +10,6 @@ How four formats write a table whose cells hold formulas with words in front.
 from __future__ import annotations
 
 import html
-import math
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
@@ -256,19 +255,20 @@ LATEX_LINE = 180
 
 
 def _latex_measure(box: Box) -> int:
-    """Return the width of a box, or more if its LaTeX is long: `LATEX_LINE` fill a line."""
-    return max(width(box), math.ceil(len(render(box, "latex")) * WIDTH / LATEX_LINE))
+    """Return the length of a box in letters of LaTeX, of a matrix as it is seen; more if it is wide."""
+    latex = render(box, "latex")
+    return max(width(box) * LATEX_LINE // WIDTH, 0 if "matrix}" in latex else len(latex))
+
+
+def latex_lines(line: Line) -> list[Line]:
+    """Return a line as the lines that it takes on paper."""
+    return broken(line, LATEX_LINE, _latex_measure)
 
 
 def _latex_relation(part: Line) -> str:
     """Return the relation of a line; what continues one stands to its right."""
     begins = part.left is not None
     return render(part.relation, "latex") or ("" if begins else r"\quad{}")
-
-
-def latex_lines(line: Line) -> list[Line]:
-    """Return a line as the lines that it takes on paper."""
-    return broken(line, WIDTH, _latex_measure)
 
 
 def _latex_line(line: Line) -> str:
@@ -374,6 +374,7 @@ HANDOUT = r"""\documentclass[10pt,fleqn]{article}
 \pagestyle{empty}
 \setlength{\parindent}{0pt}
 \setlength{\mathindent}{8mm}
+\allowdisplaybreaks
 \AtBeginDocument{\small
   \abovedisplayskip=2pt plus 2pt \belowdisplayskip=3pt plus 2pt
   \abovedisplayshortskip=1pt plus 2pt \belowdisplayshortskip=3pt plus 2pt}

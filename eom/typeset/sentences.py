@@ -29,6 +29,7 @@ _SPELT = "|".join(sorted(GREEK_NAMES, key=len, reverse=True))
 _TOKEN = re.compile(
     r"(?<![\w\\])"
     rf"(?:d(?P<above>[A-Za-z]|{_SPELT})/d(?P<below>[A-Za-z]|{_SPELT})(?![\w(])"
+    r"|(?P<mass>dm)(?!\w)"
     rf"|(?P<name>(?:{_SPELT})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[A-Za-z]\d?)"
     r"(?P<marks>'*)(?:\^(?P<power>\d|T\b))?(?![\w(]))"
 )
@@ -74,10 +75,13 @@ def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
         parts = (symbol(m["above"]), Operator("slash"), Operator("d"), symbol(m["below"]))
         of = known.get(m["above"], parts[0])
         return Row((Operator("d"), of, *parts[1:]))
+    if m["mass"]:
+        return Row((Operator("d"), symbol("m")))
     name, marks, power = m["name"], m["marks"], m["power"]
-    if not (name in known or len(name) > 1 or power or marks) or _is_word(words, m, known):
+    if _is_word(words, m, known):
         return None
     lettered = "_" in name or name in GREEK_NAMES or _AXES.fullmatch(name) or power or marks
+    lettered = lettered or _is_capital(words, m)
     if name not in known and not lettered and name.partition("_")[0] not in GREEK:
         return None
     box = known.get(name, symbol(name))
@@ -94,6 +98,13 @@ def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
         near = around[0].rstrip().endswith(("=", "(", " x")) or around[1] == " x "
         return "a" not in known or not (near or around[1][:1] in {".", ","})
     return m["name"] == "A" and words[: m.start()].endswith(". ")
+
+
+def _is_capital(words: str, m: re.Match[str]) -> bool:
+    """Return whether a lone capital is a letter: no word, and no unit in brackets."""
+    before = words[: m.start()]
+    inside = before.rfind("[") > before.rfind("]")
+    return m["name"] in set("BCDEFGHJKLMNOPQRSTUVWXYZ") and not inside
 
 
 def _joined(words: str, found: Iterable[tuple[int, int, Box]]) -> tuple[str | Box, ...]:
