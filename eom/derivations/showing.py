@@ -164,7 +164,7 @@ def symbols(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, Prose]
     """Yield symbols with their meanings: quantities, SymPy symbols, then signs of operations."""
     sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
     found = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
-    seen: set[tuple[str, str]] = set()
+    seen: set[str] = set()
     own = {t for t in derivation.scalars.values() if t.data and t.data[0] in _ANY}
     items = [_quantity(n, notation) for n in found if n.head == "atom" and n not in own]
     items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
@@ -174,9 +174,9 @@ def symbols(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, Prose]
     items += list(_operations(found, notation))
     known = letters_in_words(derivation, notation)
     for box, meaning in items:
-        key = (render(box, "text"), meaning)
-        if key not in seen:
-            seen.add(key)
+        called = render(box, "text").partition(" := ")[0]
+        if called not in seen:
+            seen.add(called)
             yield box, phrases(meaning, known)
 
 

@@ -100,7 +100,7 @@ LETTERS: dict[str, str] = {
     "rotor_torque": "tau_a M_a tau_a M_a tau_a",
     "slug_momentum": "H_s h_s h_s H_s h_s",
     "slug_inertia": "J_s J_s J_s J_s J_s",
-    "slug_damping": "c_s c_s c_s c_s c_s",
+    "slug_damping": "c c c c c",
     "total_mass": "M m m m m",
     "linear_momentum": "p p p L p",
     "external_force": "F_ext F_ext f_ext R f_ext",
@@ -139,6 +139,11 @@ def _points(special: Mapping[str, Box]) -> Callable[[str], Box]:
         return Scripts(Symbol("O"), Symbol(label[1])) if split else symbol(label)
 
     return point
+
+
+def _frames(special: Mapping[str, str]) -> Callable[[str], Box]:
+    """Return how frames are written, some by other letters than their label."""
+    return lambda label: symbol(special.get(label, label))
 
 
 def _marked(mark: str, style: str = "italic") -> Nucleus:
@@ -398,12 +403,12 @@ NOTATIONS: dict[str, Notation] = {
         letters=_letters(0),
         nuclei=_nuclei(_marked("vec"), _bracketed, _bracketed),
         point=_points({}),
-        frame=symbol,
+        frame=_frames({"C": "W"}),
         atoms={
             "position": _short_position({"OI": "R", "C": "r", "O": "rho"}),
             "angular_velocity": _frames_below,
             "rotation": _rotation_below,
-            "unit": _unit({}, _marked("hat")),
+            "unit": _unit({"C": "w"}, _marked("hat")),
             "rotor_axis": lambda _, k: Scripts(Accent("hat", Symbol("a")), symbol(k)),
             "absolute_angular_momentum": _absolute(
                 _generic("absolute_angular_momentum", VECTOR), _generic("angular_momentum", VECTOR)
