@@ -1,4 +1,4 @@
-"""Time to make and verify each derivation, what they assert, how long their formulas and pages are; solids."""
+"""Time to make and verify each derivation, what they assert, lengths of their pages; inertia of solids."""
 
 from __future__ import annotations
 
@@ -77,7 +77,12 @@ def _formulas() -> tuple[Row, ...]:
     matrix, there = longest_formula(matrices=True)
     target = f"< {LONGEST_FORMULA}"
     return (
-        Row(f"longest line of a formula: {where}", str(plain), target, plain < LONGEST_FORMULA),
+        Row(
+            f"longest line of a formula: {where}",
+            str(plain),
+            target=target,
+            met=plain < LONGEST_FORMULA,
+        ),
         Row(f"of one with a matrix: {there}", str(matrix)),
     )
 

@@ -53,6 +53,12 @@ if TYPE_CHECKING:
     "[default: full]",
 )
 @click.option(
+    "--figures/--no-figures",
+    default=None,
+    help="Derivations, as LaTeX, HTML or Markdown: sketches of frames and bodies where they are "
+    "introduced.  [default: figures in LaTeX and HTML]",
+)
+@click.option(
     "--out",
     default=None,
     metavar="FILE",
@@ -112,6 +118,7 @@ def derive(
     notation: str | None,
     steps: bool | None,
     form: str | None,
+    figures: bool | None,
     out: str | None,
     lexicon: bool | None,
     method: str | None,
@@ -137,13 +144,20 @@ def derive(
         _refuse(name, "robots from .urdf and .xml files", read_as())
         asked = Asked(_style(name, style, out), notation or "arrow", steps is not False)
         asked = replace(asked, form=form or "full", lexicon=bool(lexicon))
+        asked = replace(asked, figures=_with_figures(name, asked, figures))
         if lexicon and asked.style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
         made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
         _give(_page(made, asked), out)
     else:
         style = style or "text"
-        options = {"--notation": notation, "--steps": steps, "--form": form, "--out": out}
+        options: dict[str, Any] = {
+            "--notation": notation,
+            "--steps": steps,
+            "--form": form,
+            "--out": out,
+        }
+        options |= {"--figures": figures}
         _refuse(name, "derivations", {**options, "--lexicon": lexicon})
         if method is None:
             _refuse(name, "closed forms, by --method", {"--absolute": absolute, **wishes})
@@ -250,6 +264,19 @@ class Asked:
     steps: bool
     form: str = "full"
     lexicon: bool = False
+    figures: bool = False
+
+
+def _with_figures(name: str, asked: Asked, figures: bool | None) -> bool:
+    """Return whether sketches are drawn. Raises `InputError` where a page has no place for them."""
+    if figures and (asked.style == "text" or asked.form == "handout"):
+        raise InputError(
+            "no place for figures here",
+            where=f"{name}: --figures",
+            expected="a full page as LaTeX, HTML or Markdown",
+        )
+    usual = asked.style in {"latex", "html"} and asked.form == "full"
+    return usual if figures is None else figures
 
 
 def _style(name: str, style: str | None, out: str | None) -> str:
@@ -277,11 +304,17 @@ def _page(made: Callable[[], list[Derived]], asked: Asked) -> str:
         pages = []
         for derivation in made():
             before = front_matter(derivation, asked.notation) if asked.lexicon else ""
-            shown = show_derivation(
-                derivation, asked.style, asked.notation, asked.steps, form=asked.form
-            )
+            figures = _drawn(derivation, asked.notation) if asked.figures else ()
+            chosen = (asked.style, asked.notation, asked.steps)
+            shown = show_derivation(derivation, *chosen, form=asked.form, drawn=figures)
             pages.append(before + shown)
     return "\n".join(pages)
+
+
+def _drawn(derivation: Derived, notation: str) -> Sequence[Any]:
+    from eom.views.body.chapters import drawn
+
+    return drawn(derivation, notation)
 
 
 def _give(page: str, out: str | None) -> None:

@@ -7,7 +7,7 @@ of the lectures it states, and how it was verified; assumptions are named where 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Any, Protocol
@@ -17,7 +17,7 @@ import sympy as sp
 from eom.derivations.corrections import NOTES
 from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
-from eom.derivations.wording import letters_in_words
+from eom.derivations.wording import frames_of, letters_in_words
 from eom.errors import unknown_name
 from eom.system import System
 from eom.terms.terms import (
@@ -39,6 +39,7 @@ from eom.typeset.blocks import (
     Block,
     Bullets,
     Display,
+    Drawing,
     Heading,
     Line,
     Note,
@@ -127,14 +128,31 @@ def check_choices(style: str, notation: str) -> None:
     notation_named(notation)
 
 
-def blocks(derivation: Shown, notation: Notation, steps: bool = True) -> Iterator[Block]:
-    """Yield what there is to show, in reading order."""
+@dataclass(frozen=True)
+class Drawn:
+    """A picture of a derivation, and the ``things`` in it: frames, terms, labels of steps, assumptions."""
+
+    things: frozenset[Any]
+    drawing: Drawing
+
+
+def blocks(
+    derivation: Shown,
+    notation: Notation,
+    steps: bool = True,
+    drawn: Sequence[Drawn] = (),
+) -> Iterator[Block]:
+    """Yield what there is to show, in reading order; ``drawn``: pictures, where they are introduced."""
     yield Heading(derivation.title, 1)
     yield Paragraph(_summary(derivation, notation))
     yield from _listed("Assumptions", tuple(_assumed(derivation, notation)))
     yield from _listed("Symbols", tuple(symbols(derivation, notation)))
     yield Heading("Derivation" if steps else "Statements")
-    yield from _derived(derivation, notation) if steps else [_statements(derivation, notation)]
+    if steps:
+        yield from _derived(derivation, notation, drawn=drawn)
+    else:
+        yield from (one.drawing for one in drawn)
+        yield _statements(derivation, notation)
     yield from _results(derivation, notation)
 
 
@@ -252,12 +270,19 @@ def _is_example(node: Term) -> bool:
 
 
 def _derived(
-    derivation: Shown, notation: Notation, chosen: Collection[str] | None = None
+    derivation: Shown,
+    notation: Notation,
+    chosen: Collection[str] | None = None,
+    drawn: Sequence[Drawn] = (),
 ) -> Iterator[Block]:
-    """Yield one block a chain, of the chosen steps; of all where none are chosen."""
+    """Yield one block a chain, of the chosen steps, or of all; pictures stand before it."""
+    left = list(drawn)
     notes_of = _Notes(derivation, notation, numbers(derivation, notation))
     spoken = (s for s in derivation.steps if not only_names(s, notation))
     for chain in chains(spoken):
+        for one in [one for one in left if one.things & _things(chain)]:
+            left.remove(one)
+            yield one.drawing
         lines: list[tuple[Line, ...]] = []
         notes: list[Note] = []
         for step in chain:
@@ -267,6 +292,16 @@ def _derived(
             notes.append(notes_of(step))
         if lines:
             yield Steps(tuple(notes), tuple(lines))
+
+
+def _things(chain: Iterable[Step]) -> set[Any]:
+    """Return what some steps speak of, as in `Drawn`."""
+    found: set[Any] = set()
+    for step in chain:
+        terms = [n for t in (step.statement.left, step.statement.right) for n in nodes(t)]
+        found |= {step.label, *step.assumptions, *terms}
+        found |= {("frame", f) for f in frames_of(terms)}
+    return found
 
 
 def numbers(derivation: Shown, notation: Notation) -> dict[str, int]:

@@ -99,7 +99,16 @@ class Table:
     rows: tuple[tuple[tuple[Box, ...], tuple[Cell, ...]], ...]
 
 
-Block = Heading | Paragraph | Bullets | Display | Steps | Table
+@dataclass(frozen=True)
+class Drawing:
+    """A picture: as an element of SVG, as LaTeX, and what it shows in words."""
+
+    svg: str
+    latex: str
+    words: Prose
+
+
+Block = Heading | Paragraph | Bullets | Display | Steps | Table | Drawing
 
 WIDTH = 78
 """Letters that fit on a line of a formula."""

@@ -9,6 +9,7 @@ How four formats write a table whose cells hold formulas with words in front.
 
 from __future__ import annotations
 
+import base64
 import html
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -21,6 +22,7 @@ from eom.typeset.blocks import (
     Bullets,
     Cell,
     Display,
+    Drawing,
     Heading,
     Line,
     Note,
@@ -241,6 +243,7 @@ def _text_table(letters: str) -> dict[type, Callable[[Any], list[str]]]:
         Display: lambda b: _text_display(b, letters),
         Steps: lambda b: _text_steps(b, letters),
         Table: lambda b: text(b, letters),
+        Drawing: lambda b: ["", *_wrapped(f"[Figure: {_text_words(b.words, letters)}]", " "), ""],
     }
 
 
@@ -356,6 +359,12 @@ _LATEX: dict[type, Callable[[Any], list[str]]] = {
     Display: _latex_display,
     Steps: lambda b: _latex_aligned(_latex_noted(b)),
     Table: latex,
+    Drawing: lambda b: [
+        "\\begin{center}",
+        f"{b.latex}\\\\[1ex]",
+        f"{{\\small {_latex_words(b.words)}}}",
+        "\\end{center}",
+    ],
 }
 
 LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
@@ -439,6 +448,14 @@ def _markdown_steps(block: Steps) -> list[str]:
     return [*found, _markdown_formula(lines), ""]
 
 
+def _markdown_drawing(block: Drawing) -> list[str]:
+    """Return a picture that stands in the page itself."""
+    held = base64.b64encode(block.svg.encode()).decode("ascii")
+    words = sentence(block.words, lambda b: render(b, "text").strip())
+    shown = f"![{words}](data:image/svg+xml;base64,{held})"
+    return ["", shown, "", f"*{sentence(block.words, _in_dollars)}*", ""]
+
+
 _MARKDOWN: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: ["", f"{'#' * b.level} {b.words}", ""],
     Paragraph: lambda b: [sentence(b.words, _in_dollars), ""],
@@ -446,6 +463,7 @@ _MARKDOWN: dict[type, Callable[[Any], list[str]]] = {
     Display: _markdown_display,
     Steps: _markdown_steps,
     Table: markdown,
+    Drawing: _markdown_drawing,
 }
 
 # -- HTML ------------------------------------------------------------------------------------
@@ -516,6 +534,7 @@ _HTML: dict[type, Callable[[Any], list[str]]] = {
     Display: _html_display,
     Steps: _html_steps,
     Table: html_table,
+    Drawing: lambda b: [f"<figure>{b.svg}<figcaption>{_html_words(b.words)}</figcaption></figure>"],
 }
 
 HTML_DOCUMENT = """<!DOCTYPE html>
@@ -538,7 +557,8 @@ th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }
 .assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}
 .formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; overflow-y: hidden; padding: .3rem 0; }}
 math {{ font-size: 1.1rem; }}
-small {{ color: var(--soft); }}
+small, figcaption {{ color: var(--soft); }}
+figure {{ margin: 1rem 0; }}
 </style>
 </head>
 <body>

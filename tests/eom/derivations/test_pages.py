@@ -1,4 +1,4 @@
-"""Pages of all chapters: lengths of formulas and lines, one meaning a letter, the list of symbols, handouts."""
+"""Pages of all chapters: lengths of lines, one meaning a letter, the list of symbols, handouts."""
 
 import html
 import re
