@@ -10,7 +10,6 @@ from eom.derivations import derive, names
 from eom.derivations.derived import Derived
 
 _DISPLAY = re.compile(r"\\begin\{align\*\}(.*?)\\end\{align\*\}", re.DOTALL)
-_WORDS = re.compile(r"\\intertext\{.*\}\n")
 _COUNT = re.compile(rb"/Type\s*/Pages\b[^>]*?/Count\s+(\d+)|/Count\s+(\d+)[^>]*?/Type\s*/Pages\b")
 
 
@@ -18,7 +17,8 @@ def formula_lines(derivation: Derived, notation: str = "arrow") -> list[str]:
     """Return every line of a formula of the steps, as LaTeX."""
     steps = derivation.page("latex", notation).partition(r"\subsection*{Result}")[0]
     found = _DISPLAY.findall(steps)
-    return [_WORDS.sub("", line).strip() for shown in found for line in shown.split("\\\\\n")]
+    lines = (line for shown in found for line in shown.strip().split("\\\\\n"))
+    return [line.rpartition("\n")[2].strip() for line in lines]
 
 
 def longest_line(page: str) -> int:

@@ -20,11 +20,11 @@ from eom.typeset.letters import Notation
 from eom.typeset.pages import latex_lines
 from eom.typeset.sentences import phrases
 
-PAGE = 68.0
+PAGE = 62.0
 """Lines that a page holds below its title."""
 SHARE = 0.85
 """The part of them that results may take."""
-_WORDS, _GAP = 108, 0.8
+_WORDS, _GAP = 108, 1.0
 """Letters of a line of words; the room around a formula, in lines."""
 
 

@@ -125,17 +125,26 @@ def broken(line: Line, limit: int = WIDTH, measure: Measure = width, indent: int
 
     ``measure``: how long a box is; ``indent``: letters that left sides take at least.
     """
-    whole = sum(map(measure, (*line.right, *(() if line.left is None else (line.left,)))))
-    if line.left is not None and whole > limit and is_wide(line.left, limit, measure):
-        left = chunks(line.broken_left or (line.left,), limit, measure)
-        rest = limit - (indent if indent < WIDTH // 2 else 0)
-        right = broken(Line(None, line.relation, line.right), rest, measure)
-        begins = [Line(Row(()), Row(()), chunk) for chunk in left[:1]]
-        return [*begins, *(Line(None, Row(()), chunk) for chunk in left[1:]), *right]
-    seen = width(line.left) * limit // WIDTH if line.left else 0
-    room = limit - max(indent, min(seen, measure(line.left) if line.left else 0))
-    used = max(0, room - limit + (measure(line.left) if line.left else 0))
-    first, *others = chunks(line.right, room, measure, used=used)
+    if line.left is None:
+        return _lines(line, chunks(line.right, limit - indent, measure))
+    length = measure(line.left)
+    seen = max(indent, min(width(line.left) * limit // WIDTH, length))
+    right = chunks(line.right, limit - seen, measure, used=max(0, length - seen))
+    fits = length + sum(map(measure, right[0])) <= limit
+    if fits and (len(right) == 1 or not is_wide(line.left, limit, measure)):
+        return _lines(line, right)
+    left = chunks(line.broken_left or (line.left,), limit, measure)
+    begins = [Line(Row(()), Row(()), chunk) for chunk in left[:1]]
+    rest = chunks(line.right, limit - (indent if indent < WIDTH // 2 else 0), measure)
+    return [
+        *begins,
+        *(Line(None, Row(()), chunk) for chunk in left[1:]),
+        *_lines(Line(None, line.relation, line.right), rest),
+    ]
+
+
+def _lines(line: Line, right: list[tuple[Box, ...]]) -> list[Line]:
+    first, *others = right
     start = Line(line.left, line.relation, first, line.words)
     return [start, *(Line(None, Row(()), more) for more in others)]
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eom.views.draw.formulas import as_text
+from eom.views.draw.formulas import as_runs, as_text
 from eom.views.draw.picture import (
     COLOURS,
     Arrow,
@@ -42,7 +42,7 @@ AWAY = 3.0
 
 @dataclass(frozen=True, eq=False)
 class Stroke:
-    """A line on paper through ``points``, shape (N, 2), in mm, in a colour of `COLOURS`, with a head or none."""
+    """A line on paper through ``points``, shape (N, 2), mm; ``head``: whether it is an arrow."""
 
     points: Floats
     colour: str
@@ -181,12 +181,22 @@ def _head(points: Floats) -> Floats:
     return np.stack([tip - along + across, tip, tip - along - across])
 
 
+_LEVELS = {"": 0.0, "sub": 4.0, "sup": -6.0}
+"""How far below the line words are, pixels."""
+_STYLES = {"": "", "i": ' font-style="italic"', "b": ' font-weight="bold"'}
+
+
 def _text(name: Name, up: float) -> str:
     x, y = PIXELS * name.place[0], PIXELS * (up - name.place[1])
+    runs = as_runs(name.text.replace(r"\mathcal", r"\mathrm"))
+    below, spans = 0.0, []
+    for words, style, level in runs:
+        move, below = _LEVELS[level] - below, _LEVELS[level]
+        size = ' font-size="11"' if level else ""
+        spans.append(f'<tspan dy="{move:g}"{size}{_STYLES[style]}>{html.escape(words)}</tspan>')
     return (
         f'<text x="{x:.1f}" y="{y:.1f}" fill="{COLOURS[name.colour]}" font-family="Georgia, serif" '
-        f'font-style="italic" font-size="16" text-anchor="middle" dominant-baseline="central">'
-        f"{html.escape(as_text(name.text))}</text>"
+        f'font-size="16" text-anchor="middle" dominant-baseline="central">{"".join(spans)}</text>'
     )
 
 
