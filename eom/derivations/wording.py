@@ -31,6 +31,7 @@ PLAIN_LETTERS = {
     "c": "first_moment",
 }
 """The letters of reasons."""
+_INDICES = frozenset("ijk")
 _POINTS = frozenset({"O", "C", "P", "OI", "OA", "OB"})
 
 
@@ -90,12 +91,15 @@ def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
     known: dict[str, Box] = {"t": symbol("t")}
     for letter, name in PLAIN_LETTERS.items():
         known |= _plain_letter(letter, name, found, notation)
+    known |= _places(found, notation)
     known |= {p: notation.point(p) for p in points_of(found)}
     for frame in frames_of(found):
         known |= {frame: notation.frame(frame), **_axes(frame, notation)}
     for n in found:
         if n.head == "atom" and ROLES.get(n.data[0], ())[:1] == ("letter",):
             known[n.data[1]] = term_box(n, notation)
+        if n.head == "atom":
+            known |= {k: symbol(k) for k in n.data[1:] if k in _INDICES}
     symbols = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
     names = {s.name for s in (*symbols, *derivation.scalars)} - GREEK_NAMES
     return known | {name: symbol(name) for name in names}
@@ -105,6 +109,25 @@ def _axes(frame: str, notation: Notation) -> dict[str, Box]:
     """Return the axes of a frame as reasons spell them: b1."""
     numbers = "123" if len(frame) == 1 else ""
     return {f"{frame.lower()}{k}": term_box(unit(frame, int(k)), notation) for k in numbers}
+
+
+def _places(found: list[Term], notation: Notation) -> dict[str, Box]:
+    """Return the boxes of positions as reasons spell them: r, R, rho, r_i; and of omega.
+
+    r is from the centre of mass where an element has such a position, else from the inertial origin.
+    """
+    atoms = [n for n in dict.fromkeys(found) if n.head == "atom"]
+    places = [a for a in atoms if a.data[0] == "position"]
+    own = any(a.data[1] in {"dm", "P"} and a.data[2] == "C" for a in places)
+    letters = {"R": "OI", "r": "C" if own else "OI", "rho": "O"}
+    known: dict[str, Box] = {}
+    for letter, origin in letters.items():
+        for a in places:
+            if a.data[2] == origin:
+                of = a.data[1]
+                known[letter if of in {"dm", "P"} else f"{letter}_{of}"] = term_box(a, notation)
+    turning = next((a for a in atoms if a.data == ("angular_velocity", "B", "I")), None)
+    return known if turning is None else known | {"omega": term_box(turning, notation)}
 
 
 def _plain_letter(letter: str, name: str, found: list[Term], notation: Notation) -> dict[str, Box]:

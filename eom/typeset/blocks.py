@@ -133,9 +133,9 @@ def broken(line: Line, limit: int = WIDTH, measure: Measure = width, indent: int
     fits = length + sum(map(measure, right[0])) <= limit
     if fits and (len(right) == 1 or not is_wide(line.left, limit, measure)):
         return _lines(line, right)
-    left = chunks(line.broken_left or (line.left,), limit, measure)
+    left = chunks(line.broken_left or (line.left,), limit - indent, measure)
     begins = [Line(Row(()), Row(()), chunk) for chunk in left[:1]]
-    rest = chunks(line.right, limit - (indent if indent < WIDTH // 2 else 0), measure)
+    rest = chunks(line.right, limit - indent, measure)
     return [
         *begins,
         *(Line(None, Row(()), chunk) for chunk in left[1:]),

@@ -181,14 +181,8 @@ def _wrapped(words: str, indent: str) -> list[str]:
     if _length(words) <= COLUMNS:
         return [words]
     start = words[: len(words) - len(words.lstrip())]
-    rows = words.strip().split("], [")
-    if len(rows) > 1 and _length(max(rows, key=_length)) < COLUMNS - len(indent) - 2:
-        rows = [f"{'[' if k else ''}{row}" for k, row in enumerate(rows)]
-        inner = start + " " * (rows[0].find("[[") + 1)
-        return [
-            f"{inner if k else start}{row}{'],' if k < len(rows) - 1 else ''}"
-            for k, row in enumerate(rows)
-        ]
+    if stacked := _stacked_rows(words.strip(), start, indent):
+        return stacked
     return textwrap.wrap(
         words.strip(),
         COLUMNS,
@@ -197,6 +191,22 @@ def _wrapped(words: str, indent: str) -> list[str]:
         break_long_words=False,
         break_on_hyphens=False,
     )
+
+
+def _stacked_rows(words: str, start: str, indent: str) -> list[str]:
+    """Return the rows of a matrix below each other, or nothing where they do not fit."""
+    rows = words.split("], [")
+    below = len(rows[0]) - rows[0].rfind("[[") - 1
+    for first, before in (
+        (start, " " * (len(start) + len(rows[0]) - below)),
+        (start, indent),
+        (indent, indent),
+    ):
+        found = [f"{before if k else first}{'[' * bool(k)}{row}" for k, row in enumerate(rows)]
+        found = [f"{row}]," for row in found[:-1]] + found[-1:]
+        if len(rows) > 1 and max(map(_length, found)) <= COLUMNS:
+            return found
+    return []
 
 
 def _text_line(line: Line, letters: str, size: int) -> str:
@@ -335,7 +345,7 @@ def _latex_noted(block: Steps) -> Iterator[tuple[str, Line]]:
 
 def _latex_bullets(block: Bullets) -> list[str]:
     items = [f"\\item {_named(name, words, _latex_name)}" for name, words in block.items]
-    return ["\\begin{itemize}", *items, "\\end{itemize}"]
+    return ["\\begin{itemize}\\itemsep0pt\\parskip0pt", *items, "\\end{itemize}"]
 
 
 def _latex_name(value: Box | str) -> str:

@@ -36,6 +36,8 @@ SHARP = 0.9
 """Cosine between neighbouring faces below which their edge is seen."""
 HEAD = 2.2
 """Length of an arrow's head, mm."""
+SHORT = 0.5
+"""The shortest line that LaTeX draws, mm."""
 AWAY = 3.0
 """How far from the tip of an arrow its name is, mm."""
 
@@ -225,8 +227,10 @@ def _segments(stroke: Stroke) -> Iterator[str]:
         return
     command = r"\thicklines" if stroke.width > 1.4 else r"\thinlines"
     yield command
-    step = max(1, len(points) // 24)
-    kept = np.concatenate([points[:-1:step], points[-1:]])
+    kept = [points[0]]
+    for point in points[1:]:
+        if float(np.hypot(*(point - kept[-1]))) >= SHORT:
+            kept.append(point)
     yield from map(_segment, kept[:-1], kept[1:])
     if stroke.head:
         left, tip, right = _head(points)
