@@ -22,7 +22,6 @@ def test_it_writes_one_page(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["rolling-disc", "--out", "x.html"], "holds no constraints"),
         (["t-handle", "--out", "x.pdf"], "expected: FILE.html"),
         (["no-such-scene", "--out", "x.html"], "unknown scene"),
     ],

@@ -3,8 +3,10 @@
 The text depends on the tableau alone; it integrates any module that `codegen.targets.javascript`
 writes, so that pages with several systems hold it once. It stands beside generated JavaScript as
 ``runge_kutta.c`` stands beside generated C, and takes the same steps up to rounding; instead of ending a
-step at each time that is asked for, it interpolates, so that frames of a page do not change the motion.
-``lookout.mjs`` is ``ahead.c`` and ``narrow.c`` in JavaScript; what is watched it knows from the module.
+step at each time that is asked for, it interpolates, so that frames of a page do not change the motion;
+at samples of a law, where inputs change, steps end.
+``lookout.mjs`` is ``ahead.c`` and ``narrow.c`` in JavaScript, ``projection.mjs`` is ``projection.c``; what
+is watched, and what is kept (`codegen.loops.projection.extended`), they know from the module.
 """
 
 from __future__ import annotations
@@ -31,7 +33,11 @@ def files(name: str) -> Mapping[str, str]:
 def text(tableau: Tableau) -> str:
     """Return the module of a method: one function, named as the method; see its first lines."""
     written = _template("runge_kutta.mjs")
-    for key, value in {"LOOKOUT": _template("lookout.mjs"), **_values(tableau)}.items():
+    further = {
+        "LOOKOUT": _template("lookout.mjs"),
+        "PROJECTION": _template("projection.mjs") + "\n",
+    }
+    for key, value in {**further, **_values(tableau)}.items():
         written = written.replace(f"@{key}@", value)
     return written
 

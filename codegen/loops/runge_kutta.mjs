@@ -4,12 +4,15 @@
 //   start(t, x, p, u)   begins at time t with the states x; the arrays p and u are read at every step
 //   step()              takes one step; true if one was taken and the run can go on
 //   advance(t, steps)   takes steps until t is reached or passed, at most so many; true if t is reached
+//   end                 time that no step passes, at first none: one ends there
+//   refresh()           goes on from where it is after p or u have changed, with the step that it had
 //   at(t, y)            fills y with the states at a time inside the last step, and returns it
 //   t, x, tOld          time and states after the last step, time before it
 //   steps, rejected, evaluations (of the rates), status (RUNNING, SINGULAR, NOT_FINITE or
 //   STEP_TOO_SMALL), which (the singularity, or the state that is not finite, or -1)
 // Steps meet the local error atol + rtol |x|. Time runs forward. No step allocates anything. Steps are short
-// where the rates hold a pulse, a wall, a jump or a window; changes of p and u are not foreseen.
+// where the rates hold a pulse, a wall, a jump or a window; changes of p and u are not foreseen. Where the
+// module has a projection, states are brought onto its invariants after each step, and where at gives them.
 
 export const RUNNING = 0, SINGULAR = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2;
 
@@ -23,12 +26,13 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
 @ARRAYS@
   const here = new Float64Array(S), before = new Float64Array(S), after = new Float64Array(S);
   const value = new Float64Array(S), known = new Float64Array(S);
+  const held = system.projection ? projector(system, rtol, atol) : null;
   const look = lookout(system, rtol, [@SEEN@]);
   let p = new Float64Array(0), u = new Float64Array(0);
   let h = 0, hOld = 0, tLow = 0, afterRejection = false, dense = false;
   const s = {
-    t: 0, tOld: 0, x, steps: 0, rejected: 0, evaluations: 0, status: RUNNING, which: -1,
-    start, step, advance, at,
+    t: 0, tOld: 0, x, steps: 0, rejected: 0, evaluations: 0, status: RUNNING, which: -1, end: Infinity,
+    start, step, advance, at, refresh,
   };
   return s;
 
@@ -67,6 +71,7 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
     s.steps = s.rejected = 0;
     s.evaluations = 1;
     s.status = RUNNING;
+    s.end = Infinity;
     tLow = hOld = 0;
     afterRejection = dense = false;
     for (let i = 0; i < n; ++i) xOld[i] = x[i] = from[i];
@@ -83,6 +88,15 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
       }
     }
     h = firstStep();
+    return s.status;
+  }
+
+  function refresh() {
+    values(s.t, x, p, u, f);
+    s.evaluations += 1;
+    s.which = firstBad(f);
+    if (s.which >= 0) s.status = NOT_FINITE;
+    if (S) singularities(s.t, x, p, u, known);
     return s.status;
   }
 
@@ -124,6 +138,7 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
     if (!dense) prepareDense();
     const theta = (t - s.tOld) / hOld, rest = 1 - theta;
     for (let i = 0; i < n; ++i) out[i] = xOld[i] + @INTERPOLANT@;
+    if (held) held.projectPoint(t, out, p, u);
     return out;
   }
 
@@ -170,7 +185,15 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
 
   function step() {
     if (s.status !== RUNNING) return false;
+    const due = h;
+    let cut = false;
     for (;;) {
+      const room = s.end - s.t - tLow;
+      const ends = h >= room - 4 * spacing(s.end);
+      if (ends && room > 0) {
+        cut = h > room;
+        h = room;
+      }
       const proposed = h, found = ahead ? look.lookAhead(s.t, h, p, u) : 0;
       if (found) h = look.h;
       const smallest = 10 * spacing(s.t);
@@ -217,10 +240,18 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
         reject(0.7 / turn);
         continue;
       }
+      if (held && held.project(tNew, xNew, newLow, p, u)) {
+        values(tNew, xNew, p, u, k@LAST@);
+        s.evaluations += 1;
+      }
       const factor = error > 1e-12 ? 0.9 / @ROOT@ : 10;
       s.tOld = s.t;
       s.t = tNew;
       tLow = tLost;
+      if (Math.abs(s.end - tNew) <= 4 * spacing(tNew)) {
+        s.t = s.end;
+        tLow = 0;
+      }
       hOld = h;
       dense = false;
       for (let i = 0; i < n; ++i) {
@@ -234,6 +265,7 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
       h *= Math.min(afterRejection ? 1 : 10, Math.max(0.2, factor));
       if (found === 2) h = Math.max(h, proposed);
       if (watched) h = look.foresee(hOld, h);
+      if (cut && !afterRejection) h = Math.max(h, due);
       afterRejection = false;
       return !(S && stopsThere());
     }
@@ -250,4 +282,4 @@ function spacing(t) {
   return Math.max(Number.EPSILON * Math.abs(t), 2.2250738585072014e-308);
 }
 
-@LOOKOUT@
+@PROJECTION@@LOOKOUT@

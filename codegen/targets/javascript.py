@@ -289,6 +289,7 @@ def _parts(program: Program, layout: Layout) -> _Parts:
         **name_tables(layout),
         "SIZES": layout.sizes,
         "COORDINATES": layout.coordinates,
+        **({"UNITS": tuple(q.unit for q in layout.states)} if layout.patterns else {}),
         **({"WATCH": _numbers(found)} if found.watched else {}),
     }
     helpers = used_helpers(JAVASCRIPT, written), used_tables(JAVASCRIPT, tables, written)

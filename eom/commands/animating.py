@@ -152,7 +152,8 @@ def live(scene: str, file: Path) -> None:
     """Write SCENE as one page that integrates its equations where it is looked at.
 
     The page needs no network: sliders change numbers, boxes leave parts out, and equations and generated
-    right-hand side change with them. Scenes under constraints or control have no live page.
+    right-hand side change with them. Under constraints start values are made consistent whenever a number
+    changes. Laws of control run on the page.
     """
     from codegen.compiling.compiled import write_files
     from eom.views.live.page import page

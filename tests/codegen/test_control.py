@@ -198,14 +198,6 @@ def test_what_a_file_may_not_say_is_refused_when_it_is_read(control, message):
         tree(**control)
 
 
-def test_live_pages_and_closed_forms_say_that_they_hold_no_laws():
-    from eom.views.live.page import page
-
-    for scene in (eom.Scene(**ONE), tree(laws={"tau_hinge": "-k*u_hinge"})):
-        with pytest.raises(InputError, match="no laws of control"):
-            page(scene)
-
-
 # -- Python functions of time and state ----------------------------------------------------------
 
 PENDULUM = eom.System.from_rates(

@@ -12,7 +12,7 @@ import codegen
 import eom
 from codegen.compiling.compiled import generate
 from codegen.ir.interpret import Point, interpret
-from codegen.loops import javascript
+from codegen.loops import javascript, projection
 from codegen.loops.written import Choice
 from codegen.native import native
 from codegen.watch.narrow import narrow
@@ -43,9 +43,11 @@ console.log(JSON.stringify({{found, t, last, steps, rejected, status, which, buf
 
 
 def run(system, x, p, times, folder, method="dop853", **options):
-    """Integrate in Node.js; return what the driver prints."""
-    compiled = codegen.compile(system, "python")
-    files = generate(compiled.program, compiled.layout, "javascript", Choice(method))
+    """Integrate a system, or a program with its layout, in Node.js; return what the driver prints."""
+    if isinstance(system, System):
+        compiled = codegen.compile(system, "python")
+        system = compiled.program, compiled.layout
+    files = generate(*system, "javascript", Choice(method))
     module = next(name for name in files if name != f"{method}.mjs")
     for name, text in files.items():
         (folder / name).write_text(text, encoding="ascii")
@@ -82,6 +84,26 @@ def test_steps_and_states_are_those_of_the_loop_in_c(method, name, tmp_path):
     assert same.steps - got["steps"] in {0, 1}  # the end may lie a rounding behind the last step
     assert got["buffers"] == 1
     assert got["t"] >= 10
+
+
+@needs
+@pytest.mark.parametrize(
+    ("method", "name"), [("dop853", "DOP853"), ("dp5", "DP5"), ("tsit5", "Tsit5")]
+)
+def test_states_are_projected_as_in_the_loop_in_c(method, name, tmp_path):
+    """Onto the energy of a pendulum: steps, ends and points between are those of projection.c."""
+    system, start, times = pendulum(), [1.2, 0.3], np.linspace(0, 10, 301)
+    compiled = codegen.compile(system, "python")
+    parts = projection.extended(compiled.program, compiled.layout, ["E"])
+    energy = 0.3**2 / 2 - 9.81 * np.cos(1.2)
+    got = run(parts, start, [9.81, energy], times, tmp_path, method, rtol=1e-6)
+    options = {"method": name, "rtol": 1e-6, "atol": 1e-9, "project": "E"}
+    kept = codegen.simulate(system, start, (0, 12), [9.81], t_eval=times, **options)
+    found = np.array(got["found"]).T
+    assert np.max(np.abs(found - kept.y)) < 1e-9
+    assert np.max(np.abs(found[1] ** 2 / 2 - 9.81 * np.cos(found[0]) - energy)) < 1e-13
+    free = run(system, start, [9.81], times, tmp_path, method, rtol=1e-6)
+    assert np.max(np.abs(np.array(free["found"]).T - found)) > 1e-8
 
 
 @needs

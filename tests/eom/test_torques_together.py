@@ -12,7 +12,7 @@ from eom.mechanics.rigidbody import OMEGA, principal_inertia
 from eom.scenes.assembly import torques_of
 from eom.scenes.scene import Scene
 from eom.views.draw.picture import Arrow
-from eom.views.live.subject import subject_of
+from eom.views.live.scenes import subject_of
 from eom.views.tree.sketches import FORCE, TORQUE, sketch
 
 TOP = {"mass": 2.0, "gravity": 10.0, "centre_of_mass": [0.0, 0.0, 0.2]}

@@ -181,6 +181,19 @@ class TreeScene(BaseScene, TreeDescription):
         """
         return self._named(derive(self.tree, self._choice.everything, start=self._near))
 
+    def of_tree(
+        self, tree: Tree, wanted: Sequence[Source], independent: Sequence[str] | None = None
+    ) -> System:
+        """Return the system of ``tree``, which is the scene's with some of it left out, under its control.
+
+        ``wanted``: outputs beside those that laws of control read. ``independent``: speeds that stay where
+        constraints eliminate others, as `eom.multibody.derive` takes them. Raises `InputError` as that
+        does.
+        """
+        read = (n for n in sorted(self.control.words) if n in self._choice.sources)
+        asked = tuple(dict.fromkeys((*wanted, *self._choice.needed(tuple(read)))))
+        return self._named(derive(tree, asked, start=self._near, independent=independent))
+
     @cached_property
     def _names(self) -> dict[str, Any]:
         """What formulas of its control may name: what loads may, what bodies define, and outputs."""
@@ -195,9 +208,7 @@ class TreeScene(BaseScene, TreeDescription):
     @cached_property
     def _whole(self) -> System:
         """The system with the outputs asked for, and all states."""
-        read = (n for n in sorted(self.control.words) if n in self._choice.sources)
-        wanted = self._choice.needed((*self._asked, *read))
-        return self._named(derive(self.tree, wanted, start=self._near))
+        return self.of_tree(self.tree, self._choice.needed(self._asked))
 
     def _general(self) -> System:
         return self._whole

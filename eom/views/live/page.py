@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 from codegen.frontend.layout import Layout
 from codegen.ir.passes import prune
-from codegen.ir.program import RATES, Program
+from codegen.ir.program import INVARIANTS, RATES, Program
 from codegen.loops import javascript as integrators
+from codegen.loops import projection
 from codegen.loops.tableaux import DOP853
 from codegen.passes.pipeline import specialised
 from codegen.targets import javascript
@@ -25,7 +26,7 @@ from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError
 from eom.opening import AnyScene
-from eom.quantities import Definition
+from eom.quantities import Definition, Sampling
 from eom.system import System
 from eom.terms.terms import Equation
 from eom.typeset import printing
@@ -37,7 +38,8 @@ from eom.typeset.notation import NOTATIONS, equation_parts
 from eom.typeset.pages import html_body
 from eom.views.draw import pages
 from eom.views.draw.pages import web
-from eom.views.live.subject import Choice, Knob, Subject, Switch, Variant, subject_of
+from eom.views.live.scenes import subject_of
+from eom.views.live.subject import Choice, Knob, Subject, Switch, Variant
 
 SPEEDS = (0.1, 0.25, 0.5, 1, 2, 4, 10)
 LONG = 120.0
@@ -63,9 +65,10 @@ SHOWN = {
 def page(scene: AnyScene) -> str:
     """Return the live page of ``scene``, one file of HTML; the same scene gives the same bytes.
 
-    Numbers on it are in SI units, the angles of a body's attitude at the start in degrees. Raises
-    `InputError` for scenes that a page cannot hold: constraints, laws of control, motion backwards in time,
-    and operations that JavaScript has none for.
+    Under constraints start values are made consistent on the page, and states brought back after each step.
+    Laws of control run on it. Numbers are in SI units, the angles of a body's attitude at the start in
+    degrees. Raises `InputError` for scenes that a page cannot hold: motion backwards in time, and
+    operations that JavaScript has none for.
 
     >>> import eom
     >>> made = page(eom.load_scene("t-handle"))
@@ -75,13 +78,6 @@ def page(scene: AnyScene) -> str:
     end = scene.integration.t_end
     if end < 0:
         raise InputError("a live page runs forward in time", where=scene.name, got=end)
-    if scene.control.laws or scene.control.states:
-        raise InputError(
-            "a live page holds no laws of control",
-            where=f"{scene.name}: [control]",
-            got=", ".join((*scene.control.laws, *scene.control.states)),
-            hint="eom animate shows its motion with the scene's numbers",
-        )
     return written(subject_of(scene), speed_of(end))
 
 
@@ -235,10 +231,15 @@ TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class Compiled:
-    """What a variant is compiled to, once for equal ones: its number, operations of its rates."""
+    """What a variant is compiled to, once for equal ones: its number, operations of its rates.
+
+    ``held``: the invariants that its constraints keep at zero, each with its words, its unit and whether it
+    is one of speeds.
+    """
 
     system: int
     operations: int
+    held: tuple[Mapping[str, Any], ...]
 
 
 def script(subject: Subject) -> tuple[str, dict[str, Any]]:
@@ -247,22 +248,39 @@ def script(subject: Subject) -> tuple[str, dict[str, Any]]:
     Raises `InputError` for operations that JavaScript cannot compute.
     """
     texts: dict[str, int] = {}
-    compiled = {choice: _compiled(v, texts) for choice, v in subject.variants.items()}
+    compiled = {choice: _compiled(subject, v, texts) for choice, v in subject.variants.items()}
     systems = ",\n".join(texts)
     method = re.sub(r"^export ", "", integrators.text(DOP853), flags=re.MULTILINE)
     parts = [
         f"const EOM_METHOD = (() => {{\n{method}\nreturn {DOP853.name};\n}})();",
         f"const EOM_SYSTEMS = [\n{systems}\n];",
+        web("live_start.js"),
+        web("live_samples.js"),
         web("live_core.js"),
     ]
     return "\n".join(parts), _data(subject, compiled)
 
 
-def _compiled(variant: Variant, texts: dict[str, int]) -> Compiled:
+def _compiled(subject: Subject, variant: Variant, texts: dict[str, int]) -> Compiled:
     program, layout = specialised(variant.drawn)
+    operations = sum(prune(program, [RATES]).counts().values())
+    kept = variant.drawn.maintained
+    if kept:
+        program, layout = projection.extended(program, layout, kept)
     refuse_unsupported(JAVASCRIPT, program, layout)
     number = texts.setdefault(_text(program, layout), len(texts))
-    return Compiled(number, sum(prune(program, [RATES]).counts().values()))
+    return Compiled(number, operations, tuple(_held(subject, kept, layout)))
+
+
+def _held(subject: Subject, kept: Sequence[str], layout: Layout) -> Iterator[Mapping[str, Any]]:
+    """Yield what constraints keep at zero; it is one of speeds if it depends on one."""
+    names = [q.name for q in layout.states]
+    pattern = layout.patterns.get(projection.GROUP, ())
+    of_speeds = {row for row, column in pattern if names[column] in subject.speeds}
+    meanings = {q.name: q.meaning for q in layout.described[INVARIANTS]}
+    for k, name in enumerate(kept):
+        words = meanings[name].removeprefix("what is left of ")
+        yield {"name": name, "words": words, "speeds": k in of_speeds}
 
 
 def _text(program: Program, layout: Layout) -> str:
@@ -278,12 +296,14 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
         "tolerance": TOLERANCE,
         "knobs": [asdict(k) for k in subject.knobs],
         "switches": [asdict(s) for s in subject.switches],
-        "fixed": dict(subject.fixed),
-        "sequence": subject.sequence,
+        "attitudes": [asdict(a) for a in subject.attitudes],
         "inertia": subject.inertia,
         "centre": subject.centre,
         "bodies": subject.bodies,
         "joints": subject.joints,
+        "fittings": list(_fittings(subject)),
+        "speeds": subject.speeds,
+        "keep": subject.keep,
         "follow": subject.follow,
         "up": list(subject.up),
         "variants": {
@@ -292,11 +312,34 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
                 "operations": compiled[choice].operations,
                 "equal": dict(v.equal),
                 "free": v.free,
+                "held": compiled[choice].held,
+                "sampled": [_sampled(s) for s in v.drawn.sampled],
                 "singular": [s.meaning for s in v.drawn.singularities],
             }
             for choice, v in subject.variants.items()
         },
     }
+
+
+def _sampled(law: Sampling) -> dict[str, Any]:
+    """Return when a law is sampled, and what it sets."""
+    names = {"inputs": law.laws, "states": law.states}
+    found = {key: [d.name for d in rows] for key, rows in names.items()}
+    return {"period": law.period, "delay": law.delay, **found}
+
+
+def _fittings(subject: Subject) -> Iterator[dict[str, Any]]:
+    """Yield what is drawn on bodies, with the place of its values among the outputs of any choice."""
+    place = 12 * len(subject.bodies) + sum(10 + 3 * count for count in subject.joints)
+    for f in subject.fittings:
+        yield {
+            "kind": f.kind,
+            "name": f.name,
+            "bodies": f.bodies,
+            "at": place,
+            "size": len(f.values),
+        }
+        place += len(f.values)
 
 
 def key(choice: Choice) -> str:

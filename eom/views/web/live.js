@@ -17,6 +17,7 @@
 
   // -- the bodies -----------------------------------------------------------------------------------
 
+  const TRACKS = ["blue", "red", "green", "purple"];
   const COLOURS = ["sky", "orange", "green", "yellow", "purple", "blue", "red", "grey"];
   const C = new Float64Array(9), omega = new Float64Array(3), H = new Float64Array(3), torque = new Float64Array(3);
   const turn = [1, 0, 0, 0], origin = [0, 0, 0], tip = [0, 0, 0], inBody = [0, 0, 0];
@@ -102,10 +103,12 @@
     const v = motion.view, s = shapesFrom[k];
     const centre = [v[s + 1], v[s + 2], v[s + 3]];
     const [xx, xy, xz, yy, yz, zz] = v.subarray(s + 4, s + 10);
-    const shapes = [];
-    if (v[s] > 0) {
+    const shapes = [], rolls = data.fittings.find((f) => f.kind === "roll" && f.bodies[0] === k);
+    if (rolls) shapes.push(rolling(rolls.at, (a) => inertiaAbout(k, a) / v[s]));
+    else if (v[s] > 0) {
       const {moments, axes} = EOM_ROTATIONS.principal([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-      const found = Math.max(...moments) > 0 ? solid(moments.map((m) => m / v[s])) : {kind: "box", size: [0, 0, 0]};
+      const point = {kind: "box", size: [0.2 * radius, 0.1 * radius, 0.1 * radius]};
+      const found = Math.max(...moments) > 0 ? solid(moments.map((m) => m / v[s])) : point;
       const thin = 0.025 * radius;
       if (found.kind === "box") found.size = found.size.map((x) => Math.max(x, thin));
       else Object.assign(found, {radius: Math.max(found.radius, thin / 2), length: Math.max(found.length, thin)});
@@ -119,6 +122,82 @@
     });
     shapes.push({kind: "sphere", radius: 0.018 * radius, colour: "grey", plain: true});
     return shapes;
+  }
+
+  /* The moment of inertia of a body about an axis through its centre of mass. */
+  function inertiaAbout(k, [x, y, z]) {
+    const [xx, xy, xz, yy, yz, zz] = motion.view.subarray(shapesFrom[k] + 4, shapesFrom[k] + 10);
+    return xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z);
+  }
+
+  /* What rolls, as it touches: a ball, an ellipsoid, and with a thin edge a disc, or a wheel with spokes where
+     the mass is farther out than that of a disc. */
+  function rolling(at, gyration) {
+    const v = motion.view, r = v[at], half = v[at + 1], axis = Array.from(v.subarray(at + 5, at + 8));
+    const placed = {position: Array.from(v.subarray(at + 2, at + 5)), quaternion: towards(axis)};
+    if (!length(axis)) return Object.assign({kind: "sphere", radius: r}, placed);
+    if (half) return Object.assign({kind: "ellipsoid", size: [r, r, half]}, placed);
+    const hollow = gyration(axis.map((x) => x / length(axis))) > 0.5 * r * r * (1 + 1e-9);
+    if (hollow) return Object.assign({kind: "wheel", radius: 0.97 * r, tube: 0.03 * r, axle: 0.15 * r}, placed);
+    return Object.assign({kind: "cylinder", radius: r, length: 0.04 * r}, placed);
+  }
+
+  /* A place of a body in space, by its components in the body; of the ground as it is. */
+  function placeOf(k, at, out = [0, 0, 0]) {
+    const v = motion.view, s = 12 * k;
+    for (let i = 0; i < 3; i += 1) {
+      out[i] = k < 0 ? v[at + i] : v[s + i];
+      for (let j = 0; k >= 0 && j < 3; j += 1) out[i] += v[at + j] * (v[s + 3 * (j + 1) + i] - v[s + i]);
+    }
+    return out;
+  }
+
+  const touching = (f) => f.kind === "roll";
+  const onGround = (f) => f.bodies[0] < 0 && (f.kind === "ball" || f.kind === "rail");
+  const point = [0, 0, 0], plain = (shape, colour) => Object.assign(shape, {plain: true, colour});
+
+  /* What does not move, or moves with a body: supports, pins of loops, knife edges, planes that are not level. */
+  function fittingShapes(k) {
+    const v = motion.view, here = data.fittings.filter((f) => f.bodies[0] === k);
+    const at = (f, from = 0) => Array.from(v.subarray(f.at + from, f.at + from + 3));
+    const shapes = {
+      pin: (f) => plain({kind: "sphere", radius: 0.026 * radius, position: at(f)}, "orange"),
+      edge: (f) => plain({kind: "box", size: [0.12 * radius, 0.12 * radius, 0.006 * radius], position: at(f), quaternion: towards(at(f, 3))}, "orange"),
+      ball: (f) => plain({kind: "sphere", radius: 0.035 * radius, position: at(f)}, "grey"),
+      rail: (f) => plain({kind: "rod", length: 3 * radius, radius: 0.008 * radius, position: at(f), quaternion: towards(at(f, 3))}, "grey"),
+    };
+    return here.filter((f) => f.kind in shapes).map((f) => shapes[f.kind](f));
+  }
+
+  /* The height of the plane that bodies roll on, where it is level, and whether all are this one plane. */
+  function floor() {
+    const v = motion.view, up = data.up, heights = data.fittings.filter(touching).map((f) => {
+      const n = v.subarray(f.at + 8, f.at + 11), o = v.subarray(f.at + 11, f.at + 14);
+      const level = Math.abs(n[0] * up[0] + n[1] * up[1] + n[2] * up[2]) > (1 - 1e-12) * length(n);
+      return level ? o[0] * up[0] + o[1] * up[1] + o[2] * up[2] : NaN;
+    });
+    return heights.length && heights.every((h) => Math.abs(h - heights[0]) < 1e-9) ? heights[0] : null;
+  }
+
+  function dressGround() {
+    fittingShapes(-1).forEach((shape, n) => viewer.surface("support " + n, shape, {colour: "grey"}));
+    const height = floor();
+    if (height !== null) viewer.ground(height);
+    else data.fittings.filter(touching).forEach((f, n) => {
+      const normal = Array.from(motion.view.subarray(f.at + 8, f.at + 11)), thin = 0.004 * radius, q = towards(normal);
+      viewer.surface("plane " + n, {kind: "box", size: [8 * radius, 8 * radius, thin], opacity: 0.3, plain: true}, {colour: "grey"});
+      viewer.place("plane " + n, Array.from(motion.view.subarray(f.at + 11, f.at + 14), (x, i) => x - (0.6 * thin * normal[i]) / length(normal)), q);
+    });
+  }
+
+  function drawFittings() {
+    data.fittings.forEach((f, n) => {
+      if (f.kind === "line") viewer.line("line " + n, placeOf(f.bodies[0], f.at), placeOf(f.bodies[1], f.at + 3), {colour: "grey", width: 2});
+      if (!touching(f)) return;
+      motion.contact(f, point);
+      viewer.place("contact " + n, point, [1, 0, 0, 0]);
+      viewer.trailAdd("path " + n, point, {colour: TRACKS[n % TRACKS.length], most: 4000, width: 2.5});
+    });
   }
 
   /* Whether the centre of mass of another body lies in this one, about where its mass is. */
@@ -145,7 +224,7 @@
     let most = 0.1;
     data.bodies.forEach((_, k) => {
       const s = shapesFrom[k];
-      const own = length([v[s + 1], v[s + 2], v[s + 3]]);
+      const own = Math.max(length([v[s + 1], v[s + 2], v[s + 3]]), ...data.fittings.filter((f) => touching(f) && f.bodies[0] === k).map((f) => Math.max(v[f.at], v[f.at + 1])));
       const edge = v[s] > 0 ? Math.sqrt((1.5 * (v[s + 4] + v[s + 7] + v[s + 9])) / v[s]) : 0;
       most = Math.max(most, length([v[12 * k], v[12 * k + 1], v[12 * k + 2]]) + own + edge);
     });
@@ -155,7 +234,7 @@
   function makeViewer() {
     radius = single ? 1 : reach();
     viewer = createViewer(byId("body"), {
-      radius: single ? 1.05 : radius, up: data.up, view: single ? [35, 18] : [-62, 16], ground: null, theme: theme(),
+      radius: single ? 1.05 : radius, up: data.up, view: single ? [35, 18] : [-62, 16], ground: single ? null : floor(), theme: theme(),
       names: {space: data.kind === "spinner" ? ["i\u2081", "i\u2082", "i\u2083"] : ["a\u2081", "a\u2082", "a\u2083"]},
       bodies: data.bodies.map((name, k) => ({name, colour: COLOURS[k % COLOURS.length], frame: single ? 0.98 : 0.16 * radius, shapes: []})),
       stand: stand(),
@@ -165,7 +244,14 @@
   }
 
   function dress() {
-    data.bodies.forEach((_, k) => viewer.dress(k, single ? singleShapes() : treeShapes(k)));
+    data.bodies.forEach((_, k) => viewer.dress(k, single ? singleShapes() : [...treeShapes(k), ...fittingShapes(k)]));
+    if (single) return;
+    dressGround();
+    data.fittings.forEach((f, n) => {
+      if (!touching(f)) return;
+      viewer.surface("contact " + n, {kind: "sphere", radius: 0.02 * radius, plain: true}, {colour: TRACKS[n % TRACKS.length]});
+      viewer.trailClear("path " + n);
+    });
   }
 
   const scaledTo = (v, whole, room) => v.map((x) => (x * room) / whole);
@@ -187,7 +273,8 @@
             tip[i] = origin[i] + C[i] * motion.view[c + 1] + C[3 + i] * motion.view[c + 2] + C[6 + i] * motion.view[c + 3];
         }
       });
-      trace(tip);
+      drawFittings();
+      if (!data.fittings.some(touching)) trace(tip);
       return;
     }
     motion.at("C", C);
@@ -271,18 +358,35 @@
   const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3], [1, 3], [12, 4], [12, 3, 3, 3, 3, 3]];
   const MOST = 1200, LOWEST = -17, HIGHEST = 0;
   const history = {t: [], drift: []};
-  let cells = [];
+  let cells = [], constants = [], leftCells = new Map();
 
   function drifts() {
-    return Array.from(motion.invariants, (v, k) => Math.abs(v - motion.first[k]) / motion.scale[k]);
+    return constants.map((k) => Math.abs(motion.invariants[k] - motion.first[k]) / motion.scale[k]);
+  }
+
+  /* What constraints keep at zero, in a table of its own. */
+  function setConstraints() {
+    const body = byId("constraints"), held = motion.variant.held;
+    body.replaceChildren();
+    leftCells = new Map(held.map(({name, words}) => {
+      const row = body.insertRow(), head = document.createElement("th");
+      head.scope = "row";
+      head.textContent = words;
+      row.append(head);
+      return [name, row.insertCell()];
+    }));
+    byId("constraints-part").hidden = !held.length;
   }
 
   function setInvariants() {
     const body = byId("invariants");
     body.replaceChildren();
     history.t.length = 0;
-    history.drift = Array.from(motion.invariants, () => []);
-    cells = motion.names.INVARIANTS.map((name, k) => {
+    const held = new Set(motion.variant.held.map(({name}) => name)), names = motion.names.INVARIANTS;
+    constants = names.map((_, k) => k).filter((k) => !held.has(names[k]));
+    history.drift = constants.map(() => []);
+    cells = constants.map((number, k) => {
+      const name = names[number];
       const row = body.insertRow();
       const head = document.createElement("th");
       head.scope = "row";
@@ -374,8 +478,9 @@
 
   function tellNumbers() {
     const found = drifts();
+    motion.left().forEach(({name, left}) => { leftCells.get(name).textContent = left === 0 ? "0" : Math.abs(left).toExponential(1); });
     cells.forEach(([now, drift], k) => {
-      now.textContent = shown(motion.invariants[k]);
+      now.textContent = shown(motion.invariants[constants[k]]);
       drift.textContent = found[k] === 0 ? "0" : found[k].toExponential(1);
     });
     byId("time").textContent = motion.time.toFixed(motion.time < 1000 ? 2 : 0) + " s";
@@ -434,6 +539,7 @@
     dress();
     setPoinsot();
     setInvariants();
+    setConstraints();
     remember();
     draw();
     tellNumbers();

@@ -1,7 +1,9 @@
 /* The motion behind a live page: numbers, choices, one integrator; it knows no document.
 
    createMotion(data, systems, method) takes what `eom.views.live.page` writes: the scene as data, one
-   function a right-hand side, and the integrator. Every change starts the motion anew, from the values. */
+   function a right-hand side, and the integrator. Every change starts the motion anew, from the values.
+   Under constraints these are made consistent first: after a change of a start value the others change, after
+   one of a parameter the start values that were chosen last. */
 "use strict";
 
 const createMotion = (data, systems, method) => {
@@ -9,19 +11,20 @@ const createMotion = (data, systems, method) => {
   const values = new Map(data.knobs.map((k) => [k.name, k.value]));
   const knobs = new Map(data.knobs.map((k) => [k.name, k]));
   const off = data.switches.map((s) => s.on);
-  const made = new Map(), joined = new Map();
+  const made = new Map(), joined = new Map(), start = createStart(data);
   const motion = {
     values, off, restart, advance, message: "", time: 0, variant: null, view: null, invariants: null,
     first: null, states: null, evaluations: 0, stopped: "", set, choose, original, value, at, inertia, omega,
+    left, contact,
   };
-  let run = null, system = null, p = null, u = null;
+  let run = null, samples = null, system = null, p = null, u = null, chosen = new Map(values);
 
   const key = () => off.map((o) => (o ? "1" : "0")).join("");
 
   function set(name, number) {
     if (!knobs.has(name)) throw new Error("no number is called " + name);
     values.set(name, number);
-    return restart();
+    return restart(name);
   }
 
   function choose(index, on) {
@@ -53,27 +56,14 @@ const createMotion = (data, systems, method) => {
     data.switches.forEach((s, k) => { off[k] = s.on; });
     joined.clear();
     join(data.variants[key()].equal);
+    chosen = new Map(values);
     return restart();
   }
 
-  /* A number by name: a knob, one that is fixed, or a part of the attitude at the start. */
+  /* A number by name: a knob, or a part of an attitude at the start. */
   function value(name) {
     const other = motion.variant && motion.variant.equal[name];
-    const own = other || name;
-    if (values.has(own)) return values.get(own);
-    if (own in data.fixed) return data.fixed[own];
-    const part = /^q([0-3])$/.exec(own);
-    if (part && data.sequence.length) return quaternionAtStart()[Number(part[1])];
-    return 0;
-  }
-
-  function quaternionAtStart() {
-    const angles = data.sequence.map((_, k) => (values.get("attitude_" + (k + 1)) * Math.PI) / 180);
-    return data.sequence.reduce((q, axis, k) => {
-      const turn = [Math.cos(angles[k] / 2), 0, 0, 0];
-      turn[axis] = Math.sin(angles[k] / 2);
-      return EOM_ROTATIONS.product(q, turn);
-    }, [1, 0, 0, 0]);
+    return start.number(values, other || name);
   }
 
   /* The inertia matrix of one body, from the values; null for trees. */
@@ -98,6 +88,7 @@ const createMotion = (data, systems, method) => {
       made.set(variant.system, {
         system: found,
         run: method(found, {rtol: TOLERANCE}),
+        samples: createSamples(found, variant.sampled),
         states: new Float64Array(found.SIZES.rates),
         view: new Float64Array(found.SIZES.outputs),
         invariants: new Float64Array(found.SIZES.invariants || 0),
@@ -108,20 +99,58 @@ const createMotion = (data, systems, method) => {
     return made.get(variant.system);
   }
 
-  /* Begin at time zero. Where the values describe no body, say so and leave the motion as it is. */
-  function restart() {
+  /* Make the values meet the constraints; in words why they cannot. First what the scene keeps stays, then
+     only what was touched. */
+  function assemble(touched) {
+    const {held} = motion.variant;
+    if (!held.length) return "";
+    const own = start.isStart(touched) ? [touched] : [];
+    const given = own.length ? values : new Map([...values].map(([n, v]) => [n, start.isStart(n) ? chosen.get(n) : v]));
+    let end = null;
+    for (const keep of [[...data.keep, ...own], own]) {
+      end = start.consistent(load(motion.variant).system, held, given, new Set(keep));
+      if (!end.message) break;
+    }
+    const message = end.message || turnedRound(load(motion.variant), end.values);
+    if (message) return message;
+    end.values.forEach((v, n) => values.set(n, v));
+    if (own.length) chosen = new Map(values);
+    return "";
+  }
+
+  /* Equations of a joint that closes a loop hold, too, where it is turned round; in words which one is. */
+  function turnedRound({system: found}, at) {
+    const [x, parameters, inputs] = [found.STATES, found.PARAMETERS, found.INPUTS]
+      .map((names) => Float64Array.from(names, (n) => start.number(at, n)));
+    const v = found.outputs(0, x, parameters, inputs);
+    const inSpace = (k, s, i) => (k < 0 ? v[s + i] : [0, 1, 2].reduce((sum, j) => sum + v[s + j] * (v[12 * k + 3 * (j + 1) + i] - v[12 * k + i]), 0));
+    for (const {kind, name, bodies: [a, b], at: s, size} of data.fittings) {
+      for (let pair = s + 3; kind === "pin" && pair < s + size; pair += 6)
+        if ([0, 1, 2].reduce((sum, i) => sum + inSpace(a, pair, i) * inSpace(b, pair + 3, i), 0) < 0)
+          return "the joint that closes the loop '" + name + "' is turned round: its axes are opposite";
+    }
+    return "";
+  }
+
+  /* Begin at time zero. Where the values describe no body, or constraints are not met, say so and leave the
+     motion as it is. */
+  function restart(touched = "") {
     const before = motion.variant;
     motion.variant = data.variants[key()];
-    motion.message = fault();
+    motion.message = fault() || assemble(touched);
     if (motion.message) {
       motion.variant = before || motion.variant;
       return false;
     }
     const parts = load(motion.variant);
-    ({system, run} = parts);
+    ({system, run, samples} = parts);
     p = Float64Array.from(system.PARAMETERS, value);
     u = Float64Array.from(system.INPUTS, value);
-    run.start(0, Float64Array.from(system.STATES, value), p, u);
+    const from = Float64Array.from(system.STATES, value);
+    samples.start();
+    samples.change(0, from, p, u);
+    run.start(0, from, p, u);
+    run.end = samples.next();
     Object.assign(motion, {
       states: parts.states, view: parts.view, invariants: parts.invariants, first: parts.first,
       scale: parts.scale, names: system, time: 0, stopped: "",
@@ -163,7 +192,13 @@ const createMotion = (data, systems, method) => {
 
   /* Go on to time t with at most so many steps; false where they were too few or the run has ended. */
   function advance(t, steps = Infinity) {
-    const reached = run.advance(t, steps);
+    let reached = run.advance(Math.min(t, run.end), steps);
+    while (reached && run.end <= t) {
+      samples.change(run.t, run.x, p, u);
+      run.refresh();
+      run.end = samples.next();
+      reached = run.advance(Math.min(t, run.end), steps);
+    }
     evaluate(reached ? t : run.t);
     record();
     return reached;
@@ -180,6 +215,28 @@ const createMotion = (data, systems, method) => {
   function omega(out) {
     const v = motion.view;
     for (let i = 0; i < 3; i += 1) out[i] = v[3 * i] * v[9] + v[3 * i + 1] * v[10] + v[3 * i + 2] * v[11];
+    return out;
+  }
+
+  /* What is left of the constraints now, the largest first; nothing where there are none. */
+  function left() {
+    return motion.variant.held
+      .map(({name, words}) => ({name, words, left: motion.invariants[system.INVARIANTS.indexOf(name)]}))
+      .sort((a, b) => Math.abs(b.left) - Math.abs(a.left));
+  }
+
+  /* The point at which a fitting of the kind "roll" touches its plane: beneath the centre of a ball, or where an
+     ellipsoid of revolution, a disc at the limit, is lowest along the normal. */
+  function contact({at: s, bodies: [k]}, out) {
+    const v = motion.view, o = 12 * k, radius = v[s], half = v[s + 1];
+    const turned = (from, i) => [0, 1, 2].reduce((sum, j) => sum + v[from + j] * (v[o + 3 * (j + 1) + i] - v[o + i]), 0);
+    const axis = [0, 1, 2].map((i) => turned(s + 5, i)), n = Array.from(v.subarray(s + 8, s + 11));
+    const [a, m] = [Math.hypot(...axis), Math.hypot(...n)];
+    const oblate = a ? 1 - (half / radius) ** 2 : 0;
+    const along = a ? (axis[0] * n[0] + axis[1] * n[1] + axis[2] * n[2]) / (a * m) : 0;
+    const down = Math.sqrt(1 - oblate * along * along);
+    for (let i = 0; i < 3; i += 1)
+      out[i] = v[o + i] + turned(s + 2, i) - (radius * (n[i] / m - (a ? (oblate * along * axis[i]) / a : 0))) / down;
     return out;
   }
 

@@ -881,8 +881,14 @@ const createViewer = (() => {
       seenAt, words: allWords,
       /* Draw now; draw with the next frame. */
       render, ask,
-      /* Go with a point: the camera, the lights, the ground. */
+      /* Go with a point: the camera, the lights, the ground. Put the ground at another height. */
       follow,
+      ground(height) {
+        if (shadows && shadows.height !== height) {
+          shadows.height = height;
+          under();
+        }
+      },
       /* Turn the camera (radians), move it nearer (factor below 1) or farther, put it back. */
       orbit, zoom, home,
       resize, camera, controls, scene,

@@ -24,7 +24,7 @@ from eom.multibody import (
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.recursion.operation_count import savings
 from eom.quantities import TIME
-from eom.views.live.subject import EDITS, GRAVITY
+from eom.views.live.trees import EDITS, GRAVITY
 
 n = sp.Symbol("n", positive=True)
 STRETCHED = ((2, 0.3, -0.1), (0.3, -1.5, 0.2), (-0.1, 0.2, -0.5))

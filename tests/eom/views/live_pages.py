@@ -11,7 +11,7 @@ from pathlib import Path
 
 import eom
 from eom.views.live.page import written
-from eom.views.live.subject import subject_of
+from eom.views.live.scenes import subject_of
 from tests import node
 
 SUPPORTED = (
@@ -19,8 +19,12 @@ SUPPORTED = (
     "double-pendulum", "floating-tree", "pendulum-on-cart", "satellite-with-panels", "seven-joint-arm",
     "bicycle-wheel", "rotary-pendulum", "reaction-wheels", "dual-spin-satellite",
     "control-moment-gyroscope", "gyroscope-in-gimbals", "quadrotor", "rocket", "walking-leg",
+    "foucault-pendulum", "four-bar-linkage", "slider-crank", "rolling-disc", "rolling-ellipsoid",
+    "whipple-bicycle",
 )  # fmt: skip
 SINGLE = SUPPORTED[:5]
+BOUND = SUPPORTED[-5:]
+"""Scenes with constraints."""
 WHOLE = (*SINGLE, "double-pendulum", "satellite-with-panels")
 """Pages that are made whole; of other trees the scene's own choice alone, which is made sooner."""
 

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from tests.eom.views.live_pages import text_of
+from tests.eom.views.live_pages import BOUND, text_of
 
 sync_api = pytest.importorskip("playwright.sync_api")
 axe = pytest.importorskip("axe_playwright_python.sync_playwright")
@@ -184,6 +184,42 @@ def test_other_pages_fit_the_screen_and_the_accessibility_checker_finds_nothing(
     found = axe.Axe().run(tab).response["violations"]
     assert [(v["id"], v["nodes"][0]["html"]) for v in found] == []
     assert len(set(tab.evaluate(PIXELS, "body"))) > 10
+    assert tab.heard == []
+    tab.close()
+
+
+@pytest.mark.parametrize("name", BOUND)
+def test_scenes_under_constraints_are_drawn_and_say_what_is_left(browser, folder, name):
+    tab = opened(browser, folder, name, viewport={"width": 1200, "height": 800})
+    before = tab.evaluate(PIXELS, "body")
+    assert len(set(before)) > 10
+    tab.evaluate(MOVE, 40)
+    assert tab.evaluate(PIXELS, "body") != before
+    rows = tab.locator("#constraints tr")
+    assert rows.count() == tab.evaluate("eomLive.motion.variant.held.length") > 0
+    left = [float(rows.nth(k).locator("td").inner_text()) for k in range(rows.count())]
+    assert max(left) < 1e-12
+    constants = tab.locator("#invariants tr").count()
+    assert constants == tab.evaluate("eomLive.motion.names.INVARIANTS.length") - rows.count()
+    found = axe.Axe().run(tab).response["violations"]
+    assert [(v["id"], v["nodes"][0]["html"]) for v in found] == []
+    assert tab.heard == []
+    tab.close()
+
+
+def test_sliders_of_a_linkage_move_together_and_say_where_it_cannot_be(browser, folder):
+    tab = opened(browser, folder, "four-bar-linkage")
+    rocker = "[type=number][data-knob=q_rocker]"
+    before = tab.locator(rocker).input_value()
+    tab.locator("[type=number][data-knob=q_crank]").fill("0.8")
+    assert tab.locator(rocker).input_value() != before
+    assert tab.evaluate("Math.abs(eomLive.motion.left()[0].left)") < 1e-13
+    tab.locator("[type=number][data-knob=d]").fill("5")
+    assert "No configuration near these numbers meets the constraints" in shown(tab, "#fault")
+    tab.locator("[type=number][data-knob=d]").fill("1.1")
+    assert not tab.locator("#fault").is_visible()
+    tab.click("#original")
+    assert tab.locator(rocker).input_value() == before
     assert tab.heard == []
     tab.close()
 
