@@ -135,6 +135,8 @@ def derive(
     of your own (.py), by --run alone.
     """
     wishes = {"--name": named or None, "--attitude": attitude, "--independent": independent or None}
+    page: Options = {"--notation": notation, "--steps": steps, "--form": form, "--out": out}
+    page |= {"--figures": figures, "--lexicon": lexicon}
     own = is_kept(name)
     if not name.lower().endswith(PROGRAM):
         _refuse(name, "programs in Python", {"--run": running})
@@ -142,23 +144,12 @@ def derive(
         _refuse(name, _TREES, {**wishes, "--method": method, "--absolute": absolute})
         _refuse(name, "scenes", {"--explain": explain})
         _refuse(name, "robots from .urdf and .xml files", read_as())
-        asked = Asked(_style(name, style, out), notation or "arrow", steps is not False)
-        asked = replace(asked, form=form or "full", lexicon=bool(lexicon))
-        asked = replace(asked, figures=_with_figures(name, asked, figures))
-        if lexicon and asked.style != "markdown":
-            raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
+        asked = _asked(name, style, page)
         made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
         _give(_page(made, asked), out)
     else:
         style = style or "text"
-        options: dict[str, Any] = {
-            "--notation": notation,
-            "--steps": steps,
-            "--form": form,
-            "--out": out,
-        }
-        options |= {"--figures": figures}
-        _refuse(name, "derivations", {**options, "--lexicon": lexicon})
+        _refuse(name, "derivations", page)
         if method is None:
             _refuse(name, "closed forms, by --method", {"--absolute": absolute, **wishes})
             print_equations(scene_of(name), style, explain is not False)
@@ -265,6 +256,24 @@ class Asked:
     form: str = "full"
     lexicon: bool = False
     figures: bool = False
+
+
+Options = dict[str, Any]
+"""What is asked for of a page, by option; None where nothing is."""
+
+
+def _asked(name: str, style: str | None, page: Options) -> Asked:
+    """Return how a derivation is to be shown. Raises `InputError` for options that do not fit."""
+    asked = Asked(
+        _style(name, style, page["--out"]),
+        page["--notation"] or "arrow",
+        page["--steps"] is not False,
+        page["--form"] or "full",
+        bool(page["--lexicon"]),
+    )
+    if asked.lexicon and asked.style != "markdown":
+        raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
+    return replace(asked, figures=_with_figures(name, asked, page["--figures"]))
 
 
 def _with_figures(name: str, asked: Asked, figures: bool | None) -> bool:
