@@ -147,7 +147,7 @@ def test_a_derivation_of_ones_own_becomes_a_note_and_comes_back(name):
     assert faults(to_note(back)) == []
 
 
-ACTIVE = r"\cdot \left( -g m \hat{h}_{3} \right) = "
+ACTIVE = r"\cdot \left( -m g \hat{h}_{3} \right) = "
 SLIPS = [
     ("bead_by_kane", r"\ddot{q} = w^{2}", r"\ddot{q} = -w^{2}", "left less right is w**2*sin(2*q)"),
     ("bead_by_kane", r"= 2 m R \dot{q} w", r"= m R \dot{q} w", "left less right is "),
