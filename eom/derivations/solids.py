@@ -93,7 +93,8 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
         _name(d, FIRST[k], integral, value, f"first moment of the mass: integral of {x} dm")
     for i, j in PAIRS:
         integral = density * _integral(region, X[i] * X[j])
-        words = f"second moment of the mass: integral of {X[i]} {X[j]} dm"
+        factors = f"{X[i]}^2" if i == j else f"{X[i]} {X[j]}"
+        words = f"second moment of the mass: integral of {factors} dm"
         _name(d, SECOND[i, j], integral, whole.second_moments[i, j], words)
     return whole
 

@@ -81,8 +81,9 @@ def named(derivation: Any, notation: Notation) -> Iterator[Named]:
         yield Named(term_box(n, notation), tuple(map(str, n.data)))
     for s, meaning in meanings.items():
         yield Named(symbol(s.name), ("scalar", s.name) if meaning.head != "atom" else meaning.data)
-    for s in {s for n in found if n.head == "expr" for s in n.data[0].free_symbols} - set(meanings):
-        yield Named(symbol(s.name), ("symbol", s.name))
+    used = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
+    for name in sorted(s.name for s in used - set(meanings)):
+        yield Named(symbol(name), ("symbol", name))
 
 
 def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:

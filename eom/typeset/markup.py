@@ -283,7 +283,9 @@ def _joined(box: Row, inner: Render) -> str:
 def _latex_grid(box: Grid, inner: Render) -> str:
     name, aligned = box.environment, box.environment in ALIGNED
     lines = ([inner(b) for b in line] for line in box.rows)
-    rows = r" \\ ".join(" ".join(filter(None, c)) if aligned else " & ".join(c) for c in lines)
+    cells = [" ".join(filter(None, c)) if aligned else " & ".join(c) for c in lines]
+    tall = not aligned and name != "" and any(r"\frac" in row for row in cells)
+    rows = (r" \\[1ex] " if tall else r" \\ ").join(cells)
     columns = f"{{{box.columns}}}" if box.columns else ""
     return f"\\begin{{{name}}}{columns} {rows} \\end{{{name}}}" if name else rows
 
