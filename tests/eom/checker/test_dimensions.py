@@ -2,6 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import NONE, QUANTITY_DIMENSIONS, Dimension, dimension, of_quantity
 from eom.errors import InputError
 from eom.terms.vocabulary import QUANTITIES
