@@ -56,7 +56,7 @@ KG, S, N1 = (dimensions.dimension(u) for u in ("kg", "s", "1"))
         ([[KG, KG], [KG, S]], False),
         ([[None, KG], [S, None]], True),
         ([[KG, None, S], [None, KG, S], [KG, KG, None]], True),
-        ([[KG, S, None], [None, KG, S], [KG, None, KG]], True),
+        ([[KG, S, None], [None, KG, S], [KG, None, KG]], False),
         ([[KG, S], [S, KG]], False),
     ],
 )
