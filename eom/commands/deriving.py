@@ -148,18 +148,14 @@ def derive(
         made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
         _give(_page(made, asked), out)
     else:
-        style = style or "text"
         _refuse(name, "derivations", page)
         if method is None:
             _refuse(name, "closed forms, by --method", {"--absolute": absolute, **wishes})
-            print_equations(scene_of(name), style, explain is not False)
+            print_equations(scene_of(name), style or "text", explain is not False)
         else:
             _refuse(name, "equations without --method", {"--explain": explain})
-            with waiting_for("deriving"):
-                tree = tree_of(name, attitude, "--method")
-                angles = _angles(name, tree) if absolute else {}
-                shown = _closed_form(name, tree, method, style, angles, named, independent)
-            click.echo(shown)
+            wished = Wished(method, style or "text", bool(absolute), named, attitude, independent)
+            click.echo(_closed_form(name, wished))
 
 
 _TREES = "scenes of many bodies"
@@ -196,21 +192,33 @@ def _angles(name: str, tree: Tree) -> dict[Any, Any]:
     return angles
 
 
-def _closed_form(
-    name: str,
-    tree: Tree,
-    method: str,
-    style: str,
-    angles: dict[Any, Any],
-    named: tuple[str, ...],
-    independent: tuple[str, ...],
-) -> str:
+@dataclass(frozen=True)
+class Wished:
+    """What is asked for of a closed form: see `derive`."""
+
+    method: str
+    style: str
+    absolute: bool
+    named: tuple[str, ...]
+    attitude: str | None
+    independent: tuple[str, ...]
+
+
+def _closed_form(name: str, wished: Wished) -> str:
     """Return the page of a tree's closed form."""
     from eom.multibody import tree_page
 
-    names = named_pairs(name, named)
-    chosen = angles or None
-    return tree_page(tree, method, style, coordinates=chosen, names=names, independent=independent)
+    with waiting_for("deriving"):
+        tree = tree_of(name, wished.attitude, "--method")
+        chosen = (_angles(name, tree) if wished.absolute else {}) or None
+        return tree_page(
+            tree,
+            wished.method,
+            wished.style,
+            coordinates=chosen,
+            names=named_pairs(name, wished.named),
+            independent=wished.independent,
+        )
 
 
 def named_pairs(name: str, named: Sequence[str]) -> dict[str, str]:
