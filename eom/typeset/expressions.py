@@ -143,6 +143,8 @@ def _divided(factors: Sequence[Expr]) -> tuple[list[Expr], list[Expr]]:
     """Return the factors above and below the line; ones are left out."""
     above, below = [], []
     for f in factors:
+        if f.is_Float and f == 1:
+            continue
         if f.is_Rational:
             above += [sp.Integer(f.p)] if f.p != 1 else []
             below += [sp.Integer(f.q)] if f.q != 1 else []

@@ -173,7 +173,9 @@ def width(box: Box) -> int:
     if isinstance(box, Fence):
         return 2 + width(box.inner)
     if isinstance(box, Grid):
-        return sum(4 + max(width(b) for b in c) for c in zip(*box.rows, strict=True))
+        return sum(2 + max(width(b) for b in c) for c in zip(*box.rows, strict=True))
+    if isinstance(box, Form) and box.name == "applied":
+        return sum(map(width, box.parts))
     return len([c for c in render(box, "text") if not unicodedata.combining(c)])
 
 

@@ -81,7 +81,7 @@ def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
     if _is_word(words, m, known):
         return None
     lettered = "_" in name or name in GREEK_NAMES or _AXES.fullmatch(name) or power or marks
-    lettered = lettered or _is_capital(words, m)
+    lettered = lettered or (bool(known) and _is_capital(words, m))
     if name not in known and not lettered and name.partition("_")[0] not in GREEK:
         return None
     box = known.get(name, symbol(name))
