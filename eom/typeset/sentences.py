@@ -14,8 +14,10 @@ from eom.typeset.boxes import (
     GREEK,
     GREEK_NAMES,
     Box,
+    Form,
     Operator,
     Row,
+    Scripts,
     Sign,
     Symbol,
     raised,
@@ -85,7 +87,9 @@ def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
     if name not in known and not lettered and name.partition("_")[0] not in GREEK:
         return None
     box = known.get(name, symbol(name))
-    box = Row((box, *[_PRIME] * len(marks))) if marks else box
+    if marks:
+        held = Form("braces", (box,)) if isinstance(box, Scripts) and box.sup is not None else box
+        box = Row((held, *[_PRIME] * len(marks)))
     return raised(box, Symbol(power, "roman" if power == "T" else "italic")) if power else box
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from eom.typeset.boxes import symbol
+from eom.typeset.boxes import Scripts, Symbol, symbol
 from eom.typeset.markup import render
 from eom.typeset.sentences import sentence
 
@@ -51,3 +51,8 @@ def test_known_letters_and_the_signs_between_them_are_set(words, wanted):
 def test_all_else_goes_through_the_second_function():
     shouted = sentence("so omega & all", lambda b: render(b, "text"), str.upper)
     assert shouted == "SO \u03c9 & ALL"
+
+
+def test_a_letter_with_a_superscript_can_have_a_prime():
+    known = {"r": Scripts(Symbol("p"), sup=Symbol("P"))}
+    assert latex("as r' is", known) == "as ${p^{P}}'$ is"
