@@ -112,8 +112,14 @@ def _parts(box: Row) -> tuple[Box, ...]:
     return (start, *middle, Row((last, *only[place + 1 :]), box.gap))
 
 
+_DIFFERENTIALS = (Operator("d"), Operator("partial"))
+
+
 def _leads(item: Box) -> bool:
     base = item.base if isinstance(item, Scripts) else item
+    if isinstance(base, Fraction):  # d/dt belongs to what it differentiates
+        above = base.above.base if isinstance(base.above, Scripts) else base.above
+        return above in _DIFFERENTIALS
     return isinstance(base, Operator) and base.name not in {"close", "bullet", "circle"}
 
 

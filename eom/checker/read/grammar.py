@@ -599,10 +599,14 @@ class _Joiner:
             token, after = self.tokens[k], self.tokens[min(k + 1, len(self.tokens) - 1)]
             if token.is_char("&") or token.kind in {"quad", "row"}:
                 k += 1
-            elif token.is_char("{") and after.is_char("}"):
+            elif token.is_char("{") and after.is_char("}") and not self.is_raised(k + 2):
                 k += 2
             else:
                 return k
+
+    def is_raised(self, k: int) -> bool:
+        """Whether a script stands there: empty braces before it are what it belongs to."""
+        return k < len(self.tokens) and (self.tokens[k].is_char("^") or self.tokens[k].is_char("_"))
 
     def null_pair(self, k: int, after: int) -> set[int]:
         r"""Return the places of ``\right.`` and ``\left.`` around a break, also behind an operator."""
