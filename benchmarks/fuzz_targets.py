@@ -19,7 +19,7 @@ from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Progra
 from codegen.native import native
 from codegen.targets import lanes
 from eom.quantities import Quantity
-from tests import node
+from tests import node, octave
 from tests.codegen.test_c_float import Single
 from tests.codegen.test_compiled import DOUBLE, SINGLE
 
@@ -111,6 +111,17 @@ def _javascript(program: Program, at: Sequence[Point]) -> Any:
     return got.T
 
 
+def _matlab(program: Program, at: Sequence[Point]) -> Any:
+    if not octave.OCTAVE:
+        raise OSError("no GNU Octave")
+    count = len(program.results[RATES])
+    (text,) = generate(program, layout(count), "matlab").values()
+    ((together, _),) = octave.run(
+        [octave.Job(text, RATES, [(v.t, v.x, v.p, []) for v in at], count)]
+    )
+    return together.T
+
+
 def _single(program: Program, at: Sequence[Point]) -> Any:
     if not native.compiler():
         raise OSError("no C compiler")
@@ -129,5 +140,10 @@ def _lanes(program: Program, at: Sequence[Point]) -> Any:
     return out
 
 
-RUNNERS: Mapping[str, Runner] = {"javascript": _javascript, "c_f32": _single, "c_lanes": _lanes}
+RUNNERS: Mapping[str, Runner] = {
+    "javascript": _javascript,
+    "matlab": _matlab,
+    "c_f32": _single,
+    "c_lanes": _lanes,
+}
 """Targets that `codegen.compile` does not run."""

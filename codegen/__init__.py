@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from codegen.ensembles.sampler import UniformQuaternion as UniformQuaternion
     from codegen.ensembles.statistics import Statistics as Statistics
     from codegen.ensembles.statistics import Summary as Summary
+    from codegen.fmu.package import write_fmu as write_fmu
     from codegen.integrate.methods import METHODS as METHODS
     from codegen.linearisation.equilibria import equilibria as equilibria
     from codegen.linearisation.equilibria import equilibrium as equilibrium
@@ -85,6 +86,7 @@ _HOME = {
     "linearise_about": "linearisation.linear_motion",
     "sensitivities": "linearisation.sensitivity",
     "simulate": "runs.simulation",
+    "write_fmu": "fmu.package",
 }
 
 __all__ = list(_HOME)

@@ -26,9 +26,10 @@ class Quantity:
     ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s
     (`eom.units`); ``1`` where there is none, nothing where it is not stated. ``meaning``, ``latex``: for
     pages; nothing is computed from them. ``default``: of a state or parameter, its value in runs that give
-    none by name.
-    Raises `InputError` for what is no symbol, no text, an unknown unit, and a default that is no finite
-    number.
+    none by name. ``held``: of a parameter, whether it is a state that keeps its initial value, which runs
+    then take among the initial values too.
+    Raises `InputError` for what is no symbol, no text, no truth value, an unknown unit, and a default that
+    is no finite number.
     """
 
     symbol: Expr
@@ -36,6 +37,7 @@ class Quantity:
     meaning: str = ""
     latex: str = ""
     default: float | None = field(default=None, repr=False)
+    held: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.symbol, sp.Symbol):
@@ -47,6 +49,10 @@ class Quantity:
             and isinstance(self.latex, str)
         ):
             raise InputError("unit, meaning and LaTeX are texts", where=f"quantity {self.name!r}")
+        if not isinstance(self.held, bool):
+            raise InputError(
+                "held is true or false", where=f"quantity {self.name!r}", got=shown(self.held)
+            )
         if self.unit:
             _known_unit(self)
         if self.default is not None and not is_finite(self.default):

@@ -147,6 +147,7 @@ FACTS = {
     "eom.exercises.marker": (NONE, NONE, NONE, NONE),
     "eom.exercises.moodle": (NONE, NONE, NONE, NONE),
     "eom.exercises.planted_in": (NONE, NONE, NONE, NONE),
+    "eom.exercises.solutions": (NONE, NONE, NONE, NONE),
     "eom.exercises.student": (NONE, NONE, NONE, NONE),
     "eom.exercises.topics": (NONE, NONE, NONE, NONE),
     "eom.exercises.with_others": (NONE, NONE, NONE, NONE),
@@ -618,6 +619,12 @@ FACTS = {
         "Units are those of the system",
         "backwards if the end is earlier",
         "Jorba and Zou, Experimental Mathematics 14 (2005)",
+    ),
+    "codegen.write_fmu": (
+        NONE,
+        "values have their units",
+        NONE,
+        "Functional Mock-up Interface Specification 3.0.1 (2023)",
     ),
     "eom.scenes.conventions.Convention": (
         NONE,

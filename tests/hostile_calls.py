@@ -107,14 +107,14 @@ METHODS = (
 def right(folder):
     """Public functions with right arguments, by package and name; stores go into ``folder``."""
     return {
-        "codegen": _codegen(),
+        "codegen": _codegen(folder),
         "eom": _eom(folder),
         "eom.multibody": _multibody(),
         "": _methods(),
     }
 
 
-def _codegen():
+def _codegen(folder):
     compiled = codegen.compile(OSCILLATOR, "numpy")
     run = {"initial": {"y": 1, "v": 0}, "t_span": (0, 1), "parameters": {"k": 1.0}, "rtol": 1e-6}
     run |= {"atol": 1e-9, "t_eval": [0.5, 1], "inputs": {"M": 0.0}, "max_step": 1.0, "margin": 1e-6}
@@ -136,6 +136,11 @@ def _codegen():
             "system": OSCILLATOR, "target": "numpy", "parameters": {"k": 1.0}, "states": {},
             "inputs": {}, "rules": "algebraic", "stable": False, "attitudes": (),
             "progress": None,
+        }),
+        "write_fmu": (codegen.write_fmu, {
+            "system": compiled, "path": folder / "unit.fmu", "initial": {"y": 1, "v": 0},
+            "parameters": {"k": 1.0}, "inputs": {"M": 0.0}, "t_span": (0.0, 1.0), "rtol": 1e-6,
+            "version": "3.0", "platforms": [], "progress": None,
         }),
         "linearise": (codegen.linearise, {"compiled": compiled, "x": [1, 0], "p": [1], "u": [0], "t": 0.0}),
         "equilibrium": (codegen.equilibrium, {"compiled": compiled, **search}),
@@ -226,7 +231,7 @@ def _eom(folder):
         }),
         "Definition": (eom.Definition, {"quantity": eom.Quantity(y), "expression": y}),
         "Quantity": (eom.Quantity, {
-            "symbol": y, "unit": "", "meaning": "", "latex": "", "default": None,
+            "symbol": y, "unit": "", "meaning": "", "latex": "", "default": None, "held": False,
         }),
         "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {

@@ -1,8 +1,10 @@
 """Run a notebook with its hidden answers in place of the reader's attempts; a program of its own.
 
 An exercise is a Markdown cell with an answer between <details> and </details>, and after it a code cell
-``attempt = r"..."`` whose last line is a call that judges the attempt. The program prints JSON: what the
-cells said and what they say now, and the verdicts on every attempt and every answer.
+``attempt = r"..."`` whose last line is a call that judges the attempt. A notebook ends with exercises of
+another kind, whose hidden answer is a solution: a block of Python, and what it prints. The program prints
+JSON: what the cells said and what they say now, the verdicts on every attempt and every answer, and what
+each solution shows and prints.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import nbformat
 
 ROOT = Path(__file__).parents[1]
 _HIDDEN = re.compile(r"<details>(.*?)</details>", re.DOTALL)
+_SOLUTION = re.compile(r"```python\n(.*?)```\n+```text\n(.*?)```", re.DOTALL)
 _DISPLAY = re.compile(r"\$\$.*?\$\$", re.DOTALL)
 _VERDICTS = "print(__import__('json').dumps([f.verdict for f in Out[max(Out)].findings]))"
 """Of the report that was shown last; a notebook keeps what it shows in Out."""
@@ -32,9 +35,18 @@ def runner():
 
 
 def answers(cell):
-    """Return the hidden answers of a Markdown cell: the displays of each."""
-    hidden = _HIDDEN.findall(cell.source) if cell.cell_type == "markdown" else []
+    """Return the hidden answers of a Markdown cell that are no solutions: the displays of each."""
+    hidden = [text for text in _hidden(cell) if not _SOLUTION.search(text)]
     return ["\n\n".join(_DISPLAY.findall(text)) for text in hidden]
+
+
+def _hidden(cell):
+    return _HIDDEN.findall(cell.source) if cell.cell_type == "markdown" else []
+
+
+def solutions(cell):
+    """Return the solutions of a Markdown cell: the code of each, and what it prints."""
+    return [pair for text in _hidden(cell) for pair in _SOLUTION.findall(text)]
 
 
 def attempt_of(cell):
@@ -65,30 +77,42 @@ def judging(cell, answer):
 
 
 def with_answers(notebook):
-    """Return the notebook with cells that judge answers; where its own cells and the verdicts stand."""
+    """Put cells that judge answers, and solutions, into a notebook.
+
+    Returns where its own cells stand, the verdicts, and the solutions, each of these with what it shows.
+    """
     places = {place: answer for place, _, answer in exercises(notebook)}
-    cells, own, judged = [], [], []
+    cells, own, judged, solved = [], [], [], []
     for k, cell in enumerate(notebook.cells):
         own.append(len(cells))
         cells.append(cell)
         if k in places:
             judged += [len(cells), len(cells) + 2]
             cells += judging(cell, places[k])
+        for code, shown in solutions(cell):
+            solved.append((len(cells), shown))
+            cells.append(nbformat.v4.new_code_cell(code))
     notebook.cells = cells
-    return own, judged
+    return own, judged, solved
+
+
+def printed(cell):
+    """Return what a code cell wrote."""
+    return "".join(o.text for o in cell.outputs if o.output_type == "stream")
 
 
 def main(path, folder):
     run = runner()
     notebook = run.read(path)
     kept = [run.said(c) if c.cell_type == "code" else [] for c in notebook.cells]
-    own, judged = with_answers(notebook)
+    own, judged, solved = with_answers(notebook)
     run.execute(notebook, Path(folder))
     cells = notebook.cells
     verdicts = [json.loads(cells[k].outputs[0].text) for k in judged]
     run.tidy(notebook)
+    found = [(shown, printed(cells[k])) for k, shown in solved]
     now = [run.said(cells[k]) if cells[k].cell_type == "code" else [] for k in own]
-    print(json.dumps({"kept": kept, "now": now, "verdicts": verdicts}))
+    print(json.dumps({"kept": kept, "now": now, "verdicts": verdicts, "solutions": found}))
 
 
 if __name__ == "__main__":

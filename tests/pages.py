@@ -153,7 +153,7 @@ def run(path: Path) -> int:
                 raise AssertionError("\n".join([place, *lines]))
             printed = ""
         else:
-            assert block.language in {"toml", "markdown", "c", "xml", "latex"}, place
+            assert block.language in {"toml", "markdown", "c", "matlab", "xml", "latex"}, place
     _check_status(printed, path.name)
     return count
 

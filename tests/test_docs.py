@@ -3,13 +3,18 @@
 import importlib.util
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+import sympy as sp
 
 from codegen.native import native
+from eom.kinematics.coordinates import SEQUENCES, quaternion_of_sequence
+from eom.rotations import matrix_of_quaternion
 from tests.pages import Block, agrees, blocks
 
 ROOT = Path(__file__).parents[1]
@@ -26,7 +31,10 @@ NEEDS = {
     "many-bodies": ("yourdfpy",),
     "robots": ("yourdfpy", "mujoco"),
     "monte-carlo": ("zarr",),
+    "fmu": ("fmpy",),
+    "jax": ("jax", "diffrax"),
     "tutorial": ("matplotlib",),
+    "conventions": ("matplotlib",),
     "control": ("matplotlib",),
     "rotary-pendulum": ("matplotlib",),
     "reaction-wheels": ("matplotlib",),
@@ -68,6 +76,53 @@ def test_there_is_a_page_a_task_and_each_is_run():
     assert {"tutorial", "conventions", "verification", "accuracy", "checking"} <= {
         page.stem for page in PAGES
     }
+
+
+def test_each_exercise_of_a_page_has_an_answer_that_is_run():
+    asked = 0
+    for page in DOCS.rglob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        for part in re.split(r"^#+ ", text, flags=re.MULTILINE):
+            exercises = part.count("{admonition} Exercise")
+            asked += exercises
+            answers = re.findall(r"<details>.*?</details>", part, flags=re.DOTALL)
+            assert len(answers) == exercises, page.name
+            for answer in answers:
+                languages = [b.language for b in blocks(answer)]
+                assert {"python", "text"} <= set(languages), page.name
+                assert page in PAGES
+    assert asked
+
+
+@pytest.mark.slow
+def test_the_table_of_sequences_is_that_of_the_turns():
+    """Its rates are those with which the axes of the body turn as the angular velocity says."""
+    spec = importlib.util.spec_from_file_location("shown_tables", DOCS / "_ext" / "shown_tables.py")
+    tables = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tables)
+    _, rows = tables.TABLES["sequences"]
+    made = rows()
+    assert [row[0] for row in made] == list(SEQUENCES)
+    angles, omega, h = {"psi": 0.3, "theta": 0.7, "phi": -0.4}, (0.5, -0.8, 1.1), 1e-6
+    for name, _, *rates, _ in made:
+        known = {**angles, **{f"omega_{k}": w for k, w in enumerate(omega, 1)}}
+        speeds = []
+        for text in rates:
+            read = sp.sympify(text.strip("`").replace("psi'", "psi_rate"))
+            speeds.append(float(read.subs({**known, "psi_rate": (speeds or [0])[0]})))
+        C, later = (
+            np.array(
+                matrix_of(name, [a + h * s for a, s in zip(angles.values(), moved, strict=True)])
+            )
+            for moved in ((0, 0, 0), speeds)
+        )
+        skew = -(later - C) / h @ C.T
+        np.testing.assert_allclose((skew[2, 1], skew[0, 2], skew[1, 0]), omega, atol=1e-5)
+
+
+def matrix_of(name, angles):
+    """Return C of a sequence by numbers, from its quaternion."""
+    return matrix_of_quaternion(quaternion_of_sequence(name, angles))
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,10 @@ def test_files(tmp_path):
     done = run(*ROD, "--count", "2", "--out", str(tmp_path / "sheets"))
     assert done.exit_code == 0
     written = sorted(p.name for p in (tmp_path / "sheets").iterdir())
-    assert written == [f"inertia-of-rod-{k}{tail}.md" for k in (0, 1) for tail in ("-key", "")]
+    keys = [f"inertia-of-rod-{k}{tail}.md" for k in (0, 1) for tail in ("-key", "")]
+    assert written == sorted([*keys, "inertia-of-rod-0-solutions.md"])
+    sheet = (tmp_path / "sheets" / "inertia-of-rod-0-solutions.md").read_text(encoding="utf-8")
+    assert sheet.count("* stands: $") == sheet.count("* right: $") == 2
     questions = run(*ROD, "--as", "moodle", "--count", "2", "--out", str(tmp_path))
     assert questions.exit_code == 0
     quiz = ET.fromstring((tmp_path / "inertia-of-rod-0.xml").read_text(encoding="utf-8"))
@@ -59,7 +62,7 @@ def test_the_list():
     assert all(name in shown for name in names())
     listed = json.loads(run("exercise", "--list", "--json").stdout)
     assert [t["name"] for t in listed["topics"]] == names()
-    assert {"name": "sign", "words": "a sign is wrong"} in listed["slips"]
+    assert {"name": "sign", "words": "a sign is wrong (easy)"} in listed["slips"]
 
 
 @pytest.mark.parametrize(
@@ -72,6 +75,13 @@ def test_the_list():
         (("point-mass", "--key", "--as", "moodle"), "--key"),
         (("point-mass", "--json", "--out", "x"), "--json"),
         (("point-mass", "--slip", "sgn"), "did you mean sign?"),
+        (("point-mass", "--difficulty", "esy"), "did you mean easy?"),
+        (
+            ("point-mass", "--difficulty", "easy", "--slip", "frame"),
+            "a slip of the kind frame is hard",
+        ),
+        (("point-mass", "--carried", "4"), "0 to 3"),
+        (("point-mass", "--carried", "1", "--as", "moodle"), "--carried is for pages"),
         (("inertia-of-rod", "--slip", "transpose"), "no line of this topic can have the slip"),
     ],
 )

@@ -14,11 +14,14 @@ import pytest
 
 from codegen.native import native
 from tests import notebook_exercises as exercising
+from tests.pages import agrees
 
 ROOT = exercising.ROOT
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 GOOD = {"holds", "holds under", "definition", "assumption"}
 LARGEST = 600_000
+LAST = 3
+"""Exercises with which a notebook ends."""
 everyone = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
 
 
@@ -62,6 +65,9 @@ def test_a_notebook_runs_says_what_it_kept_and_its_answers_are_judged(path, tmp_
         assert "wrong" in attempt, "the slip is not found"
         assert answer, "the answer is not read"
         assert set(answer) <= GOOD, "the answer is not true"
+    assert len(found["solutions"]) == LAST
+    for shown, printed in found["solutions"]:
+        assert agrees(shown, printed), printed
 
 
 @everyone
@@ -72,6 +78,19 @@ def test_there_are_exercises_and_the_attempt_is_a_slip_in_the_answer(path):
         spelt = [re.sub(r"[\s$]", "", text) for text in (attempt, answer)]
         assert spelt[0] != spelt[1]
         assert difflib.SequenceMatcher(None, *spelt).ratio() > 0.9
+
+
+@everyone
+def test_a_notebook_ends_with_three_exercises_of_which_one_is_worth_thinking_about(path):
+    cells = read(path).cells
+    assert [len(exercising.solutions(cell)) for cell in cells[-LAST:]] == [1] * LAST
+    assert not any(exercising.solutions(cell) for cell in cells[:-LAST])
+    worth = [cell for cell in cells[-LAST:] if "### Worth thinking about" in cell.source]
+    assert len(worth) == 1
+    for cell in cells[-LAST:]:
+        question = cell.source.split("<details>")[0]
+        assert "?" in question or "judged" in question
+        assert "## To try" not in cell.source
 
 
 @everyone
@@ -154,7 +173,7 @@ def test_an_answer_is_its_displays_and_belongs_to_the_next_attempt():
 
 def test_the_answer_is_judged_by_the_reader_s_own_cell():
     notebook = small(EXERCISE, 'attempt = "a"\nlimit = 3\nf(attempt, limit)', "z = 1")
-    own, judged = exercising.with_answers(notebook)
+    own, judged, _ = exercising.with_answers(notebook)
     sources = [c.source for c in notebook.cells]
     assert own == [0, 1, 5]
     assert judged == [2, 4]
@@ -163,6 +182,33 @@ def test_the_answer_is_judged_by_the_reader_s_own_cell():
         ast.literal_eval(sources[3].splitlines()[0].removeprefix("attempt = "))
         == "$$a = b$$\n\n$$c = d$$"
     )
+
+
+SOLUTION = """How much?
+
+<details>
+<summary>Solution</summary>
+
+Two, as $$1 + 1 = 2$$ says:
+
+```python
+print(one + 1)
+```
+
+```text
+2
+```
+
+</details>
+"""
+
+
+def test_a_solution_is_its_code_and_what_it_prints():
+    notebook = small("one = 1", SOLUTION)
+    assert exercising.exercises(notebook) == []
+    _, judged, solved = exercising.with_answers(notebook)
+    assert (judged, solved) == ([], [(2, "2\n")])
+    assert notebook.cells[2].source == "print(one + 1)\n"
 
 
 @pytest.mark.slow

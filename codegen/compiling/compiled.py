@@ -19,6 +19,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -45,10 +46,12 @@ from codegen.loops.written import Choice
 from codegen.native import native
 from codegen.native.native import bind
 from codegen.passes.pipeline import by_parameters, fitted, formed, optimise
-from codegen.targets import c, lanes, load_module, packaging, python_
+from codegen.targets import c, jax_, lanes, load_module, packaging, python_
 from codegen.targets.c import C_FLOAT
 from codegen.targets.javascript import JAVASCRIPT
+from codegen.targets.jax_ import JAX
 from codegen.targets.lanes import LANES
+from codegen.targets.matlab import MATLAB
 from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
 from codegen.targets.target import Target, refuse_unsupported
@@ -64,7 +67,7 @@ class Compiled:
     ``singularities`` are like it, where the system has any. Shapes: ``t`` a number or (N,); ``x``, ``p``,
     ``u`` (n,) or (n, N), in the order of ``layout``; results (k,) or (k, N). Units are those of the system.
 
-    ``system``: what was compiled; ``program``: its straight-line code; ``target``: c, numpy or python.
+    ``system``: what was compiled; ``program``: its straight-line code; ``target``: c, numpy, python or jax.
     ``functions``: by group: rates, outputs, invariants, singularities. ``structure``: what was compiled in.
     ``notice``: what the user should know, for example that there was no C compiler.
     ``stable``: whether every identity against cancellation was applied, also those that cost time.
@@ -173,6 +176,24 @@ class Compiled:
         name = identifier(self.layout.name)
         return self.files[f"{name}.{ROWS[self.target].extension}"]
 
+    @cached_property
+    def module(self) -> ModuleType:
+        """The generated module of the targets jax, numpy and python: plain functions, as a file has them.
+
+        ``rates(t, x, p, u)`` and so on, in the order of ``layout``; those of jax are pure, for ``jax.jit``,
+        ``vmap``, ``jacfwd`` and ``grad``, and of the precision that JAX is set to. Raises `InputError` for
+        target c, which has no module.
+        """
+        if ROWS[self.target].extension != "py":
+            raise InputError(
+                "there is no Python module of this target",
+                where=f"system {self.layout.name!r}",
+                got=f"target {self.target}",
+                expected="target jax, numpy or python",
+                hint="codegen.compile(system, 'jax').module",
+            )
+        return load_module(self.source, identifier(self.layout.name))
+
     def write(self, folder: str | Path) -> list[Path]:
         """Write the generated files into ``folder``, each whole or not at all; return their paths.
 
@@ -195,7 +216,8 @@ def compile(  # noqa: A001 - the word that users expect
 ) -> Compiled:
     """Compile ``system`` for a target.
 
-    ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
+    ``target``: ``c``, ``numpy``, ``python`` (plain floats), ``jax`` (see `Compiled.module`), or ``auto``
+    (C where a compiler works).
     ``system``: an `eom.System`, or what `codegen.frontend.from_sympy_mechanics.as_system` accepts: SymPy's
     KanesMethod, LagrangesMethod, SymbolicSystem or mechanics System, (states, rates), (states, mass matrix,
     forces).
@@ -284,6 +306,11 @@ def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     return _module_functions(program, layout, "python", python_.over_columns)
 
 
+def _jax(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    jax_.require()
+    return _module_functions(program, layout, "jax", jax_.in_doubles)
+
+
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     with compile_progress.stage("text", lambda: len(program.instructions)):
         refuse_unsupported(ROWS["c"], program, layout)
@@ -346,6 +373,7 @@ TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
     "c": _native,
     "numpy": _numpy,
     "python": _python,
+    "jax": _jax,
 }
 
 
@@ -395,7 +423,9 @@ def _javascript_files(
 
 C = Target("c", "c", c.TEMPLATES, c.SLOTS, c.NUMBERS, partial(_c_files, written.Choice()))
 
-ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON)}
+ROWS: dict[str, Target] = {
+    row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON, JAX, MATLAB)
+}
 
 _BESIDE = {C.name: _c_files, JAVASCRIPT.name: _javascript_files}
 """What writes functions and integrator, by target."""

@@ -156,6 +156,23 @@ def completed(values: Any, quantities: Sequence[Quantity]) -> Any:
     return standing | dict(values or {})
 
 
+def settled(initial: Any, parameters: Any, quantities: Sequence[Quantity]) -> tuple[Any, Any]:
+    """Return initial values and parameters, with those of states that are held among the latter.
+
+    What is given of a held state among the initial values counts: a run starts there. ``quantities``: the
+    parameters. Values in order have no such state among them, and stay.
+    """
+    held = {q.name for q in quantities if q.held}
+    moved = {n: v for n, v in initial.items() if n in held} if isinstance(initial, Mapping) else {}
+    if not moved:
+        return initial, parameters
+    if not isinstance(parameters, Mapping):
+        names = names_of(quantities)
+        values = [] if parameters is None else to_array(parameters, names, "parameter").tolist()
+        parameters = dict(zip(names, values, strict=False))
+    return {n: v for n, v in initial.items() if n not in held}, {**parameters, **moved}
+
+
 def to_array(
     values: Mapping[str, float] | Sequence[float] | NDArray[np.float64] | None,
     names: Sequence[str],

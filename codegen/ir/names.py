@@ -157,6 +157,8 @@ _PYTHON = frozenset(
     {
         *keyword.kwlist,
         *keyword.softkwlist,
+        "jax",
+        "jnp",
         "np",
         "numpy",
         "scipy",
@@ -178,6 +180,24 @@ _JAVASCRIPT = frozenset(
     throws transient try typeof undefined var with yield
     Array Float64Array Infinity Math NaN Number Object""".split()
 )
+_MATLAB = frozenset(
+    """classdef do elseif end end_try_catch end_unwind_protect endclassdef endenumeration endevents
+    endfor endfunction endif endmethods endparfor endproperties endswitch endwhile function global
+    otherwise parfor persistent spmd until unwind_protect unwind_protect_cleanup
+    Inf nargin numel reshape sign size zeros""".split()
+)
+_FILES = frozenset(
+    name
+    for device in (
+        "aux",
+        "con",
+        "nul",
+        "prn",
+        *(f"{d}{k}" for d in ("com", "lpt") for k in range(1, 10)),
+    )
+    for name in (device, device.upper(), device.capitalize())
+)
+"""No file of Windows is called so, whatever it ends in."""
 _OWN = frozenset(
     {
         "t",
@@ -204,7 +224,9 @@ HELPERS = ("sign_", "min_", "max_", "mod_", "stumpff_", "factor_", "back_", "cir
            "carried_", "angles_", "turned_", "k_")  # fmt: skip
 """Functions and arrays that generated code defines for itself."""
 
-RESERVED = _C_KEYWORDS | _C_LIBRARY | C_MATH | _C_FLOAT | _PYTHON | _JAVASCRIPT | _OWN
+RESERVED = (
+    _C_KEYWORDS | _C_LIBRARY | C_MATH | _C_FLOAT | _PYTHON | _JAVASCRIPT | _MATLAB | _FILES | _OWN
+)
 """Identifiers that generated code gives another meaning in one of the languages."""
 
 

@@ -17,6 +17,7 @@ import ctypes
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -81,7 +82,19 @@ def _end(process: subprocess.Popen[str]) -> None:
                 os.killpg(process.pid, number)
             with suppress(subprocess.TimeoutExpired):
                 process.wait(PATIENCE_SECONDS)
+    elif tree := ending(process.pid):
+        with suppress(OSError, subprocess.TimeoutExpired):
+            subprocess.run(tree, check=False, capture_output=True, timeout=10)  # noqa: S603 - a list
     process.kill()
+
+
+def ending(number: int, system: str = sys.platform) -> list[str]:
+    """Return the command that ends a process with its children where there are no groups of processes.
+
+    >>> ending(7, "win32"), ending(7, "linux")
+    (['taskkill', '/F', '/T', '/PID', '7'], [])
+    """
+    return ["taskkill", "/F", "/T", "/PID", str(number)] if system == "win32" else []
 
 
 class TooLongError(Exception):

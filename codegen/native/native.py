@@ -25,9 +25,10 @@ import shutil
 import signal
 import stat
 import subprocess
+import sys
 import sysconfig
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from importlib import resources
 from pathlib import Path
@@ -39,7 +40,29 @@ import platformdirs
 from codegen.native import children
 from eom.errors import InputError
 
-FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math")
+SUFFIXES = {"win32": ".dll", "cygwin": ".dll", "darwin": ".dylib"}
+"""How shared libraries end, by `sys.platform`; elsewhere in .so."""
+
+
+def library_suffix(system: str = sys.platform) -> str:
+    """Return how the names of shared libraries end on a system, as `sys.platform` names it.
+
+    >>> library_suffix("linux"), library_suffix("win32"), library_suffix("darwin")
+    ('.so', '.dll', '.dylib')
+    """
+    return SUFFIXES.get(system, ".so")
+
+
+def shared_flags(system: str = sys.platform) -> tuple[str, ...]:
+    """Return what makes a compiler write a shared library; all code of Windows may be moved anyway.
+
+    >>> shared_flags("win32"), shared_flags("linux")
+    (('-shared',), ('-fPIC', '-shared'))
+    """
+    return ("-shared",) if library_suffix(system) == ".dll" else ("-fPIC", "-shared")
+
+
+FLAGS = ("-std=c99", "-O3", *shared_flags(), "-fno-math-errno", "-fno-trapping-math")
 NATIVE_FLAGS = ("-march=native", "-fno-semantic-interposition", "-ffp-contract=off")
 """Flags that some compilers lack. The second lets functions of one library be inlined; the third
 keeps clang from fusing products into sums, so that every compiler gives the same numbers."""
@@ -85,17 +108,25 @@ class CacheError(CompilerError):
         )
 
 
-def _words(command: str) -> list[str]:
-    """Return the words of a command as a shell splits them; none where a quote is not closed."""
+def words(command: str, system: str = sys.platform) -> list[str]:
+    r"""Return the words of a command as a shell splits them; none where a quote is not closed.
+
+    On Windows a backslash separates folders, elsewhere it quotes.
+
+    >>> words(r'"C:\my tools\cc.exe" -O2', "win32")
+    ['C:\\my tools\\cc.exe', '-O2']
+    """
     try:
-        return shlex.split(command)
+        if system != "win32":
+            return shlex.split(command)
+        return [w.strip('"') for w in shlex.split(command, posix=False)]
     except ValueError:
         return []
 
 
 @cache
 def _which(command: str, search: str | None) -> tuple[str, ...]:
-    parts = _words(command)
+    parts = words(command)
     found = shutil.which(parts[0], path=search) if parts else None
     return (found, *parts[1:]) if found else ()
 
@@ -103,12 +134,47 @@ def _which(command: str, search: str | None) -> tuple[str, ...]:
 def compiler() -> tuple[str, ...]:
     """Return the C compiler's command, or an empty tuple.
 
-    The environment variable ``CC`` decides where it is set; otherwise cc, gcc or clang is taken.
+    The environment variable ``CC`` decides where it is set; otherwise cc, gcc or clang is taken, and
+    where there is none of them, zig of the package ziglang (extra ``compiler``).
     """
     search = os.environ.get("PATH")
     if os.environ.get("CC"):
         return _which(os.environ["CC"], search)
-    return next((c for name in ("cc", "gcc", "clang") if (c := _which(name, search))), ())
+    return next((c for name in ("cc", "gcc", "clang") if (c := _which(name, search))), ()) or zig()
+
+
+ZIG_TARGETS = {
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-darwin": "x86_64-macos",
+    "aarch64-darwin": "aarch64-macos",
+}
+"""Machines and systems that zig compiles for, by its names of them; of Linux, those since 2012."""
+
+
+def zig() -> tuple[str, ...]:
+    """Return the command of zig's C compiler, of the package ziglang, or an empty tuple."""
+    spec = importlib.util.find_spec("ziglang")
+    folder = Path(spec.origin).parent if spec and spec.origin else None
+    names = ("zig", "zig.exe")
+    found = next((folder / n for n in names if folder and (folder / n).is_file()), None)
+    return (str(found), "cc") if found else ()
+
+
+def cross_compiler(name: str) -> tuple[str, ...]:
+    """Return the command that compiles for another system, one of `ZIG_TARGETS`.
+
+    Raises `CompilerError` where the package ziglang is not installed.
+    """
+    command = zig()
+    if not command:
+        raise CompilerError(
+            f"no compiler for {name}",
+            got="an installation without the package ziglang",
+            hint="pip install 'eom-toolkit[compiler]'",
+        )
+    return (*command, "-target", ZIG_TARGETS[name])
 
 
 def require_compiler() -> tuple[str, ...]:
@@ -116,7 +182,7 @@ def require_compiler() -> tuple[str, ...]:
     command = compiler()
     if not command:
         asked = os.environ.get("CC")
-        if asked and asked.strip() and not _words(asked):
+        if asked and asked.strip() and not words(asked):
             raise CompilerError(
                 "the variable CC is not a command: a quote is not closed",
                 got=f"CC={asked}",
@@ -125,7 +191,8 @@ def require_compiler() -> tuple[str, ...]:
         raise CompilerError(
             "no C compiler found",
             got=f"CC={asked}" if asked else "none of cc, gcc, clang on the PATH",
-            hint="install gcc or clang, set CC to its path, or use the target numpy",
+            hint="pip install 'eom-toolkit[compiler]', install gcc or clang, set CC to its path, "
+            "or use the target numpy",
         )
     return command
 
@@ -183,12 +250,13 @@ def flags_for(results: int, instructions: int = 0) -> tuple[str, ...]:
     return long + (STORES_APART if results > MANY_RESULTS else ())
 
 
-def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = ".so") -> Path:
+def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = "") -> Path:
     """Return the shared library of a C source text, compiled if the cache does not have it.
 
     Raises `CompilerError` where there is no compiler, it fails, or the cache cannot be written; the
     cache is then unchanged.
     """
+    suffix = suffix or library_suffix()
     command = require_compiler()
     flags = (*FLAGS, *NATIVE_FLAGS, *extra_flags)
     key = "\0".join([source, *flags, _identity(command), _processor()])
@@ -247,7 +315,8 @@ def _run(command: Sequence[str], folder: str) -> str | None:
 
     Its temporary files go into ``folder``, as it cannot remove them itself where it is ended.
     """
-    environment = {**os.environ, "LC_ALL": "C", "TMPDIR": folder}
+    temporary = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), folder)
+    environment = {**os.environ, "LC_ALL": "C", **temporary}
     try:
         done = children.finished(command, seconds=TIMEOUT_SECONDS, environment=environment)
     except OSError as error:
@@ -266,6 +335,31 @@ def _ending(status: int) -> str:
         return f"exit status {status}"
     name = next((s.name for s in signal.Signals if s == -status), "an unknown one")
     return f"ended by signal {-status} ({name})"
+
+
+def build(files: Mapping[str, str], flags: Sequence[str], command: Sequence[str] = ()) -> bytes:
+    """Return the shared library of several texts by file name, of which those of C are compiled.
+
+    ``flags``: of the compiler; those of `NATIVE_FLAGS` are left out, so that it runs on other processors.
+    ``command``: the compiler, by default that of `require_compiler`. Nothing is kept in the cache. Raises
+    `CompilerError` where there is no compiler or it fails.
+    """
+    command = command or require_compiler()
+    with tempfile.TemporaryDirectory(prefix="eom-") as folder:
+        for name, text in files.items():
+            (Path(folder) / name).write_text(text, encoding="ascii", newline="\n")
+        made = Path(folder) / "library"
+        sources = [str(Path(folder) / name) for name in sorted(files) if name.endswith(".c")]
+        run = [*command, *flags, "-o", str(made), *sources, "-lm"]
+        failure = _run(run, folder)
+        if failure is None and made.exists():
+            return made.read_bytes()
+    raise CompilerError(
+        "the C compiler failed",
+        where=" ".join(run),
+        got=(failure or "it made no file")[:2000],
+        hint="set CC to another compiler",
+    )
 
 
 def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:

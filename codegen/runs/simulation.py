@@ -22,7 +22,7 @@ from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event, Given, Occurrences
 from codegen.compiling.sampled import Along, Sampled
 from codegen.compiling.signals import Followed, Inputs, reads_state
-from codegen.frontend.layout import completed, in_si, names_of, to_array
+from codegen.frontend.layout import completed, in_si, names_of, settled, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
@@ -74,7 +74,8 @@ class Result:
     1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
     failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
     ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
-    order of ``y``; ``result[name]`` gives one of them, or an output.
+    order of ``y``; ``result[name]`` gives one of them, an output, or what kept its initial value: ``held``,
+    by name the states that became parameters.
     ``outputs``: arrays (N,) by name, angles of a quaternion with their whole turns (`codegen.runs.turns`).
     ``drift``: by name of the invariant.
     ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop`` (n,):
@@ -104,6 +105,7 @@ class Result:
     left_out: tuple[str, ...] = ()
     """States and constants of the motion that the requested outputs do not need."""
     events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
+    held: Mapping[str, float] = field(default_factory=dict, repr=False)
     origin: object = field(default=None, repr=False, compare=False)
     """What it came from, for `accuracy`; it stays behind when a result is pickled."""
     estimate: Accuracy | None = field(default=None, repr=False, compare=False)
@@ -181,7 +183,9 @@ class Result:
         if name in self.names:
             row: Array = self.y[self.names.index(name)]
             return row
-        raise unknown_name("state or output", name, [*self.names, *self.outputs])
+        if name in self.held:
+            return np.full(len(self.t), self.held[name])
+        raise unknown_name("state or output", name, [*self.names, *self.outputs, *self.held])
 
 
 @typed
@@ -211,7 +215,8 @@ def simulate(
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
     ``initial``, ``parameters``: numbers by name or in order; by name also texts with units, as "30 deg"
-    (`eom.units`), which are put into SI. ``inputs``: a number or a function for each input, or one
+    (`eom.units`), which are put into SI. A state whose rate is zero, and which became a parameter of a
+    scene's system, may stand among either; the initial value counts. ``inputs``: a number or a function for each input, or one
     function of all that returns them by name or in order. Functions are of time, f(t), or of time and
     states, f(t, x) with ``x["theta"]``, by what they take: what can be called with the time alone is
     f(t). They are called from Python, and may state their knots and longest step (`codegen.Signal`).
@@ -339,7 +344,8 @@ def _given(
     Symbolic laws among inputs are compiled with the system. ``since``: the time at which its own is zero.
     """
     compiled, rest, functions = sampled.split(compiled, values[2])
-    initial, parameters, rest = _in_si(compiled, *values[:2], rest)
+    initial, parameters = settled(*values[:2], compiled.layout.parameters)
+    initial, parameters, rest = _in_si(compiled, initial, parameters, rest)
     part = _part(compiled, outputs, events, rest, bool(functions))
     laws = sampled.laws_of(part.compiled, functions)
     sampled.check_laws(laws, span)
@@ -522,6 +528,9 @@ def _result(task: Task, trajectory: Trajectory) -> Result:
         rejected=trajectory.rejected,
         notice=_joined(compiled.notice, trajectory.notice, blind, winding),
         names=names_of(layout.states),
+        held={
+            q.name: p for q, p in zip(layout.parameters, problem.parameters, strict=True) if q.held
+        },
     )
 
 

@@ -14,6 +14,7 @@ from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
 PAGES = (
+    "explanation/conventions.md",
     "howto/pictures.md",
     "howto/control.md",
     "howto/rotary-pendulum.md",

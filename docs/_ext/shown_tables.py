@@ -4,6 +4,7 @@ In a page: a block ``{shown-table} NAME`` with a name of `TABLES`.
 """
 
 import itertools
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar
@@ -11,6 +12,8 @@ from typing import ClassVar
 from docutils import nodes
 from docutils.parsers.rst import Directive
 from sphinx.application import Sphinx
+
+from eom.checker.report.page import mathml
 
 Rows = list[tuple[str, ...]]
 
@@ -55,6 +58,14 @@ def _scenes() -> Rows:
     from eom.scenes import catalogue
 
     return [(f"`{name}`", title) for name, title in catalogue.titles().items()]
+
+
+def _derivations() -> Rows:
+    from eom.derivations import titles
+
+    return [
+        (group, f"`{name}`", title) for group, made in titles().items() for name, title in made.items()
+    ]
 
 
 def _targets() -> Rows:
@@ -224,6 +235,54 @@ def _pictures() -> Rows:
     return [(f"`{name}`", entry.words, entry.needs) for name, entry in PICTURES.items()]
 
 
+def _sequences() -> Rows:
+    """Return of each sequence its matrix, the rates of its angles, and where they fail."""
+    import sympy as sp
+
+    from eom.kinematics.coordinates import SEQUENCES, attitude
+    from eom.kinematics.frames import vector
+
+    omega = sp.symbols("omega_1:4")
+    rows: Rows = []
+    for name in SEQUENCES:
+        made = attitude(name)
+        i, j, k = (int(n) for n in name.split("-"))
+        first, second, third = made.rates(vector("B", omega))
+        along = sp.simplify((third - omega[k - 1]) / first)
+        last = str(omega[k - 1] + along * sp.Symbol("psi'"))
+        (singular,) = made.singularities
+        rows.append(
+            (
+                name,
+                f"`C_{k}(phi) C_{j}(theta) C_{i}(psi)`",
+                *(f"`{sp.simplify(rate)}`" for rate in (first, second)),
+                f"`{last}`",
+                f"`{singular.expression} = 0`",
+            )
+        )
+    return rows
+
+
+def _statements() -> Rows:
+    from tests.statements import ROWS
+
+    return [
+        (row.sentence, _place(row.where), row.name.replace(".", ": ").replace("_", " "))
+        for row in ROWS
+    ]
+
+
+def _place(where: str) -> str:
+    """Return where a sentence stands, in words."""
+    if where.startswith("derive "):
+        _, name, label = where.split(" ")
+        return f"`eom derive {name}`, step `{label}`"
+    if where.startswith("eom."):
+        parts = where.split(".")
+        return f"docstring of `{'.'.join(parts[-2:] if parts[-2][0].isupper() else parts[-1:])}`"
+    return f"`{where.removeprefix('docs/').removeprefix('notebooks/')}`"
+
+
 TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "books": (
         ("name", "book or program", "matrix", "angles turn about", "scalar", "products", "angles", "axes"),
@@ -233,25 +292,44 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "methods": (("method", "what it is", "projects", "finds events"), _methods),
     "assumptions": (("assumption", "meaning", "kind", "needs"), _assumptions),
     "scenes": (("scene", "title"), _scenes),
+    "derivations": (("chapter", "derivation", "title"), _derivations),
     "targets": (("target", "files"), _targets),
     "presets": (("preset", "title"), _presets),
     "quantities": (("quantity", "what it is, with its labels by number", "an entry"), _quantities),
     "pictures": (("picture", "what it shows", "of"), _pictures),
     "units": (("unit", "how many", "of"), _units),
+    "sequences": (
+        ("sequence", "matrix", "psi'", "theta'", "phi'", "singular where"),
+        _sequences,
+    ),
+    "statements": (("sentence", "where it stands", "what computes it"), _statements),
     "prefixes": (("prefix", "how many"), _prefixes),
     "tree-outputs": (("word", "outputs"), _tree_outputs),
 }  # fmt: skip
 
 
 def inline(text: str) -> list[nodes.Node]:
-    """Return words, with what stands in backticks as code."""
-    pieces = text.split("`")
-    made = [nodes.literal if k % 2 else nodes.Text for k in range(len(pieces))]
-    return [
-        make(piece) if make is nodes.Text else nodes.literal(piece, piece)
-        for make, piece in zip(made, pieces, strict=True)
-        if piece
-    ]
+    """Return words, with what stands in backticks as code, and formulas between dollars as such."""
+    made: list[nodes.Node] = []
+    for k, piece in enumerate(text.split("`")):
+        if k % 2:
+            made.append(nodes.literal(piece, piece))
+        else:
+            made += [
+                _formula(p) if n % 2 else nodes.Text(p)
+                for n, p in enumerate(_MATH.split(piece))
+                if p
+            ]
+    return made
+
+
+_MATH = re.compile(r"\${1,2}([^$]+)\${1,2}")
+
+
+def _formula(latex: str) -> nodes.Node:
+    """Return a formula; where it is a part that has no MathML, as code."""
+    drawn = mathml(latex.strip(), display=False).startswith("<math")
+    return nodes.math(latex, latex.strip()) if drawn else nodes.literal(latex, latex)
 
 
 def _row(cells: Iterable[str]) -> nodes.row:

@@ -20,9 +20,10 @@ MOST = 200
 
 
 def _slips() -> Rows:
-    from eom.exercises.slips import SLIPS
+    from eom.exercises.slips import LINE_SLIPS, SLIPS
 
-    return list({slip.name: slip.words for slip in SLIPS}.items())
+    words = {s.name: f"{s.words} ({s.kind.difficulty})" for s in (*SLIPS, *LINE_SLIPS)}
+    return list(words.items())
 
 
 @click.command(cls=WithTable, title="Slips for --slip", rows=_slips)
@@ -53,6 +54,19 @@ def _slips() -> Rows:
 )
 @click.option("--lines", type=int, default=6, show_default=True, help="Lines at most: 2 to 40.")
 @click.option("--slip", default="", metavar="KIND", help="The kind of the slip.  [default: any]")
+@click.option(
+    "--difficulty",
+    default="",
+    metavar="easy|medium|hard",
+    help="What it takes to see the slip: the line, its neighbours, mechanics.  [default: any]",
+)
+@click.option(
+    "--carried",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Lines behind that carry the slip on: 0 to 3.",
+)
 @click.option("--key", is_flag=True, help="Print the key instead of the page for students.")
 @click.option(
     "--lexicon/--no-lexicon",
@@ -81,14 +95,17 @@ def exercise(
     """Make a derivation with exactly one planted slip, and its key.
 
     TOPIC is the name of a derivation (eom exercise --list). A few of its lines are shown, one of them
-    false; eom check proves that it is that one and no other. The same topic and seed give the same
-    exercise. Example: eom exercise euler-equations --seed 3 --out sheet
+    false; eom check proves that it is that one and no other, or with --carried that those lines follow
+    from it. Of several exercises --out also writes a sheet with all solutions. The same topic and seed
+    give the same exercise. Example: eom exercise euler-equations --seed 3 --out sheet
     """
     out, as_json = rest.pop("out"), rest.pop("as_json")
     if listed:
         _list(as_json)
         return
     _check(topic, style, key, count, out, as_json)
+    if rest["carried"] and style == "moodle":
+        raise InputError("--carried is for pages: a question has one answer", hint="--as markdown")
     made = _made(topic, range(seed, seed + count), style == "moodle" and not as_json, rest)
     if as_json:
         _print_json(made)
@@ -140,13 +157,15 @@ def _printed(made: list[Exercise], style: str, key: bool, lexicon: bool) -> str:
 
 
 def _written(made: list[Exercise], style: str, lexicon: bool, out: Path) -> list[Path]:
-    from eom.exercises import marker, moodle, student
+    from eom.exercises import marker, moodle, solutions, student
 
     texts: dict[str, str] = {}
     for one in made:
         name = f"{one.asked.lesson.topic}-{one.asked.seed}"
         if style == "markdown":
             texts |= {f"{name}.md": student(one, lexicon), f"{name}-key.md": marker(one)}
+    if style == "markdown" and len(made) > 1:
+        texts[f"{made[0].asked.lesson.topic}-{made[0].asked.seed}-solutions.md"] = solutions(made)
     if style == "moodle":
         texts[f"{made[0].asked.lesson.topic}-{made[0].asked.seed}.xml"] = moodle(made)
     out.mkdir(parents=True, exist_ok=True)

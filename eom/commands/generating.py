@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,7 +40,7 @@ def _integrators() -> Rows:
     "--target",
     default="c",
     show_default=True,
-    metavar="c|c_f32|c_lanes|numpy|python|javascript",
+    metavar="c|c_f32|c_lanes|numpy|python|javascript|jax|matlab|fmu",
     help="Language.",
 )
 @click.option(
@@ -53,6 +53,15 @@ def _integrators() -> Rows:
     type=float,
     default=None,
     help="Tolerance that taylor's order suits.  [default: the scene's]",
+)
+@click.option(
+    "--fmi", metavar="3.0|2.0", help="Version of the standard, for the target fmu.  [default: 3.0]"
+)
+@click.option(
+    "--platform",
+    multiple=True,
+    metavar="NAME",
+    help="Of the target fmu: x86_64-linux, x86_64-windows, aarch64-darwin, ...  [default: this one]",
 )
 @click.option("--out", "folder", type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
@@ -70,12 +79,19 @@ def generate(scene: str, folder: Path | None, **options: Any) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
-    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
+    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js); jax
+    (pure functions, for jit, vmap and grad); matlab (for MATLAB and GNU Octave);
+    fmu (a functional mock-up unit with its integrator, for Simulink and Modelica tools).
     --out may be left out with --report.
     """
     if folder is None and not options["report"]:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
     chosen = scene_of(scene, rtol=options["rtol"])
+    unit = {name: options.pop(name) for name in ("fmi", "platform")}
+    if options["target"] == "fmu":
+        _write_fmu(chosen, folder, options, **unit)
+        return
+    _refuse_options(unit, f"--target {options['target']}")
     if options.pop("closed_form"):
         files = partial(_closed_form_files, chosen)
         _write_alone(files, "--closed-form", folder, options)
@@ -104,6 +120,38 @@ def _generate(
         report_files(write_files(files, folder))
 
 
+def _write_fmu(
+    scene: AnyScene,
+    folder: Path | None,
+    options: Mapping[str, Any],
+    fmi: str | None,
+    platform: Sequence[str],
+) -> None:
+    """Write a scene as a functional mock-up unit. Raises `InputError` for options of other targets."""
+    import codegen
+
+    _refuse_options(options, "--target fmu", but=("target", "rtol"))
+    assert folder is not None
+    how = scene.integration
+    values = scene.initial_values(), scene.parameter_values(), scene.input_values()
+    with waiting_for("writing the unit") as show:
+        path = codegen.write_fmu(
+            scene.derive(), folder, *values, (0.0, how.t_end), how.rtol, fmi or "3.0", platform or None,
+            compiling(show),
+        )  # fmt: skip
+    report_files([path])
+
+
+def _refuse_options(options: Mapping[str, Any], what: str, but: Sequence[str] = ()) -> None:
+    """Raise `InputError` for an option that was given and does not go with another."""
+    for name, value in options.items():
+        if value and name not in but:
+            raise InputError(
+                f"--{name.replace('_', '-')} does not go with {what}",
+                hint=f"leave out --{name.replace('_', '-')}",
+            )
+
+
 def _write_alone(
     files: Callable[[], Mapping[str, str]],
     what: str,
@@ -113,9 +161,7 @@ def _write_alone(
     """Write files that no option of the others changes. Raises `InputError` for such an option."""
     from codegen.compiling.compiled import write_files
 
-    for name, value in options.items():
-        if value and (name, value) != ("target", "c"):
-            raise InputError(f"--{name} does not go with {what}", hint=f"leave out --{name}")
+    _refuse_options(options, what, but=("target",) if options["target"] == "c" else ())
     assert folder is not None
     report_files(write_files(files(), folder))
 

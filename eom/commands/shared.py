@@ -86,7 +86,7 @@ target_option = click.option(
     "--target",
     default="auto",
     show_default=True,
-    metavar="c|numpy|python|auto",
+    metavar="c|numpy|python|jax|auto",
     help="What to compile for.",
 )
 EVERY = "all"

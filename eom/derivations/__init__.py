@@ -28,6 +28,19 @@ _MAKERS = {
         "Dynamics of a system of point masses",
     ),
     "variable-mass": ("variablemass", "variable_mass", "Particles", "A body whose mass changes"),
+    "rocket-equation": (
+        "rocket",
+        "rocket_equation",
+        "Particles",
+        "The rocket: Tsiolkovsky's logarithm",
+    ),
+    "collisions": ("collisions", "collisions", "Particles", "Collisions and blows"),
+    "virtual-work": (
+        "virtualwork",
+        "virtual_work",
+        "Particles",
+        "From d'Alembert's principle to Lagrange's and Kane's equations",
+    ),
     "transport-theorem": (
         "rotation",
         "transport_theorem",
@@ -76,6 +89,18 @@ _MAKERS = {
         "spinning_symmetric_body",
         "Spinning bodies",
         "The 3-1-2 spinning symmetric body",
+    ),
+    "heavy-symmetric-top": (
+        "heavytop",
+        "heavy_symmetric_top",
+        "Spinning bodies",
+        "The heavy symmetric top",
+    ),
+    "gravity-gradient-stability": (
+        "gravitygradient",
+        "gravity_gradient_stability",
+        "Spacecraft",
+        "Stability under the gravity gradient",
     ),
     "gyrostat": (
         "gyrostat",

@@ -1,4 +1,4 @@
-"""What was corrected in the lectures' displayed equations, or read through, by identifier."""
+"""What was corrected in the lectures' displayed equations and claims, or read through, by identifier."""
 
 from __future__ import annotations
 
@@ -31,3 +31,18 @@ NOTES = {
     "002:E31": "the factor C_BA between C_AB and the second rho is missing",
 }
 """What was corrected, or read through."""
+
+CLAIMS = {
+    "000:C1": "Euler's equation about an inertially fixed point: it must be fixed in the body, too",
+    "000:C2": "free rates change unless omega is along a principal axis; of a sphere, never",
+    "000:C3": "free rates are constant if omega is along a principal axis, not any one axis",
+    "000:C4": "constant rates need neither: a torque omega x J.omega keeps any rates, and without "
+    "torque degenerate bodies keep rates along axes of their choice",
+    "000:C5": "the magnitude of H_C is constant in all frames: without torque",
+    "000:C6": "the energy of rotation is constant: without torque",
+    "002:C1": "J is symmetric; positive definite unless all mass lies on a line through O",
+    "002:C2": "E is a rotation only for unit eigenvectors in right-handed order",
+    "002:C3": "any continuum moves, in translation, like a point mass at its centre",
+    "002:C4": "the second term of the torque vanishes about a fixed point and the centre of mass",
+}
+"""What the lectures claim in words, with what it takes to be true."""

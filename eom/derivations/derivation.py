@@ -8,26 +8,38 @@ nothing can decide, raises `DerivationError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
 
 from eom.derivations.derived import Derived
-from eom.derivations.reached import KINDS, RESULT, Path, is_tautology, meets, smallest
+from eom.derivations.reached import (
+    ASSUMPTION,
+    KINDS,
+    RESULT,
+    Path,
+    is_tautology,
+    meets,
+    smallest,
+)
 from eom.derivations.refuted import disagreement
 from eom.derivations.steps import Step
 from eom.derivations.verification import (
     FALSE,
     IDENTITY,
+    SIGN_WORLDS,
     DerivationError,
+    check_signs,
     decide,
     has_meaning,
     verify,
 )
 from eom.errors import InputError, typed, typed_fields
 from eom.expressions import as_expression
+from eom.fields import RATIONALS
 from eom.terms import rules
 from eom.terms.own import Law, Own, OwnBody, OwnFrame
 from eom.terms.rules import Rule, Trace
@@ -43,6 +55,7 @@ from eom.terms.terms import (
     cross,
     der,
     expr,
+    mul,
     nodes,
     zero,
 )
@@ -51,6 +64,12 @@ from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import worlds
 from eom.worlds.own import Furnished
 from eom.worlds.worlds import closure
+
+SIGNS = "sum of products that are not negative"
+"""The evidence of what follows from the signs of its factors."""
+
+OF_NEW = "it sets what is new in it"
+"""The evidence of what was computed of a quantity that nothing had been said of."""
 
 
 @dataclass(frozen=True)
@@ -124,19 +143,23 @@ class Chain:
         *others: Chain,
         label: str = "",
         states: Iterable[str] = (),
+        unknowns: Sequence[Any] = (),
     ) -> Chain:
         """State what follows from this line, and from ``others``, by an inference.
 
         ``reason``: why, in words; ``inference``: a row of `eom.terms.rules.inferences`; ``label``,
-        ``states``: see `then`. Raises `InputError` where it does not apply, and as `then` does.
+        ``states``: see `then`; ``unknowns``: coordinates of which nothing was said yet, that keep this
+        line from here on, as `Derivation.determine` says. Raises `InputError` where it does not apply, and
+        as `then` does.
         """
         with rules.traced() as trace:
             rules.noted(inference.words)
             line = inference.conclude(self.equation, *(o.equation for o in others))
         if line == self.equation:
             raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
-        path = self._path(trace, *others)
-        return self.maker.state(line, reason, label=label, states=states, path=path)
+        path = replace(self._path(trace, *others), evidence=OF_NEW if unknowns else "")
+        with self.maker.kept(line, unknowns):
+            return self.maker.state(line, reason, label=label, states=states, path=path)
 
     def turned(self, reason: str, *, label: str = "", states: Iterable[str] = ()) -> Chain:
         """State ``right = left``.
@@ -148,6 +171,12 @@ class Chain:
             rules.noted("sides exchanged")
         path = self._path(trace)
         return self.maker.state(sides, reason, label=label, states=states, path=path)
+
+
+def _is_known(term: Term, scalars: Mapping[Any, Term]) -> bool:
+    """Return whether all symbols of a term, and those in what they stand for, have a meaning."""
+    used = {s for n in nodes(term) if n.head == "expr" for s in n.data[0].free_symbols}
+    return all(s in scalars and _is_known(scalars[s], scalars) for s in used)
 
 
 @typed_fields
@@ -275,14 +304,42 @@ class Derivation:
             raise DerivationError("this name is taken, or is none", where=self.name, got=name)
 
     @typed
+    def configure(self, *coordinates: Any) -> None:
+        """Let the places of all particles be functions of ``coordinates`` (symbols), and of time.
+
+        Their slopes are any vectors; forces of constraints do no virtual work along them. Raises
+        `DerivationError` for what is no coordinate.
+        """
+        meanings = [self.scalars.get(s) for s in coordinates]
+        for symbol, meaning in zip(coordinates, meanings, strict=True):
+            if meaning is None or meaning.data[:1] != ("coordinate",):
+                raise DerivationError("this is no coordinate", where=self.name, got=symbol)
+        self.own.configured = tuple(str(m.data[1]) for m in meanings if m is not None)
+
+    @typed
     def determine(
-        self, equation: Equation, *unknowns: Any, reason: str = "law of the motion"
+        self,
+        equation: Equation,
+        *unknowns: Any,
+        reason: str = "law of the motion",
+        **options: Any,
     ) -> Chain:
         """State a law or a constraint that motions keep from here on.
 
         ``equation``: the law; ``unknowns``: the coordinates (symbols) that obey it, whose highest rates
-        stand linearly in it; ``reason``: in words. Raises `DerivationError` or another `InputError` where
-        these rates cannot be had from it, or where it is at odds with a law before; nothing is kept then.
+        stand linearly in it; ``reason``: in words; ``options``: see `state`. Raises `DerivationError` or
+        another `InputError` where these rates cannot be had from it, or where it is at odds with a law
+        before; nothing is kept then.
+        """
+        with self.kept(equation, unknowns):
+            return self.law(equation, reason, **options)
+
+    @contextmanager
+    def kept(self, equation: Equation, unknowns: Sequence[Any]) -> Iterator[None]:
+        """Return a context from which on ``unknowns``, coordinates, keep an ``equation``.
+
+        Nothing is kept without any, and where an error is raised within. Raises `DerivationError` for
+        what is no coordinate.
         """
         for symbol in unknowns:
             meaning = self.scalars.get(symbol)
@@ -291,9 +348,12 @@ class Derivation:
                 raise DerivationError(
                     "a law determines coordinates", where=self.name, got=symbol, expected=expected
                 )
-        self.own.laws.append(Law(self._carried(equation), unknowns))
+        if not unknowns:
+            yield
+            return
+        self.own.laws.append(Law(self._carried(equation), tuple(unknowns)))
         try:
-            return self.law(equation, reason)
+            yield
         except InputError:
             self.own.laws.pop()
             raise
@@ -323,12 +383,15 @@ class Derivation:
     def _worlds(self) -> Furnished:
         """Return worlds with what stands so far: the same as long as nothing new is said."""
         own = self.own
-        named = (self.scalars, own.frames, own.points, own.bodies)
-        key = (*(tuple(part.items()) for part in named), tuple(own.laws))
+        named = (own.frames, own.points, own.bodies)
+        key = (*(tuple(part.items()) for part in named), tuple(own.laws), own.configured)
         if self._drawn is None or self._drawn[0] != key:
-            scalars = {s: self._carry(t) for s, t in self.scalars.items()}
-            self._drawn = key, Furnished(own, scalars)
-        return self._drawn[1]
+            self._drawn = key, Furnished(own, {})
+        drawn = self._drawn[1]
+        for s, t in self.scalars.items():  # what is new was not there when laws were stated
+            if s not in drawn.scalars:
+                drawn.scalars[s] = self._carry(t)
+        return drawn
 
     def _verified(self, equation: Equation, reason: str) -> str:
         where = f"{self.name}: {reason}"
@@ -467,7 +530,8 @@ class Derivation:
         that it is; ``path``: how a result was reached. Raises `DerivationError` for a line that is false,
         undecided, trivial or stated before, for a label that is taken and for other kinds.
         """
-        evidence = self._verified(equation, reason)
+        checked = self._summed(equation, path, reason)
+        evidence = self._verified(checked, reason)
         name = label or f"s{len(self.steps) + 1}"
         self._check_new(equation, name, kind)
         follows = path.sources(self.stated, f"{self.name}: {reason}") if path else ()
@@ -477,14 +541,59 @@ class Derivation:
             reason,
             kind,
             tuple(states),
-            self._needed(equation, reason, evidence),
-            evidence,
+            self._needed(checked, reason, evidence),
+            (path.evidence if path else "") or (SIGNS if checked != equation else evidence),
             follows,
             tuple(path.trace.words) if path else (),
         )
         self.steps.append(step)
         self.stated[equation] = name
         return Chain(self, step)
+
+    def _summed(self, equation: Equation, path: Path | None, reason: str) -> Equation:
+        """Return what is to be verified of a line; of a sign, that its left side is a sum of products."""
+        products = path.trace.products if path else ()
+        if not path or not products:
+            return equation
+        lines = [line for line, label in self.stated.items() if label in path.lines]
+        check_signs(products, lines, self.scalars, f"{self.name}: {reason}")
+        return Equation(equation.left, add(*(mul(*factors) for factors in products)))
+
+    def suppose(self, equation: Equation, reason: str, **options: Any) -> Chain:
+        """State a condition ``a >= 0``, which holds of some motions or bodies: of those that are meant.
+
+        ``equation``: the condition; ``reason``: in words; ``options``: ``label``, ``states``, see `state`.
+        Lines follow from it by `eom.terms.rules.inferences.signs`. Raises `DerivationError` for what is no
+        such condition, or holds nowhere.
+        """
+        if equation.relation != ">=" or not equation.right.is_zero:
+            expected = "something that is not negative, >= 0"
+            raise DerivationError("this is no condition", where=self.name, expected=expected)
+        if not self._is_possible(equation.left):
+            raise DerivationError("no world meets this condition", where=self.name, got=reason)
+        name = options.get("label") or f"s{len(self.steps) + 1}"
+        self._check_new(equation, name, ASSUMPTION)
+        states = tuple(options.get("states", ()))
+        step = Step(name, equation, reason, ASSUMPTION, states, (), "supposed")
+        self.steps.append(step)
+        self.stated[equation] = name
+        return Chain(self, step)
+
+    def _is_possible(self, term: Term) -> bool:
+        """Return whether a scalar is not negative in some world, whatever laws say of the motion there.
+
+        Of letters that stand for no term nothing is known.
+        """
+        free, carried = Furnished(replace(self.own, laws=[]), {}), self._carry(term)
+        scalars = {s: self._carry(t) for s, t in self.scalars.items()}
+        free.scalars.update(scalars)
+        if not _is_known(carried, scalars):
+            return True
+        found = (
+            Evaluator(world, scalars).lowest(carried)
+            for world in free(self.assumed, SIGN_WORLDS, field=RATIONALS)
+        )
+        return any(value >= 0 for value in found)
 
     def _check_new(self, equation: Equation, name: str, kind: str) -> None:
         """Refuse a label that is taken, an unknown kind, a tautology, and what stands there already."""
@@ -511,6 +620,24 @@ class Derivation:
             if step.label == label:
                 return Chain(self, step)
         raise DerivationError("no step with this label", where=self.name, got=label)
+
+    def chain_of(self, named: Any) -> Chain:
+        """Return the chain of the line that defines a quantity or a symbol, ``named``: see `definition_of`.
+
+        Raises `InputError` as that does.
+        """
+        return self.recall(self.stated[self.definition_of(named)])
+
+    def definition_of(self, named: Any) -> Equation:
+        """Return the line that defines a quantity or a symbol here.
+
+        ``named``: a term, or a SymPy symbol. Raises `InputError`, a `DerivationError` where none does.
+        """
+        term = as_term(named)
+        found = next((e for e in self.stated if e.left == term and e.relation == ":="), None)
+        if found is None:
+            raise DerivationError("nothing defines this here", where=self.name, got=named)
+        return found
 
     def in_components(
         self, chain: Chain, frame: str, reason: str, *applied: Rule, **options: Any

@@ -6,6 +6,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.rotation import name_spin
@@ -283,8 +284,9 @@ def _major_axis(d: Derivation) -> tuple[tuple[Expr, Expr], ...]:
         ),
         "the energy above that of a spin about b3 with the same momentum, squares completed: if I3 "
         "is the greatest moment, no factor is negative, and the least energy is in that spin with "
-        "the slug at rest. As energy falls until the slug rests and momentum stays, the motion "
-        "ends there: the major-axis rule",
+        "the slug at rest. As energy falls as long as the slug slips and momentum stays, the motion "
+        "ends in a steady spin, and of these it is the one without energy to lose: the major-axis "
+        "rule",
         put_in(energy.equation, square.equation),
         label="excess",
     )
@@ -367,7 +369,7 @@ def _routh_hurwitz(d: Derivation) -> None:
     first, second = I3 - I1, I3 - I2
     slow = 2 * Js**5 * c**2 * nu**4 * (I3 + Js) * (I3 - I1 - I2) ** 2
     fast = Js**3 * c**4 * nu**2 * (I3 + Js) * (2 * I1 * I2 + I1 * Js + I2 * Js)
-    d.show(
+    determinant = d.show(
         Equation(
             expr(sp.Determinant(sp.ImmutableMatrix([[p3, p1, 0], [p4, p2, p0], [0, p3, p1]]))),
             expr(
@@ -382,6 +384,43 @@ def _routh_hurwitz(d: Derivation) -> None:
         determinants,
         put_in(*(line.equation for line in named)),
         label="hurwitz",
+    )
+    _hurwitz_sign(d, determinant)
+
+
+def _hurwitz_sign(d: Derivation, determinant: Chain) -> None:
+    """Derive the sign of the determinant where I3 is the greatest moment."""
+    I1, I2, I3 = MOMENTS
+    Js, c, nu = model.SLUG, model.DAMPING, steady.SPIN_RATE
+    first, second = I3 - I1, I3 - I2
+    positive = (
+        (s, f"{words} not negative", f"{s}-positive")
+        for s, words in (
+            *((moment, "a moment is") for moment in MOMENTS),
+            (Js, "that of the slug is"),
+        )
+    )
+    known = let(
+        d,
+        *positive,
+        (first, "let I3 be the greatest moment: above I1", "I3-above-I1"),
+        (second, "and above I2", "I3-above-I2"),
+    )
+    size, both = 2 * I1 * I2 + I1 * Js + I2 * Js, I3 + Js
+    for value, products, words, label in (
+        (both, ((I3,), (Js,)), "so is their sum", "I3-and-slug"),
+        (size, ((2 * sp.S.One, I1, I2), (I1, Js), (I2, Js)), "and this sum", "moments-and-slug"),
+    ):
+        known.append(so(known, value, products, words, label))
+    slow = (sp.Integer(2), Js**5, c**2, nu**4, both, (I3 - I1 - I2) ** 2)
+    fast = (Js**3, c**4, nu**2, both, size)
+    pairs = ((I1, first), (Js, first), (I2, second), (Js, second))
+    so(
+        [determinant, *known],
+        determinant.equation.right.expression,
+        ((*slow, I2, first), (*slow, I1, second), *((*fast, *pair) for pair in pairs)),
+        "then the determinant is not negative",
+        "hurwitz-sign",
     )
 
 

@@ -35,9 +35,11 @@ from eom.terms.terms import (
     dot,
     expr,
     matmul,
+    mul,
+    number,
     zero,
 )
-from eom.terms.vocabulary import omega, quantity, velocity
+from eom.terms.vocabulary import omega, position, quantity, velocity
 
 W = omega()
 J = quantity("inertia", "C")
@@ -109,6 +111,21 @@ def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
     d.start(der(W)).then(
         "the transport theorem", transport("B"), label="omega-rate", states=["000:E22"]
     ).then("omega x omega = 0", parallel, distribute, label="omega-rates-equal")
+    d.in_components(
+        d.recall("local-terms"),
+        "B",
+        "the same in components in B",
+        label="local-terms-matrix",
+        states=["000:E21"],
+    )
+    d.in_components(
+        d.recall("local"),
+        "B",
+        "and where J does not change; omega has one rate in both frames",
+        use(d.recall("omega-rates-equal").equation, backwards=True),
+        label="local-matrix",
+        states=["000:E21"],
+    )
     seen.then(
         "with h = J.omega",
         use(local.equation),
@@ -200,6 +217,43 @@ def _where_valid(d: Derivation) -> None:
         "the centre of mass; fixed in space alone would not do, as J_O would change in B",
         use(still.equation),
         label="euler-pivot",
+        states=["000:C1"],
+    )
+    _passed_by(d)
+
+
+def _passed_by(d: Derivation) -> None:
+    """Derive the torque about a point that is fixed in space alone: Euler's equation fails there."""
+    h, torque = (quantity(n, "body", "O") for n in ("angular_momentum", "torque"))
+    arm, whole = position("C", "O"), quantity("total_mass", "body")
+    d.only("newton_2", "third_law_strong", "constant_mass", "O_fixed_in_space")
+    law = d.law(
+        Equation(torque, der(h)),
+        "about a point that is fixed in space the torque is the rate of the angular momentum",
+        label="law-fixed-point",
+    )
+    constant = d.given(
+        Equation(der(whole), number(0)), "the mass is constant", label="mass-constant"
+    )
+    rate = d.law(
+        Equation(h, add(H, mul(whole, cross(arm, der(arm))))),
+        "angular momentum about O: that about the centre of mass, and that of its motion",
+        label="h-about-O",
+    ).both(
+        "differentiate",
+        der,
+        differentiate,
+        use(constant.equation),
+        parallel,
+        distribute,
+        label="h-about-O-rate",
+    )
+    law.then(
+        "where the body only passes O. One that does not turn has omega = 0: every term of Euler's "
+        "equation about O is zero, and this torque is not, unless its centre moves steadily or along "
+        "the line to O. So the point has to be fixed in the body, too",
+        use(rate.equation),
+        label="passed-by",
         states=["000:C1"],
     )
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.rotation import name_spin
@@ -251,4 +252,25 @@ def _by_axial_momentum(d: Derivation, system: System, across: Chain) -> None:
         put_in(momentum.equation),
         entrywise(_by_powers),
         label="dual-spin-stability",
+    )
+    _dual_spin_sign(d, h.equation.left.expression)
+
+
+def _dual_spin_sign(d: Derivation, h: Expr) -> None:
+    """Derive that what is free of lambda is not negative where the momentum is large."""
+    I2, I3 = (next(s for s in d.letters if s.name == name) for name in ("I2", "I3"))
+    above = [h - moment * SPIN_RATE for moment in (I2, I3)]
+    given = let(
+        d,
+        *(
+            (e, "let the momentum along the axis be large", f"above-{moment}")
+            for e, moment in zip(above, (I2, I3), strict=True)
+        ),
+    )
+    so(
+        given,
+        above[0] * above[1],
+        ((above[0], above[1]),),
+        "then -lambda^2 is not negative, whatever the order of the moments: dual spin is stable",
+        "dual-spin-sign",
     )

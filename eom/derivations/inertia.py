@@ -17,6 +17,8 @@ from eom.terms.rules import (
     by_way_of,
     combine,
     components,
+    compute,
+    determinants,
     distribute,
     everywhere,
     fold_into,
@@ -51,6 +53,8 @@ from eom.terms.terms import (
     column,
     cross,
     dot,
+    entries,
+    expr,
     integral,
     inverse,
     make,
@@ -76,6 +80,7 @@ def inertia_properties() -> Derived:
     form = _sign(d)
     _thin_rod(d)
     _triangle(d, form)
+    _places(d)
     _rotation(d)
     _shift(d)
     _principal(d)
@@ -181,6 +186,17 @@ def _moment(d: Derivation, quadratic: Chain, k: int) -> Chain:
     )
 
 
+def _places(d: Derivation) -> None:
+    """State the same place along the axes of both frames."""
+    for frame in ("A", "B"):
+        d.start(RHO).then(
+            f"the place of an element, along the axes of {frame}",
+            resolved(RHO, frame),
+            label=f"place-{frame}",
+            states=["002:E29"],
+        )
+
+
 def _rotation(d: Derivation) -> None:
     d.only()
     in_A, in_B = column(RHO, "A"), column(RHO, "B")
@@ -218,7 +234,7 @@ def _rotation(d: Derivation) -> None:
         use(by_A.equation),
         distribute,
         label="J-rotated",
-        states=["002:E32"],
+        states=["002:E32", "002:E36"],
     )
     _every_dyadic(d)
 
@@ -298,8 +314,38 @@ def _principal(d: Derivation) -> None:
         states=["000:E17", "002:C2"],
     )
     _principal_about(d, "C", sp.symbols("lambda_1:4", positive=True), ("000:E17", "000:E18"))
+    _no_rotation(d)
     d.only("principal_at_O", "principal_axes", "A_fixed_in_body")
     _principal_about(d, "O", sp.symbols("mu_1:4", positive=True), ())
+
+
+def _no_rotation(d: Derivation) -> None:
+    """Refute that any matrix of eigenvectors is a rotation: one that is stretched, one left-handed."""
+    values = sp.diag(*sp.symbols("lambda_1:4", positive=True))
+    cases = (
+        ("stretched", sp.diag(2, 1, 1), "the first eigenvector twice as long"),
+        ("exchanged", sp.Matrix([[0, 1, 0], [1, 0, 0], [0, 0, 1]]), "the first two exchanged"),
+    )
+    for name, E, words in cases:
+        d.start(matmul(matmul(entries(E.inv()), entries(values)), entries(E))).then(
+            f"columns of E that are eigenvectors, with {words}: E^-1 J E is diagonal all the same",
+            compute(),
+            label=f"{name}-diagonal",
+            states=["002:C2"],
+        )
+    stretched, exchanged = (E for _, E, _ in cases)
+    d.start(matmul(transpose(entries(stretched)), entries(stretched))).then(
+        "but its transpose is not its inverse: this E is no rotation",
+        compute(),
+        label="stretched-no-rotation",
+        states=["002:C2"],
+    )
+    d.start(expr(sp.Determinant(sp.ImmutableMatrix(exchanged)))).then(
+        "and of the other the determinant is not 1: it mirrors",
+        determinants,
+        label="exchanged-no-rotation",
+        states=["002:C2"],
+    )
 
 
 def _principal_about(

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eom.derivations import derive, names
-from eom.derivations.corrections import NOTES
+from eom.derivations.corrections import CLAIMS, NOTES
 
 DISPLAYS = {"000": 39, "001": 14, "002": 39}
 """How many equations each lecture displays."""
@@ -25,22 +25,6 @@ NUMBERS = {
 
 NO_EQUATION = {"001:E9": "a remark that the missing term is no slip, not an equation"}
 """Displays that state nothing."""
-
-CLAIMS = {
-    "000:C1": "Euler's equation about an inertially fixed point: it must be fixed in the body, too",
-    "000:C2": "free rates change unless omega is along a principal axis; of a sphere, never",
-    "000:C3": "free rates are constant if omega is along a principal axis, not any one axis",
-    "000:C4": "constant rates need neither: a torque omega x J.omega keeps any rates, and without "
-    "torque degenerate bodies keep rates along axes of their choice",
-    "000:C5": "the magnitude of H_C is constant in all frames: without torque",
-    "000:C6": "the energy of rotation is constant: without torque",
-    "002:C1": "J is symmetric; positive definite unless all mass lies on a line through O",
-    "002:C2": "E is a rotation only for unit eigenvectors in right-handed order",
-    "002:C3": "any continuum moves, in translation, like a point mass at its centre",
-    "002:C4": "the second term of the torque vanishes about a fixed point and the centre of mass",
-}
-"""What the lectures claim in words, with what it takes to be true."""
-
 
 _REMARKS = {**NOTES, **NO_EQUATION, **CLAIMS}
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sympy as sp
+
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.pointmass import SPLIT
@@ -26,7 +28,7 @@ from eom.terms.rules import (
     use,
     vanish,
 )
-from eom.terms.rules.inferences import renamed, solved
+from eom.terms.rules.inferences import divided, renamed, solved
 from eom.terms.terms import Equation, Term, add, cross, der, mul, number, relabel, total, zero
 from eom.terms.vocabulary import mass, position, quantity, velocity
 
@@ -39,6 +41,7 @@ TOTAL_MASS = quantity("total_mass", "system")
 INTERNAL = quantity("internal_force", "i", "j")
 OPPOSITE = quantity("internal_force", "j", "i")
 RESULTANT = add(quantity("force", "i"), total(INTERNAL, "j"))
+TOTAL = sp.Symbol("m", real=True)
 SPLIT_I = Equation(relabel(SPLIT.left, {"P": "i"}), relabel(SPLIT.right, {"P": "i"}))
 
 
@@ -91,6 +94,7 @@ def _centre_of_mass(d: Derivation) -> None:
         label="centre",
         states=["002:E7"],
     )
+    mean_position(d, centre, TOTAL_MASS, ["002:E7"])
     twice = centre.both(
         "differentiate twice; masses are constant",
         lambda t: differentiate_constant(der(t, times=2)),
@@ -99,7 +103,34 @@ def _centre_of_mass(d: Derivation) -> None:
     )
     d.assume("newton_2", "third_law_weak")
     force = use(d.recall("external-force").equation, backwards=True)
-    twice.then("the sum is the external force", force, label="motion-of-centre", states=["002:E8"])
+    twice.then(
+        "the sum is the external force",
+        force,
+        label="motion-of-centre",
+        states=["002:E8", "002:E9"],
+    )
+    _momentum(d, centre)
+
+
+def mean_position(d: Derivation, centre: Chain, mass: Term, states: list[str]) -> None:
+    """Derive the place of the centre of mass as a quotient: the mean of all places."""
+    centre.infer(
+        "divided by the whole mass: the mean position, each place weighted by the mass there",
+        divided(position("C")),
+        d.name_scalar(TOTAL, mass, "mass of all together", label="m"),
+        label="mean-position",
+        states=states,
+    )
+
+
+def _momentum(d: Derivation, centre: Chain) -> None:
+    """Derive the momentum of the system by the motion of its centre of mass."""
+    d.define(
+        quantity("linear_momentum", "i"),
+        "linear momentum of each mass",
+        label="momentum-i",
+        states=["002:E9"],
+    )
     p = d.define(MOMENTUM, "linear momentum of the system", label="momentum")
     once = centre.both(
         "differentiate", lambda t: differentiate_constant(der(t)), differentiate_constant
@@ -132,6 +163,12 @@ def differentiate_constant(term: Term) -> Term:
 def _absolute_momentum(d: Derivation) -> None:
     d.only()
     split = d.law(SPLIT_I, "position by way of O", label="split")
+    d.define(
+        quantity("absolute_angular_momentum", "i", "O"),
+        "absolute angular momentum of each mass about O",
+        label="H-i",
+        states=["002:E10"],
+    )
     definition = d.define(
         H, "absolute angular momentum about O", label="H-definition", states=["002:E10"]
     )

@@ -27,10 +27,14 @@ KINDS = (LAW, DEFINITION, ASSUMPTION, RESULT)
 
 @dataclass(frozen=True)
 class Path:
-    """How a result was reached: the labels of its ``lines``, and the ``trace`` of its rules."""
+    """How a result was reached: the labels of its ``lines``, and the ``trace`` of its rules.
+
+    ``evidence``: how it was verified, where that is not by worlds.
+    """
 
     lines: tuple[str, ...]
     trace: Trace
+    evidence: str = ""
 
     def sources(self, stated: Mapping[Equation, str], where: str) -> tuple[str, ...]:
         """Return the lines that the result follows from, in order.

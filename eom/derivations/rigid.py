@@ -8,7 +8,7 @@ import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.particles import differentiate_constant
+from eom.derivations.particles import differentiate_constant, mean_position
 from eom.derivations.rotation import explicit
 from eom.mass.inertia import inertia_of_second_moments
 from eom.terms.rules import (
@@ -45,6 +45,7 @@ from eom.terms.terms import (
     matmul,
     mul,
     tilde,
+    total,
     zero,
 )
 from eom.terms.vocabulary import definition, omega, position, quantity, velocity
@@ -85,6 +86,19 @@ def _linear(d: Derivation) -> None:
         label="centre",
         states=["002:E20"],
     )
+    mean_position(d, centre, BODY_MASS, ["002:E20"])
+    _force(d, centre)
+
+
+def _force(d: Derivation, centre: Chain) -> None:
+    """Derive the motion of the centre of mass from Newton's law for every element."""
+    d.law(
+        Equation(der(MOMENTUM), total(der(quantity("linear_momentum", "dm")), "dm", "elements")),
+        "momenta add, and so do their rates",
+        label="momentum-elements",
+        states=["002:E19"],
+    )
+    d.define(FORCE, "external force on all elements", label="force-elements", states=["002:E19"])
     rate = d.define(MOMENTUM, "linear momentum", label="momentum").both(
         "differentiate; the mass of each element is constant",
         der,
@@ -183,7 +197,7 @@ def _about_centre(d: Derivation) -> None:
         states=["000:E10"],
     )
     spin = d.recall("h-centre").then(
-        "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11"]
+        "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11", "000:E32"]
     )
     turned = spin.then("omega x r = - r x omega", swap(W, R), distribute)
     d.in_components(
@@ -196,6 +210,13 @@ def _about_centre(d: Derivation) -> None:
         states=["000:E14"],
     )
     to_dyadic(spin, "C", label="h-inertia", states=("000:E15", "000:E20"))
+    d.in_components(
+        d.recall("h-inertia"),
+        "B",
+        "in components in B, as the lecture writes it: the inertia matrix times the column of omega",
+        label="h-inertia-matrix",
+        states=["000:E15", "000:E20"],
+    )
 
 
 def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = ()) -> Chain:

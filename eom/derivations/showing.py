@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 import sympy as sp
 
-from eom.derivations.corrections import NOTES
+from eom.derivations.corrections import CLAIMS, NOTES
 from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
 from eom.derivations.wording import frames_of, letters_in_words
@@ -392,6 +392,9 @@ def _place(k: int, count: int) -> Symbol:
     return Symbol(f"{k // size + 1}{k % size + 1}" if size > 1 else str(k + 1))
 
 
+_SAID = {**NOTES, **CLAIMS}
+"""What is said beside the tag of a display or claim."""
+
 MUNDANE = frozenset(
     {
         "the same on both sides",
@@ -428,7 +431,7 @@ class _Notes:
         self.told.update(new)
         under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
         evidence = "" if step.by and step.evidence.startswith("held") else step.evidence
-        states = (f"{s} ({NOTES[s]})" if s in NOTES else s for s in step.states)
+        states = (f"{s} ({_SAID[s]})" if s in _SAID else s for s in step.states)
         parts = [kind, *states, self._origin(step), f"under {under}" if under else "", evidence]
         remarks = "; ".join(p for p in parts if p)
         assumed = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in new)

@@ -6,6 +6,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.rotation import explicit, name_spin, principal_matrix
@@ -355,6 +356,31 @@ def _stability(d: Derivation, rates: list[Chain]) -> None:
         squared = steady.steady_spin(k).squared_growth_rate
         factors = steady.ROOT * (steady.ROOT**2 - squared)
         d.check(Equation(polynomial.equation.left, expr(factors)), "the library has the same")
+    _signs(d)
+
+
+def _signs(d: Derivation) -> None:
+    """Derive the signs of the squared growth rates where the moments are in order."""
+    I1, I2, I3 = MOMENTS
+    squared = [steady.steady_spin(k).squared_growth_rate for k in (1, 2, 3)]
+    given = let(
+        d,
+        (I2 - I1, "let I1 be the least moment", "I1-least"),
+        (I3 - I2, "and I3 the greatest", "I3-greatest"),
+        *((moment, "moments are not negative", f"{moment}-positive") for moment in MOMENTS),
+    )
+    nu = steady.SPIN_RATE**2
+    given.append(so(given[:2], I3 - I1, ((I2 - I1,), (I3 - I2,)), "both together", "I3-above-I1"))
+    least = ((nu, I2 - I1, I3 - I1, 1 / I2, 1 / I3),)
+    greatest = ((nu, I3 - I1, I3 - I2, 1 / I1, 1 / I2),)
+    middle = ((nu, I2 - I1, I3 - I2, 1 / I1, 1 / I3),)
+    first, second, third = (d.recall(f"growth-{k}") for k in (1, 2, 3))
+    for line, value, products, words, label in (
+        (first, -squared[0], least, "-lambda^2 at the least moment: it oscillates", "least"),
+        (third, -squared[2], greatest, "and at the greatest one: stable, too", "greatest"),
+        (second, squared[1], middle, "lambda^2 at the third one: a deviation grows", "middle"),
+    ):
+        so([line, *given], value, products, words, f"{label}-sign")
 
 
 def _across(rates: list[Chain], k: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -10,11 +10,12 @@ import sympy as sp
 from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.exact.integrals import antiderivative
+from eom.exact.numbers import SIGNED
 from eom.fields import RATIONALS, Singular
 from eom.terms import rules
 from eom.terms.terms import MATRIX, SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import definition
-from eom.worlds.evaluate import Evaluator
+from eom.worlds.evaluate import Evaluator, is_signed
 from eom.worlds.generators import worlds
 from eom.worlds.worlds import World
 
@@ -26,6 +27,9 @@ WORLDS = 3
 
 SIGN_WORLDS = 30
 """Worlds in which a false sign may show: it is right by chance in half of them."""
+
+SIGNED_TRIALS = 40
+"""Worlds of numbers with a sign that are drawn where there are logarithms: they need positive ones."""
 
 IDENTITY = "exact identity"
 """The evidence of what holds whatever the symbols stand for."""
@@ -92,7 +96,12 @@ def decide(
 ) -> bool:
     """Return whether an equation holds in ``count`` worlds; worlds where it is undefined are skipped."""
     found = 0
-    draws = drawn(assumptions, 4 * count)
+    signed = any(
+        is_signed(e, scalars)
+        for side in (equation.left, equation.right)
+        for e in written(side, scalars)
+    )
+    draws = drawn(assumptions, SIGNED_TRIALS, SIGNED) if signed else drawn(assumptions, 4 * count)
     for world in draws:
         try:
             if not Evaluator(world, scalars).holds(equation):
@@ -105,11 +114,20 @@ def decide(
     raise DerivationError("the statement is undefined in every world that was drawn")
 
 
+def written(term: Term, scalars: Scalars) -> Iterator[Any]:
+    """Yield the SymPy expressions in a term, and in what their symbols stand for."""
+    for node in nodes(term):
+        if node.head == "expr":
+            yield node.data[0]
+            for s in node.data[0].free_symbols & scalars.keys():
+                yield from written(scalars[s], scalars)
+
+
 def is_plain(equation: Equation) -> bool:
     """Return whether both sides are made of SymPy expressions alone."""
     parts = [n for side in (equation.left, equation.right) for n in nodes(side)]
     return all(n.args or n.head in {"expr", "zero"} for n in parts) and not any(
-        n.head in {"der", "sum", "integral", "column"} for n in parts
+        n.head in {"der", "sum", "integral", "column", "start", "since", "at"} for n in parts
     )
 
 
@@ -124,8 +142,15 @@ def _is_identity(equation: Equation, scalars: Scalars) -> bool:
     known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
     return all(
-        vanishes(carried_out(a.xreplace(known)) - carried_out(b.xreplace(known))) for a, b in pairs
+        vanishes(carried_out(_spelt(a, known)) - carried_out(_spelt(b, known))) for a, b in pairs
     )
+
+
+def _spelt(e: Any, known: Mapping[Any, Any]) -> Any:
+    """Put in what symbols stand for, and what stands in that."""
+    while e.free_symbols & known.keys():
+        e = e.xreplace(known)
+    return e
 
 
 def _entries(term: Term) -> list[Any]:
@@ -193,11 +218,12 @@ def _verify_sign(
 def not_negative(term: Term, scalars: Scalars) -> bool:
     """Return whether the form of ``term`` shows that it cannot be negative.
 
-    A symbol that stands for a quantity counts for nothing, whatever its own assumptions say.
+    Of a symbol that stands for a quantity it is known that it is real, whatever its own assumptions say.
     """
     if term.head == "expr":
-        unknown = not term.data[0].free_symbols & set(scalars)
-        return unknown and bool(term.data[0].is_nonnegative)
+        known = term.data[0].free_symbols & set(scalars)
+        real = {s: sp.Dummy(real=True) for s in known}
+        return bool(term.data[0].xreplace(real).is_nonnegative)
     if term.head == "mul":
         return all(not_negative(a, scalars) or term.args.count(a) % 2 == 0 for a in term.args)
     if term.head in {"add", "sum", "integral"}:
@@ -205,6 +231,38 @@ def not_negative(term: Term, scalars: Scalars) -> bool:
     if term.head in {"dot", "inner"} and term.kind == SCALAR:
         return term.args[0] == term.args[1]
     return term.head == "atom" and term.data[0] in {"mass", "total_mass"}
+
+
+_REAL = (sp.Add, sp.Mul, sp.Symbol, sp.Rational, sp.sin, sp.cos)
+
+
+def _is_square(factor: Term) -> bool:
+    """Return whether this is an even power of what is real wherever it is defined."""
+    e = factor.data[0] if factor.head == "expr" else sp.S.One
+    return bool(e.is_Pow and e.exp.is_Integer and e.exp % 2 == 0) and all(
+        isinstance(n, _REAL) or (n.is_Pow and n.exp.is_Integer) for n in sp.preorder_traversal(e)
+    )
+
+
+def check_signs(
+    products: Iterable[Sequence[Term]], known: Iterable[Equation], scalars: Scalars, where: str
+) -> None:
+    """Raise `DerivationError` unless every product is of what cannot be negative.
+
+    ``known``: lines that say ``a >= 0``; powers of their left sides count, too.
+    """
+    signed = [line.left for line in known if line.relation == ">="]
+
+    def is_signed(factor: Term) -> bool:
+        base = factor
+        if factor.head == "expr" and factor.data[0].is_Pow and factor.data[0].exp.is_Integer:
+            base = Term("expr", (), (factor.data[0].base,))
+        known = factor in signed or base in signed
+        return known or _is_square(factor) or not_negative(factor, scalars)
+
+    for factor in (f for product in products for f in product):
+        if not is_signed(factor):
+            raise DerivationError("the sign cannot be decided", where=where, got=plain(factor))
 
 
 def plain(term: Term) -> str:

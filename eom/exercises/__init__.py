@@ -9,10 +9,10 @@ Imports: `eom.checker.mean`, `eom.checker.note`, `eom.checker.report`, `eom.deri
 
 >>> made = exercise("point-mass", seed=1)
 >>> made.number, made.planted.slip.name
-(3, 'term')
+(3, 'constant')
 """
 
-from eom.exercises.lessons import Exercise, Lesson, lesson, marker, student, topics
+from eom.exercises.lessons import Exercise, Lesson, lesson, marker, solutions, student, topics
 from eom.exercises.making import exercise, planted_in, with_others
 from eom.exercises.moodle import moodle
 
@@ -24,6 +24,7 @@ __all__ = [
     "marker",
     "moodle",
     "planted_in",
+    "solutions",
     "student",
     "topics",
     "with_others",

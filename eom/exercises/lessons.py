@@ -8,8 +8,8 @@ over the solid's own coordinates. A page has the lines as blocks, words with for
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
@@ -22,7 +22,7 @@ from eom.derivations import SOLIDS
 from eom.derivations.derived import Derived
 from eom.derivations.showing import Item, meaning_of, only_names, separate, symbols
 from eom.derivations.steps import Step
-from eom.errors import typed, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
 from eom.mass.solids import MASS, mass_properties
@@ -237,33 +237,37 @@ LINES = 6
 
 @dataclass(frozen=True)
 class Asked:
-    """What makes an exercise; ``seed``, ``notation``, ``lines``, ``slip`` as of `planted_in`."""
+    """What makes an exercise; all but ``lesson`` as of `planted_in`."""
 
     lesson: Lesson
     seed: int = 0
     notation: str = "arrow"
     lines: int = LINES
     slip: str = ""
+    difficulty: str = ""
+    carried: int = 0
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """Lines of which one is false.
+    """Lines of which one is false, and those that carry its slip on.
 
     ``right``: the lines as they are derived; ``number``: of the false one, from 1; ``planted``: the slip
-    in it.
+    in it; ``carried``: the numbers of lines behind it that carry it on, and the slip as it stands there.
     """
 
     asked: Asked
     right: Derived
     number: int
     planted: Planted
+    carried: tuple[tuple[int, Planted], ...] = field(default=(), kw_only=True)
 
     @property
     def wrong(self) -> Derived:
         """The lines that the student sees."""
         steps = list(self.right.steps)
-        steps[self.number - 1] = replace(self.step, statement=self.planted.equation)
+        for number, planted in ((self.number, self.planted), *self.carried):
+            steps[number - 1] = replace(steps[number - 1], statement=planted.equation)
         return replace(self.right, steps=tuple(steps))
 
     @property
@@ -277,7 +281,7 @@ class Sheet:
 
         Raises `InputError` for an unknown notation.
         """
-        both = (*self.right.steps, self.wrong.steps[self.number - 1])
+        both = (*self.right.steps, *self.wrong.steps)
         notation = notation_named(self.asked.notation)
         shown = only_scalars_of(replace(self.right, steps=both))
         return tuple(self.asked.lesson.legend(shown, notation))
@@ -289,6 +293,7 @@ class Exercise(Sheet):
 
     ``asked``: topic, seed and the rest that made it; ``right``: the lines as they are derived; ``number``:
     of the false one, from 1; ``planted``: the slip in it; ``finding``: what the checker says of it;
+    ``carried``: lines that carry it on, as the checker finds them;
     ``others``: other false versions of that line, where they were asked for, the planted one first.
     """
 
@@ -357,6 +362,13 @@ def display(latex: str) -> Part:
 def task(exercise: Sheet) -> Said:
     """Return what the student is asked."""
     count = len(exercise.right.steps)
+    if exercise.carried:
+        return said(
+            f"One slip was made in the lines (1) to ({count}), and some lines behind it carry it on: they "
+            "follow from it without another mistake. All others are right, whatever stands in the line "
+            "before. In which line was it made, which term of it, what should stand there, and which "
+            "lines carry it on?"
+        )
     return said(
         f"Exactly one of the lines (1) to ({count}) is false; each of the others is right, whatever "
         "stands in the line before it. Which line is it, which term of it, and what should stand there?"
@@ -377,10 +389,28 @@ def key(exercise: Exercise) -> Iterator[Said]:
         residual = exercise.finding.explanation.residual
         yield said("Left side minus right side of the false line is ", inline(residual), ".")
     yield from _numbers(exercise)
+    yield said(slip.kind.sentence)
+    yield from _carried(exercise)
+
+
+def _carried(exercise: Exercise) -> Iterator[Said]:
+    """Yield what became of the lines behind the false one."""
+    if not exercise.carried:
+        yield said(
+            "The slip is not carried on: every other line is what it would be without it, and is right by "
+            "itself, so that one line alone is to be blamed."
+        )
+        return
+    notation = notation_named(exercise.asked.notation)
+    *most, last = (f"({number})" for number, _ in exercise.carried)
+    places = f"{', '.join(most)} and {last}" if most else last
     yield said(
-        "The slip is not carried on: every other line is what it would be without it, and is right by "
-        "itself, so that one line alone is to be blamed."
+        f"Lines that carry it on: {places}. They follow from line ({exercise.number}) as it stands, and "
+        "no mark is to be taken off for them. Without the slip they say"
     )
+    for number, _ in exercise.carried:
+        step = exercise.right.steps[number - 1]
+        yield said(f"({number}) ", display(line_latex(exercise.right, step, notation)))
 
 
 def _exchanged(right: Term, wrong: Term, notation: Notation) -> Said:
@@ -436,13 +466,43 @@ def marker(exercise: Exercise) -> str:
 
     >>> from eom.exercises import exercise
     >>> marker(exercise("point-mass", seed=1)).splitlines()[4]
-    'Line (3) is false: a term was dropped. It says'
+    'Line (3) is false: what changes is taken for constant. It says'
     """
     lines = [f"# Key: {_line(exercise.right.title)}", ""]
     lines += [f"`{command(exercise)}`", ""]
     for paragraph in key(exercise):
         lines += [markdown(paragraph), ""]
     return "\n".join(lines[:-1]) + "\n"
+
+
+@typed
+def solutions(exercises: Sequence[Exercise]) -> str:
+    """Return a sheet with the solutions of some ``exercises`` as Markdown, one a section.
+
+    Each: the line and what was done in it, as it stands and as it should, the teacher's sentence, and
+    which lines carry the slip on. Raises `InputError` where there are none.
+
+    >>> from eom.exercises import exercise
+    >>> solutions([exercise("point-mass", seed=1)]).splitlines()[4]
+    'Line (3): what changes is taken for constant.'
+    """
+    if not exercises:
+        raise InputError("no exercises", expected="one at least")
+    made = [line for one in exercises for line in _solution(one)]
+    return "\n".join(["# Solutions", "", *made[:-1]]) + "\n"
+
+
+def _solution(exercise: Exercise) -> Iterator[str]:
+    notation = notation_named(exercise.asked.notation)
+    slip, wrong = exercise.planted.slip, exercise.wrong
+    yield from (f"## {_line(exercise.right.title)}, {exercise.asked.seed}", "")
+    yield from (f"Line ({exercise.number}): {slip.words}.", "")
+    for lines, word in ((wrong, "stands"), (exercise.right, "right")):
+        yield f"* {word}: ${line_latex(lines, lines.steps[exercise.number - 1], notation)}$"
+    yield from ("", slip.kind.sentence, "")
+    if exercise.carried:
+        places = ", ".join(f"({number})" for number, _ in exercise.carried)
+        yield from (f"Carried on, without another mistake: {places}.", "")
 
 
 def command(exercise: Exercise) -> str:
@@ -454,6 +514,8 @@ def command(exercise: Exercise) -> str:
     ]
     words += [f"--lines {exercise.asked.lines}"]
     words += [f"--slip {exercise.asked.slip}"] if exercise.asked.slip else []
+    words += [f"--difficulty {exercise.asked.difficulty}"] if exercise.asked.difficulty else []
+    words += [f"--carried {exercise.asked.carried}"] if exercise.asked.carried else []
     return " ".join(["eom exercise", *words])
 
 

@@ -8,25 +8,32 @@ before it, so that exactly one line of the page is false.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 
 import eom.checker.note.checking as checker
 from eom.checker.report.findings import FAULTS, Finding
 from eom.derivations.derived import Derived
+from eom.derivations.reached import same
 from eom.derivations.steps import Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises import lessons, slips
 from eom.exercises.lessons import LINES, Asked, Exercise, Lesson, Sheet, lesson, line_latex
 from eom.exercises.slips import Planted
-from eom.terms.terms import Equation
+from eom.terms.terms import Equation, nodes
 from eom.typeset.notation import notation_named
 
 LEAST_LINES, MOST_LINES = 2, 40
+MOST_CARRIED = 3
 TRIES = 40
 """Slips that are shown to the checker at most."""
+ALIKE = 4
+"""Slips of one kind that are tried in a line which may carry one on."""
+SMALL = 99
+"""Numerators and denominators of small fractions are at most so large."""
 OTHERS = 4
 """False versions of the false line that stand beside the right one."""
 DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
@@ -34,7 +41,14 @@ DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
 
 @typed
 def exercise(
-    topic: str, seed: int = 0, *, notation: str = "arrow", lines: int = LINES, slip: str = ""
+    topic: str,
+    seed: int = 0,
+    *,
+    notation: str = "arrow",
+    lines: int = LINES,
+    slip: str = "",
+    difficulty: str = "",
+    carried: int = 0,
 ) -> Exercise:
     """Return the exercise of a topic and seed; the same arguments give the same exercise.
 
@@ -44,41 +58,82 @@ def exercise(
     >>> exercise("point-mass", seed=1).counterexample.values[0]
     ('m', '1')
     """
-    return planted_in(lesson(topic), seed, notation=notation, lines=lines, slip=slip)
+    given = {"notation": notation, "lines": lines, "slip": slip, "difficulty": difficulty}
+    return planted_in(lesson(topic), seed, carried=carried, **given)  # type: ignore[arg-type]
 
 
 @typed
 def planted_in(
-    about: Lesson, seed: int = 0, *, notation: str = "arrow", lines: int = LINES, slip: str = ""
+    about: Lesson,
+    seed: int = 0,
+    *,
+    notation: str = "arrow",
+    lines: int = LINES,
+    slip: str = "",
+    difficulty: str = "",
+    carried: int = 0,
 ) -> Exercise:
     """Return an exercise made from a lesson, ``about``.
 
     ``seed``: of what is drawn; ``notation``: one of `eom.typeset.notation.NOTATIONS`; ``lines``: at most
-    so many, 2 to 40; ``slip``: a kind of slip, "" for any. Raises `InputError` for unknown names, for
-    other numbers of lines, and where no slip can be planted that the checker finds.
+    so many, 2 to 40; ``slip``: a kind of slip, "" for any; ``difficulty``: easy (the line itself shows
+    it), medium, hard (it takes mechanics), "" for any; ``carried``: in so many further lines, 0 to 3, the
+    slip is carried on. Raises `InputError` for unknown names, for other numbers, and where no slip can be
+    planted that the checker finds.
 
     >>> from eom.exercises import lesson
     >>> len(planted_in(lesson("point-mass"), lines=4).right.steps)
     4
     """
-    notation = notation_named(notation).name
-    if slip and slip not in slips.names():
-        raise unknown_name("kind of slip", slip, slips.names())
-    if not LEAST_LINES <= lines <= MOST_LINES:
-        raise InputError(
-            "wrong number of lines", got=lines, expected=f"{LEAST_LINES} to {MOST_LINES}"
-        )
-    asked = Asked(about, seed, notation, lines, slip)
+    asked = Asked(about, seed, notation_named(notation).name, lines, slip, difficulty, carried)
+    _check(asked)
+    spare = None
     for sheet in islice(_drawn(asked), TRIES):
-        found = judged(sheet)
-        if found is not None:
-            return Exercise(asked, sheet.right, sheet.number, sheet.planted, found)
-    raise _nothing(about, slip)
+        whole = _carrying(sheet) if carried else sheet
+        found = judged(whole) if whole else None
+        if whole is None or found is None:
+            continue
+        made = Exercise(
+            asked, whole.right, whole.number, whole.planted, found, carried=whole.carried
+        )
+        if _is_small(found):
+            return made
+        spare = spare or made
+    if spare is not None:
+        return spare
+    raise _nothing(asked)
 
 
-def _nothing(about: Lesson, slip: str) -> InputError:
+def _check(asked: Asked) -> None:
+    """Raise `InputError` for what cannot be asked."""
+    if asked.slip and asked.slip not in slips.names():
+        raise unknown_name("kind of slip", asked.slip, slips.names())
+    if asked.difficulty and asked.difficulty not in slips.DIFFICULTIES:
+        raise unknown_name("difficulty", asked.difficulty, slips.DIFFICULTIES)
+    if asked.slip and asked.slip not in slips.named(asked.difficulty):
+        raise InputError(
+            f"a slip of the kind {asked.slip} is {slips.KINDS[asked.slip].difficulty}",
+            where="difficulty",
+            got=asked.difficulty,
+        )
+    if not LEAST_LINES <= asked.lines <= MOST_LINES:
+        raise InputError(
+            "wrong number of lines", got=asked.lines, expected=f"{LEAST_LINES} to {MOST_LINES}"
+        )
+    if not 0 <= asked.carried <= min(MOST_CARRIED, asked.lines - 1):
+        raise InputError(
+            "wrong number of lines that carry a slip on",
+            got=asked.carried,
+            expected=f"0 to {min(MOST_CARRIED, asked.lines - 1)}, of {asked.lines} lines",
+        )
+
+
+def _nothing(asked: Asked) -> InputError:
     """Return the error for a topic in which no slip could be planted."""
-    kinds = dict.fromkeys(name for name, _, _ in _candidates(about, ""))
+    about, slip = asked.lesson, asked.slip
+    kinds = dict.fromkeys(
+        name for name, _, _ in _candidates(replace(asked, slip="", difficulty=""))
+    )
     if slip and slip not in kinds:
         return InputError(
             f"no line of this topic can have the slip {slip}",
@@ -88,7 +143,15 @@ def _nothing(about: Lesson, slip: str) -> InputError:
     return InputError(
         "no slip was found in this topic that the checker proves",
         where=about.topic,
-        got=f"slip {slip}" if slip else "",
+        got=", ".join(
+            f"{name} {value}"
+            for name, value in (
+                ("slip", slip),
+                ("difficulty", asked.difficulty),
+                ("carried", asked.carried),
+            )
+            if value
+        ),
         hint="another seed, another slip, or another topic (eom exercise --list)",
     )
 
@@ -101,7 +164,7 @@ def _drawn(asked: Asked) -> Iterator[Sheet]:
     derivation, lines = asked.lesson.derivation, asked.lines
     rng = _random(asked, "lines")
     kinds: dict[str, list[tuple[int, Planted]]] = {}
-    for name, k, planted in _candidates(asked.lesson, asked.slip):
+    for name, k, planted in _candidates(asked):
         kinds.setdefault(name, []).append((k, planted))
     order = list(kinds)
     rng.shuffle(order)
@@ -111,24 +174,47 @@ def _drawn(asked: Asked) -> Iterator[Sheet]:
         if kinds[name]:
             order.append(name)
         if _is_false(derivation, derivation.steps[k], planted):
-            first = _first(rng, k, len(derivation.steps), lines)
+            first = k if asked.carried else _first(rng, k, len(derivation.steps), lines)
             window = derivation.steps[first : first + lines]
-            yield Sheet(asked, replace(derivation, steps=window), k - first + 1, planted)
+            if len(_following(window[k - first :])) >= asked.carried:
+                yield Sheet(asked, replace(derivation, steps=window), k - first + 1, planted)
+
+
+def _following(steps: Sequence[Step]) -> tuple[int, ...]:
+    """Return the places of the steps that follow from the first one, by way of others or not."""
+    reached, found = {steps[0].label}, []
+    for k, step in enumerate(steps[1:], 1):
+        if reached & set(step.follows):
+            reached.add(step.label)
+            found.append(k)
+    return tuple(found)
 
 
 def _random(asked: Asked, what: str) -> random.Random:
     """Return random numbers that are the same for the same request, on every machine."""
     words = f"{asked.lesson.topic} {asked.seed} {asked.lines} {asked.slip} {what}"
+    words += f" {asked.difficulty} {asked.carried}" if asked.difficulty or asked.carried else ""
     return random.Random(words)  # noqa: S311 - reproducible
 
 
-def _candidates(about: Lesson, slip: str) -> Iterator[tuple[str, int, Planted]]:
-    """Yield the slips of a kind, "" for all, in every line: the kind, the place of the line, the slip."""
-    around = _around(about)
-    for k, step in enumerate(about.derivation.steps):
+def _candidates(asked: Asked) -> Iterator[tuple[str, int, Planted]]:
+    """Yield what slips may be made: the kind, the place of the line, the slip.
+
+    None in a line that is true by algebra alone, whatever its symbols mean.
+    """
+    around, kinds = _around(asked.lesson), slips.named(asked.difficulty)
+    for k, step in enumerate(asked.lesson.derivation.steps):
+        if is_tautology(step):
+            continue
         for planted in slips.planted(step.statement, around):
-            if slip in {"", planted.slip.name}:
+            if planted.slip.name in kinds and asked.slip in {"", planted.slip.name}:
                 yield planted.slip.name, k, planted
+
+
+def is_tautology(step: Step) -> bool:
+    """Return whether both sides of a line are the same by algebra alone; derivatives are no algebra."""
+    sides = (step.statement.left, step.statement.right)
+    return not any(n.head == "der" for side in sides for n in nodes(side)) and same(*sides)
 
 
 def _around(about: Lesson) -> slips.Around:
@@ -184,24 +270,61 @@ def _written(made: Exercise, equation: Equation) -> str:
     return line_latex(made.right, step, notation_named(made.asked.notation))
 
 
+# -- lines that carry it on ---------------------------------------------------------------------------
+
+
+def _carrying(sheet: Sheet) -> Sheet | None:
+    """Return lines that carry the slip on as often as asked for; None if there are not so many.
+
+    A line behind that follows from the false one gets a slip of the same kind; it counts if the checker
+    says that it follows from the false line, without another mistake.
+    """
+    if not judged(sheet):
+        return None
+    around, behind = _around(sheet.asked.lesson), sheet.right.steps[sheet.number - 1 :]
+    for place in _following(behind):
+        number, step = sheet.number + place, behind[place]
+        alike = (p for p in slips.planted(step.statement, around) if p.slip == sheet.planted.slip)
+        for planted in islice(alike, ALIKE):
+            longer = replace(sheet, carried=(*sheet.carried, (number, planted)))
+            if judged(longer):
+                sheet = longer
+                break
+        if len(sheet.carried) == sheet.asked.carried:
+            return sheet
+    return None
+
+
 # -- the proof --------------------------------------------------------------------------------------
 
 
 def judged(sheet: Sheet) -> Finding | None:
     """Return what the checker says of the false line; None unless it blames that one alone.
 
-    It reads the page as the student gets it.
+    It reads the page as the student gets it. Lines that carry the slip on have to be found to do so.
     """
     report = checker.check(lessons.student(sheet))
     displays = [f for f in report.findings if f.kind == "display"]
-    blamed = [f for f in report.findings if f.verdict in DOUBTFUL]
     if len(displays) != len(sheet.right.steps):
         return None
     found = displays[sheet.number - 1]
-    return found if blamed == [found] and found.verdict in FAULTS and _is_shown(found) else None
+    after = [displays[number - 1] for number, _ in sheet.carried]
+    blamed = [f for f in report.findings if f.verdict in DOUBTFUL]
+    if blamed != [found, *after] or found.verdict not in FAULTS or not _is_shown(found):
+        return None
+    return found if all(f.carried == found.line for f in after) else None
 
 
 def _is_shown(found: Finding) -> bool:
     """Return whether there are small numbers for what stands on both sides."""
     example = found.explanation.counterexample
     return example is not None and all(value for _, value in example.members)
+
+
+def _is_small(found: Finding) -> bool:
+    """Return whether the numbers that show it are small fractions, to be put in with a pencil."""
+    example = found.explanation.counterexample
+    if example is None:
+        return False
+    texts = [value for pairs in (example.values, example.members) for _, value in pairs]
+    return all(int(n) <= SMALL for text in texts for n in re.findall(r"\d+", text))

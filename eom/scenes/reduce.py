@@ -194,7 +194,9 @@ def freeze(system: System, states: Iterable[Quantity]) -> System:
     moving = _symbols(system.states) - _symbols(frozen)
     known = {e for a in system.attitudes for v in a.expressions for e in v.free_symbols}
     keep = [k for k, q in enumerate(system.states) if q not in frozen]
-    parameters = [replace(q, meaning=f"{q.meaning} (constant of the motion)") for q in frozen]
+    parameters = [
+        replace(q, meaning=f"{q.meaning} (constant of the motion)", held=True) for q in frozen
+    ]
     assumptions = [
         Assumption(f"constant_{q.name}", f"{q.name} keeps its initial value: its rate is zero")
         for q in frozen

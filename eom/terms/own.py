@@ -94,20 +94,23 @@ class Own:
     """What a derivation has of its own.
 
     ``frames`` by name; ``points`` by name, with their positions from the inertial origin; ``bodies`` by
-    the names of their centres; ``laws``.
+    the names of their centres; ``laws``; ``configured``: names of the coordinates of which the places of
+    all particles are functions.
     """
 
     frames: dict[str, OwnFrame] = field(default_factory=dict)
     points: dict[str, Term] = field(default_factory=dict)
     bodies: dict[str, OwnBody] = field(default_factory=dict)
     laws: list[Law] = field(default_factory=list)
+    configured: tuple[str, ...] = ()
 
     def copy(self) -> Own:
         """Return the same, apart."""
-        return Own(dict(self.frames), dict(self.points), dict(self.bodies), list(self.laws))
+        parts = dict(self.frames), dict(self.points), dict(self.bodies), list(self.laws)
+        return Own(*parts, self.configured)
 
     def __bool__(self) -> bool:
-        return bool(self.frames or self.points or self.laws)
+        return bool(self.frames or self.points or self.laws or self.configured)
 
     def turns(self, frame: str) -> Iterator[tuple[Any, Term]]:
         """Return, one by one, angle and axis of the turns by which ``frame`` is reached from its ground."""

@@ -166,6 +166,12 @@ def over_parts(who: str, term: Callable[[str], Term]) -> Term:
     return total(term("i")) if who == "system" else term(who)
 
 
+def _applied(who: str) -> Term:
+    """Return the forces on a particle, external and internal, less that of the constraints."""
+    inner = total(quantity("internal_force", who, "n"), "n")
+    return add(quantity("force", who), inner, -quantity("constraint_force", who))
+
+
 def _relative_momentum(who: str, about: str) -> Term:
     return over_mass(who, lambda i: cross(position(i, about), der(position(i, about))))
 
@@ -186,6 +192,8 @@ QUANTITIES: dict[str, Quantity] = {
     "position": Quantity(VECTOR, "position of {0} from {1}"),
     "force": Quantity(VECTOR, "external force on {0}"),
     "internal_force": Quantity(VECTOR, "force on {0} exerted by {1}"),
+    "constraint_force": Quantity(VECTOR, "force of the constraints on {0}"),
+    "applied_force": Quantity(VECTOR, "force on {0} besides that of the constraints", _applied),
     "angular_velocity": Quantity(VECTOR, "angular velocity of frame {0} with respect to {1}"),
     "unit": Quantity(VECTOR, "unit vector along axis {1} of frame {0}"),
     "identity": Quantity(DYADIC, "unit dyadic"),

@@ -51,6 +51,8 @@ ROLES: dict[str, tuple[str, ...]] = {
     "mass": ("who",),
     "force": ("who",),
     "internal_force": ("who", "who"),
+    "constraint_force": ("who",),
+    "applied_force": ("who",),
     "identity": (),
     "identity_matrix": (),
     "angle": ("letter",),

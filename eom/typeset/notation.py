@@ -67,6 +67,8 @@ LETTERS: dict[str, str] = {
     "mass": "m m m m m",
     "force": "F F f F f",
     "internal_force": "F F f F f",
+    "constraint_force": "N N N N N",
+    "applied_force": "K K K K K",
     "identity": "1 U 1 U 1",
     "identity_matrix": "1 1 1 1 1",
     "angle": "theta theta theta theta theta",

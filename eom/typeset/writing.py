@@ -409,7 +409,8 @@ def _atom(writer: Writer, term: Term) -> Written:
     special = writer.notation.atoms.get(name)
     if special:
         return special(writer.notation, *labels), ATOM
-    return quantity_box(writer.notation, name, labels, term.kind), ATOM
+    own = labels[:1] if name == "function" else labels  # of what it is one stands nowhere
+    return quantity_box(writer.notation, name, own, term.kind), ATOM
 
 
 def _zero(writer: Writer, term: Term) -> Written:

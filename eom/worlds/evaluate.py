@@ -381,7 +381,13 @@ def _at(_: Evaluator, term: Term, __: Env) -> Value:
     raise InputError("only a system says when this is", got=term.data[0])
 
 
-def _partial(_: Evaluator, term: Term, __: Env) -> Value:
+def _partial(e: Evaluator, term: Term, env: Env) -> Value:
+    inside, by = term.args
+    if inside.head == "atom" and inside.data[0] == "position" and by.head == "expr":
+        meaning = e.meaning(by.data[0])
+        place = env.get(inside.data[1])
+        if meaning.data[:1] == ("coordinate",) and place is not None:
+            return e.world.primitive("place_slope", (place, meaning.data[1]))
     raise InputError("only a system says how this depends on a coordinate", got=term.head)
 
 

@@ -45,11 +45,12 @@ def furnished(world: World, own: Own, scalars: Scalars) -> World:
 class Furnished:
     """Worlds under assumptions, furnished, each of them made once: what `eom.worlds.generators.worlds` is.
 
-    Those in which a law determines nothing are left out. ``own`` and ``scalars`` are not to change.
+    Those in which a law determines nothing are left out. ``own`` is not to change; ``scalars`` may grow by
+    symbols that stand in none of the laws.
     """
 
     own: Own
-    scalars: Scalars
+    scalars: dict[Any, Term]
     known: dict[tuple[Any, ...], World | None] = dataclasses.field(default_factory=dict)
 
     def __call__(
@@ -73,9 +74,10 @@ class Furnished:
 
 
 def _with(world: World, own: Own, scalars: Scalars, motions: Motions) -> World:
-    memo = {("coordinate", name): motion for name, motion in motions.items()}
+    memo: dict[Any, Any] = {("coordinate", name): motion for name, motion in motions.items()}
+    memo["configured",] = own.configured
     frames, points = {**world.frames}, {**world.points}
-    new = dataclasses.replace(world, frames=frames, points=points, memo=dict[Any, Any](memo))
+    new = dataclasses.replace(world, frames=frames, points=points, memo=memo)
     evaluator = Evaluator(new, scalars)
     for name, frame in own.frames.items():
         frames[name] = _turned(evaluator, frame)

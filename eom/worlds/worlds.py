@@ -717,6 +717,38 @@ def _open_force(world: World) -> Vector:
     return (x, y, z)
 
 
+def _constraint_force(world: World, i: int) -> Vector:
+    """Return a force of constraints, drawn at random; of all together none does virtual work.
+
+    What is drawn is made orthogonal, in the sum over all masses, to the slopes of the places by each
+    coordinate of which the places are functions.
+    """
+    key = ("constraint forces",)
+    if key not in world.memo:
+        count = range(len(world.masses))
+        drawn = [_free_vector(world, ("constraint", n)) for n in count]
+        before: list[list[Vector]] = []
+        for name in world.memo.get(("configured",), ()):
+            slopes = [world.primitive("place_slope", (n, name)) for n in count]
+            for other in before:
+                slopes = _without(slopes, other)
+            before.append(slopes)
+            drawn = _without(drawn, slopes)
+        world.memo[key] = drawn
+    found: Vector = world.memo[key][i]
+    return found
+
+
+def _without(vectors: Sequence[Vector], along: Sequence[Vector]) -> list[Vector]:
+    """Return vectors of all masses less their part along others, in the sum over all masses."""
+    square = series.total([series.dot(a, a) for a in along])
+    part = series.total([series.dot(v, a) for v, a in zip(vectors, along, strict=True)])
+    factor = part * square.reciprocal()
+    return [
+        series.subtract(v, series.scale(factor, a)) for v, a in zip(vectors, along, strict=True)
+    ]
+
+
 def _particle(label: Any) -> int:
     if label == "P":
         return 0
@@ -731,6 +763,8 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "force": lambda w, i: _open_force(w) if i == OPEN else w.forces[_particle(i)],
     "exhaust_velocity": lambda w, _: _exhaust(w),
     "internal_force": lambda w, i, j: w.internal[i][j],
+    "constraint_force": lambda w, i: _constraint_force(w, _particle(i)),
+    "place_slope": lambda w, i, name: _free_vector(w, ("slope", _particle(i), name)),
     "angular_velocity": _angular_velocity,
     "unit": _unit_vector,
     "identity": _identity,

@@ -56,6 +56,7 @@ def libraries(folder):
 def test_without_a_compiler_c_is_refused_and_auto_takes_numpy(cache, monkeypatch, environment):
     for key, value in environment.items():
         monkeypatch.setenv(key, value)
+    monkeypatch.setattr(native, "zig", tuple)
     assert native.compiler() == ()
     with pytest.raises(native.CompilerError, match="no C compiler") as error:
         compile_system(eom.free_rigid_body(), "c")
@@ -391,3 +392,74 @@ def test_with_and_without_the_quick_way_results_are_the_same(monkeypatch):
         quick.rhs(0.3)
     with pytest.raises(TypeError):
         quick.rhs(0.3, x, p, speed=1)
+
+
+# --- other systems, and the compiler from the package index ---------------------------------------------
+
+needs_zig = pytest.mark.skipif(not native.zig(), reason="no package ziglang")
+
+
+def test_zig_is_taken_where_there_is_no_other_compiler_and_none_is_asked_for(monkeypatch):
+    monkeypatch.setattr(native, "zig", lambda: ("/somewhere/zig", "cc"))
+    monkeypatch.setenv("CC", "")
+    monkeypatch.setenv("PATH", "")
+    assert native.compiler() == ("/somewhere/zig", "cc")
+    monkeypatch.setenv("CC", "/nowhere/cc")  # what is asked for is not replaced
+    assert native.compiler() == ()
+
+
+def test_without_zig_no_other_system_is_compiled_for(monkeypatch):
+    monkeypatch.setattr(native, "zig", tuple)
+    with pytest.raises(native.CompilerError, match="no compiler for x86_64-windows") as error:
+        native.cross_compiler("x86_64-windows")
+    assert "eom-toolkit[compiler]" in error.value.hint
+
+
+@pytest.mark.parametrize(
+    ("command", "system", "expected"),
+    [
+        ("gcc -O2", "linux", ["gcc", "-O2"]),
+        ("'/opt/my cc' -g", "darwin", ["/opt/my cc", "-g"]),
+        (r"C:\\msys\\gcc.exe -O2", "win32", [r"C:\\msys\\gcc.exe", "-O2"]),
+        (r'"C:\\Program Files\\zig.exe" cc', "win32", [r"C:\\Program Files\\zig.exe", "cc"]),
+        ('"open', "win32", []),
+        ("'open", "linux", []),
+    ],
+)
+def test_commands_are_split_as_each_system_quotes(command, system, expected):
+    assert native.words(command, system) == expected
+
+
+@needs_zig
+@pytest.mark.slow
+def test_the_c_target_works_by_zig_alone(cache, monkeypatch):
+    monkeypatch.setenv("CC", "")
+    monkeypatch.setenv("PATH", "")
+    compiled = compile_system(eom.free_rigid_body(), "c")
+    expected = compile_system(eom.free_rigid_body(), "numpy").rhs(0.0, (1, 2, 3), (1, 1.2, 1.5))
+    np.testing.assert_allclose(compiled.rhs(0.0, (1, 2, 3), (1, 1.2, 1.5)), expected, rtol=1e-15)
+    run = simulate(compiled, (1.0, 2.0, 3.0), (0, 1), (1.0, 1.2, 1.5))
+    assert run.success
+
+
+MAGIC = {"linux": b"\x7fELF", "windows": b"MZ", "darwin": b"\xcf\xfa\xed\xfe"}
+
+
+@needs_zig
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [
+    "x86_64-windows", "aarch64-darwin",
+    *(pytest.param(n, marks=pytest.mark.long) for n in ("x86_64-linux", "aarch64-linux", "x86_64-darwin")),
+])  # fmt: skip
+def test_a_generated_library_is_built_for_other_systems(name):
+    """Built, not run: functions and integrator of a scene, by the first bytes of the library."""
+    from codegen.loops import runge_kutta
+    from codegen.loops.tableaux import DOP853
+
+    compiled = compile_system(eom.heavy_top(), "numpy")
+    text = runge_kutta.single_text(DOP853, compiled.program, compiled.layout)
+    system = name.partition("-")[2]
+    flags = ("-std=c99", "-O2", *native.shared_flags("win32" if system == "windows" else "linux"))
+    made = native.build({"heavy_top.c": text}, flags, native.cross_compiler(name))
+    assert made.startswith(MAGIC[system])
+    assert b"heavy_top_dop853_run" in made

@@ -80,7 +80,7 @@ def test_files_are_named_after_the_system_and_are_ascii(name):
 
 def test_the_command_line_lists_the_targets():
     (option,) = (o for o in generate_command.params if o.name == "target")
-    assert set(option.metavar.split("|")) == set(ROWS)
+    assert set(option.metavar.split("|")) == {*ROWS, "fmu"}
 
 
 def test_the_command_line_writes_each_target(tmp_path):

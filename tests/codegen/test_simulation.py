@@ -785,3 +785,22 @@ def test_a_scene_is_no_system():
         InputError, match=r"system is of the wrong type[\s\S]*derive\(\) of a scene"
     ):
         simulate(eom.Scene.ready("t-handle"), [1, 0, 0], (0, 1))
+
+
+def test_a_state_that_is_held_starts_where_the_initial_values_say():
+    """Other than its parameter says; it stands in the result as any state does."""
+    scene = eom.Scene(
+        body={"moments": [2, 2, 1]},
+        outputs=["omega_1", "omega_3"],
+        initial={"omega_1": 1, "omega_2": 0, "omega_3": 0.5},
+    )
+    system, values = scene.derive(), scene.parameter_values()
+    assert (system.state_names, values["omega_3"]) == (("omega_1", "omega_2"), 0.5)
+    start = {"omega_1": 1, "omega_2": 0, "omega_3": "3 rad/s"}
+    run = simulate(system, start, (0, 2), values, t_eval=[0, 1, 2])
+    np.testing.assert_array_equal(run["omega_3"], 3.0)
+    np.testing.assert_allclose(run["omega_1"], np.cos(1.5 * run.t), atol=1e-9)
+    in_order = simulate(system, start, (0, 2), [values[n] for n in system.parameter_names])
+    assert in_order.held == {"omega_3": 3.0}
+    with pytest.raises(InputError, match="omega_4"):
+        simulate(system, {**start, "omega_4": 1}, (0, 2), values)

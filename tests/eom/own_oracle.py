@@ -87,10 +87,28 @@ class Mechanics:
             plain = term.args[0].data[0]
             spelt = {s: m.data[0] for s, m in self.d.scalars.items() if m.head == "expr"}
             return self.expression(plain.xreplace(spelt).diff(by))
+        spelt = self._spelt(term.args[0])
+        if spelt is not None:
+            return self.expression(spelt.diff(by))
         value, variable = self.value(term.args[0]), self.symbols[by]
         if isinstance(value, Vector):
             return value.diff(variable, self.frames["I"], var_in_dcm=True)
         return sp.sympify(value).diff(variable)
+
+    def _spelt(self, term):
+        """An expression by coordinates, rates and momenta, each a variable; None where vectors are."""
+        known = {s: m for s, m in self.d.scalars.items() if m.head == "expr"}
+        e = term.data[0] if term.head == "expr" else sp.Integer(0)
+        while e.free_symbols & known.keys():
+            e = e.xreplace({s: m.data[0] for s, m in known.items()})
+        momenta = {s for s, m in self.d.scalars.items() if m.head == "partial"}
+        return e if e.free_symbols & momenta else None
+
+    def _start(self, term):
+        """The value at the start: of each symbol that with the index 0."""
+        e = term.args[0].data[0]
+        changing = {s for s, m in self.d.scalars.items() if m.data[:1] == ("coordinate",)}
+        return e.xreplace({s: sp.Symbol(f"{s}_0", real=True) for s in e.free_symbols & changing})
 
     def _atom(self, term):
         return getattr(self, f"_the_{term.data[0]}")(*term.data[1:])
@@ -100,6 +118,12 @@ class Mechanics:
 
     def _the_coordinate(self, name):
         return dynamicsymbols(name)
+
+    def _the_gravity_parameter(self):
+        return sp.Symbol("any mu", real=True)
+
+    def _the_orbit_radius(self):
+        return sp.Symbol("any R", real=True)
 
     def _the_unit(self, frame, axis):
         f = self.frame(frame)

@@ -3,6 +3,7 @@
 import ast
 import operator
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -27,12 +28,13 @@ from eom.exercises import (
     marker,
     moodle,
     planted_in,
+    solutions,
     student,
     topics,
     with_others,
 )
 from eom.exercises.moodle import RESERVED, maxima, names_for, typed_answer
-from eom.exercises.slips import SLIPS, around, names, planted
+from eom.exercises.slips import DIFFICULTIES, KINDS, LINE_SLIPS, SLIPS, around, names, planted
 from eom.terms.terms import Equation, expr
 from eom.typeset.notation import NOTATIONS
 from tests.eom.rows import every, only
@@ -66,7 +68,7 @@ def test_the_checker_blames_the_planted_line_and_no_other(topic, monkeypatch):
     assert blamed == [made.number]
     assert not [f for f in report.findings if f.kind != "display" and f.verdict in FAULTS]
     assert len(displays(report)) == len(made.right.steps) <= 2
-    assert made.finding.explanation.counterexample is not None
+    assert making._is_small(made.finding)
 
 
 @pytest.mark.parametrize(
@@ -116,14 +118,135 @@ def test_the_page_gives_the_meanings_that_its_lines_use_and_no_others():
     assert {*own} == {x, y}
 
 
+TOPICS_OF_ALL = (
+    "point-mass", "tilde-identities", "transport-theorem", "spinning-symmetric-body",
+    "inertia-properties", "inertia-of-rod",
+)  # fmt: skip
+"""Topics in which every kind of slip can be made."""
+
+
+def candidates(topic, **options):
+    return making._candidates(lessons.Asked(lesson(topic), **options))
+
+
 def test_every_kind_of_slip_can_be_planted_somewhere():
-    found = set()
-    for topic in (
-        "point-mass", "tilde-identities", "transport-theorem", "spinning-symmetric-body",
-        "inertia-properties", "inertia-of-rod",
-    ):  # fmt: skip
-        found |= {name for name, _, _ in making._candidates(lesson(topic), "")}
-    assert found == set(names()) == {s.name for s in SLIPS}
+    found = {name for topic in TOPICS_OF_ALL for name, _, _ in candidates(topic)}
+    assert found == set(names()) == {s.name for s in (*SLIPS, *LINE_SLIPS)} == set(KINDS)
+
+
+def test_a_difficulty_has_its_own_kinds_of_slips_alone():
+    kinds = {
+        d: {n for t in TOPICS_OF_ALL for n, _, _ in candidates(t, difficulty=d)}
+        for d in DIFFICULTIES
+    }
+    assert all(kinds.values())
+    assert set().union(*kinds.values()) == set(names())
+    assert sum(map(len, kinds.values())) == len(names())
+    with pytest.raises(InputError, match="did you mean hard"):
+        exercise("point-mass", difficulty="hrad")
+    with pytest.raises(InputError, match="a slip of the kind frame is hard"):
+        exercise("point-mass", difficulty="easy", slip="frame")
+
+
+def test_no_slip_stands_in_a_tautology():
+    about = lesson("point-mass")
+    x, y = sp.symbols("x y")
+    idle = replace(
+        about.derivation.steps[0], statement=Equation(expr(x * (x + y)), expr(x**2 + x * y))
+    )
+    useful = replace(idle, statement=Equation(expr(y), expr(x**2 + x)))
+    assert making.is_tautology(idle)
+    assert not making.is_tautology(useful)
+    lines = replace(about, derivation=replace(about.derivation, steps=(idle, useful)))
+    places = {k for _, k, _ in making._candidates(lessons.Asked(lines))}
+    assert places == {1}
+
+
+SLIPPED = {
+    ("spinning-symmetric-body", "omega"): "angular_velocity",
+    ("transport-theorem", "frame"): "der",
+    ("particle-system", "point"): "atom",
+    ("spinning-symmetric-body", "constant"): "_dot",
+    ("inertia-of-cone", "axes"): "I_",
+    ("spinning-symmetric-body", "function"): "theta",
+    ("inertia-properties", "rotations"): "rotation",
+    ("spinning-symmetric-body", "conserved"): "der",
+}
+"""What students do, and what of a line it touches."""
+
+
+@pytest.mark.parametrize(
+    ("topic", "slip"),
+    only(SLIPPED, ("inertia-properties", "rotations"), ("inertia-of-cone", "axes")),
+)
+def test_slips_of_students_are_proved_false_and_the_other_lines_true(topic, slip):
+    made = exercise(topic, 1, slip=slip, lines=4)
+    report = eom.check(student(made))
+    verdicts = [f.verdict in FAULTS for f in displays(report)]
+    assert [k for k, wrong in enumerate(verdicts, 1) if wrong] == [made.number]
+    assert made.planted.slip.name == slip
+    part = str(made.planted.right)
+    assert SLIPPED[topic, slip] in part or SLIPPED[topic, slip] in repr(made.planted.right)
+    assert made.planted.slip.kind.sentence in marker(made)
+
+
+def test_the_conserved_quantity_is_not_the_spin_rate():
+    """The lecture's: Omega + psi' sin(theta) is constant, and Omega is not."""
+    made = {p.equation.left for n, _, p in candidates("spinning-symmetric-body", slip="conserved")}
+    assert {str(t.args[0].data[0]) for t in made if t.args[0].head == "expr"} >= {"Omega"}
+
+
+@pytest.mark.slow
+def test_a_slip_is_carried_on_for_three_lines():
+    made = exercise("euler-equations", 0, slip="sign", lines=8, carried=3)
+    report = eom.check(student(made))
+    found = [f for f in displays(report) if f.verdict in FAULTS]
+    slipped, *behind = found
+    assert [f.carried for f in behind] == [slipped.line] * 3
+    assert [n for n, _ in made.carried] == [
+        k for k, f in enumerate(displays(report), 1) if f in behind
+    ]
+    key = marker(made)
+    assert "no mark is to be taken off" in key
+    assert "carry it on" in student(made)
+    assert "Carried on, without another mistake" in solutions([made])
+
+
+def test_a_slip_that_is_carried_on_once():
+    made = exercise("euler-equations", 1, lines=8, carried=1)
+    ((number, planted_),) = made.carried
+    assert number > made.number
+    assert planted_.slip == made.planted.slip
+    mended = replace(
+        made,
+        planted=replace(made.planted, equation=made.step.statement),
+        carried=((number, replace(planted_, equation=made.right.steps[number - 1].statement)),),
+    )
+    assert mended.wrong == mended.right
+    for carried in (-1, 4):
+        with pytest.raises(InputError, match="0 to 3"):
+            exercise("euler-equations", carried=carried)
+    with pytest.raises(InputError, match="0 to 1, of 2 lines"):
+        exercise("euler-equations", carried=2, lines=2)
+
+
+def test_numbers_that_show_a_slip_are_small_fractions():
+    for topic, seed in (("point-mass", 1), ("inertia-of-rod", 2), ("tilde-identities", 3)):
+        found = exercise(topic, seed, lines=2).counterexample
+        texts = [v for pairs in (found.values, found.members) for _, v in pairs]
+        assert texts
+        assert all(int(n) <= making.SMALL for t in texts for n in re.findall(r"\d+", t))
+
+
+def test_a_sheet_of_solutions():
+    made = [exercise("inertia-of-rod", seed, lines=3) for seed in (1, 2)]
+    sheet = solutions(made)
+    assert sheet.count("## ") == 2
+    for one in made:
+        assert f"Line ({one.number}): {one.planted.slip.words}." in sheet
+        assert one.planted.slip.kind.sentence in sheet
+    with pytest.raises(InputError, match="no exercises"):
+        solutions([])
 
 
 def test_a_slip_changes_one_side_and_keeps_its_kind():

@@ -11,8 +11,8 @@ import pytest
 from eom.derivations import derive, names
 from eom.terms.terms import Equation, column, cross, der, dot, integral, matmul, number, tilde, zero
 from eom.terms.vocabulary import omega, position, quantity, unit, velocity
+from tests.eom import chapters, oracle
 from tests.eom import mutants as trial
-from tests.eom import oracle
 from tests.eom.mutants import Count, edits_of, judged_steps, mutants
 from tests.eom.rows import DERIVED, derivations
 
@@ -57,7 +57,10 @@ def test_a_checker_that_does_not_look_is_found_out(sample, monkeypatch, verdict)
 def test_every_step_is_true_by_numerics(name):
     d = derive(name)
     for step in judged_steps(d):
-        assert oracle.is_true(step.statement, step.assumptions, d.scalars), step.label
+        try:
+            assert chapters.is_true(d, step.statement, step.assumptions), step.label
+        except oracle.Undefined:
+            assert d.own, step.label
 
 
 @pytest.mark.parametrize(

@@ -94,6 +94,7 @@ def test_freeze_moves_states_to_the_parameters():
     assert small.state_names == ("a",)
     assert small.parameter_names == ("k", "b")
     assert small.rates == (b * k,)
+    assert [q.name for q in small.parameters if q.held] == ["b"]
     assert [x.name for x in small.assumptions] == ["constant_b"]
 
 

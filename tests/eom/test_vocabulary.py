@@ -26,6 +26,7 @@ from eom.worlds.worlds import closure
 
 LABELS = {
     "mass": ["i"], "position": ["i", "O"], "force": ["i"], "internal_force": ["i", "j"],
+    "constraint_force": ["i"], "applied_force": ["i"],
     "angular_velocity": ["B", "I"], "unit": ["B", "2"], "rotation": ["B", "A"],
     "eigenvectors": ["A", "B"], "scalar": ["s"],
     "vector": ["v"], "fixed_vector": ["v", "B"], "dyadic": ["d"], "inertia": ["O"], "angle": ["psi"],

@@ -35,7 +35,7 @@ QUANTITY_DIMENSIONS: dict[str, str] = {
         "m^3/s^2": "gravity_parameter",
         "m/s": "velocity exhaust_velocity",
         "m/s^2": "gravity acceleration",
-        "N": "force internal_force external_force weight reaction",
+        "N": "force internal_force external_force constraint_force applied_force weight reaction",
         "N m": "torque gravity_torque weight_torque reaction_torque rotor_torque",
         "J": "kinetic_energy rotational_energy gravity_energy weight_energy",
         "kg m": "first_moment",

@@ -8,6 +8,7 @@ Imports: `eom.errors`, `eom.exact`, `eom.kinematics`, `eom.terms`.
 """
 
 from eom.terms.rules.axes import (
+    along_turned,
     by_axes,
     double_tilde,
     orthonormal,
@@ -50,8 +51,17 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
-from eom.terms.rules.scalars import collect, constants, determinants, dyads, put_in
-from eom.terms.rules.slopes import slopes, spelt_out
+from eom.terms.rules.scalars import (
+    chain,
+    collect,
+    constants,
+    determinants,
+    dyads,
+    initial_values,
+    out_of_sums,
+    put_in,
+)
+from eom.terms.rules.slopes import linear_slopes, slopes, spelt_out
 from eom.terms.rules.tracing import Rule, Trace, named, noted, rest_on, traced
 from eom.terms.rules.vectors import (
     associate,
@@ -82,12 +92,14 @@ from eom.terms.rules.vectors import (
 __all__ = [
     "Rule",
     "Trace",
+    "along_turned",
     "apply",
     "associate",
     "at",
     "bac_cab",
     "by_axes",
     "by_way_of",
+    "chain",
     "collect",
     "combine",
     "commute",
@@ -112,10 +124,12 @@ __all__ = [
     "fold_into",
     "fold_sum",
     "from_itself",
+    "initial_values",
     "inside",
     "into_sums",
     "less",
     "linear_in",
+    "linear_slopes",
     "match",
     "named",
     "no_turn_in_itself",
@@ -123,6 +137,7 @@ __all__ = [
     "order_dots",
     "ordered",
     "orthonormal",
+    "out_of_sums",
     "parallel",
     "put",
     "put_in",

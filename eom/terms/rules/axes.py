@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
+from eom.terms.own import Own, OwnFrame
 from eom.terms.rules.basic import everywhere, until_stable
 from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
@@ -14,6 +15,7 @@ from eom.terms.terms import (
     add,
     dot,
     entries,
+    expr,
     inner,
     matmul,
     mul,
@@ -72,6 +74,38 @@ def by_axes(frame: str) -> Rule:
         return entries([[dot(b, inside)] for b in axes])
 
     return named("components along the axes", everywhere(rule))
+
+
+def along_turned(own: Own, frame: str) -> Rule:
+    """Return the rule that writes axes by those of ``frame``, turned from theirs once or more.
+
+    ``own``: says by which turns; b_1 is turned to b_1 cos + b_2 sin, and so on.
+    """
+    rows = {}
+    while frame in own.frames:
+        row = own.frames[frame]
+        rows[row.base] = (frame, row)
+        frame = row.base
+
+    def rule(node: Term) -> Term:
+        if node.head != "atom" or node.data[0] != "unit" or node.data[1] not in rows:
+            return node
+        to, row = rows[node.data[1]]
+        return _before_turn(to, row, int(node.data[2]))
+
+    return named("axes of a turned frame", until_stable(rule))
+
+
+def _before_turn(frame: str, row: OwnFrame, k: int) -> Term:
+    """Return axis ``k`` of the frame from which a frame is turned, by the axes of the latter."""
+    if k == row.axis:
+        return unit(frame, k)
+    first = row.axis % 3 + 1
+    second = first % 3 + 1
+    cosine, sine = expr(sp.cos(row.angle)), expr(sp.sin(row.angle))
+    if k == first:
+        return add(mul(cosine, unit(frame, first)), -mul(sine, unit(frame, second)))
+    return add(mul(sine, unit(frame, first)), mul(cosine, unit(frame, second)))
 
 
 _ONE = quantity("identity_matrix")

@@ -16,8 +16,9 @@ from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.terms.rules.basic import apply
 from eom.terms.rules.calculus import combine, distribute
-from eom.terms.rules.tracing import Rule
+from eom.terms.rules.tracing import Rule, certified
 from eom.terms.terms import (
+    INERTIAL,
     Equation,
     Term,
     add,
@@ -28,6 +29,8 @@ from eom.terms.terms import (
     number,
     relabel,
     replace,
+    since,
+    start,
     zero,
 )
 from eom.terms.vocabulary import unit
@@ -85,6 +88,18 @@ def _factor_of(part: Term, unknown: Term) -> Any:
     if part.head == "mul" and part.args[0].head == "expr" and mul(*part.args[1:]) == unknown:
         return part.args[0].data[0]
     return None
+
+
+def divided(unknown: Term) -> Inference:
+    """Return the inference from s x = y, and what names s by a symbol, ``m := s``, to x = y/m."""
+    words = "division"
+
+    def conclude(equation: Equation, named: Equation) -> Equation:
+        if equation.left != mul(named.right, unknown) or named.relation != ":=":
+            raise _refused(words, "it is no product with what is named")
+        return Equation(unknown, mul(expr(1 / named.left.expression), equation.right))
+
+    return Inference(words, conclude)
 
 
 def entry(place: int, *applied: Rule) -> Inference:
@@ -192,6 +207,71 @@ def along_axis(frame: str, k: int) -> Inference:
     return Inference("one row", conclude)
 
 
+def special(values: Mapping[Any, Any], *applied: Rule) -> Inference:
+    """Return the inference from any motion to a special one: ``values`` of symbols; tidied by rules."""
+
+    def of_motion(node: Term) -> Term:
+        return expr(node.data[0].xreplace(dict(values))) if node.head == "expr" else node
+
+    def conclude(equation: Equation) -> Equation:
+        left, right = (
+            apply(applied, replace(s, of_motion)) for s in (equation.left, equation.right)
+        )
+        return Equation(left, right, equation.relation)
+
+    return Inference("special case", conclude)
+
+
+def integrated(*applied: Rule) -> Inference:
+    """Return the inference from x' = f to x = x_0 + the integral of f over time; tidied by rules."""
+    words = "integration over time"
+
+    def conclude(equation: Equation) -> Equation:
+        rate, right = equation.left, equation.right
+        if rate.head != "der" or (rate.kind == "vector" and rate.data[0] != INERTIAL):
+            raise _refused(words, "the left side is no rate")
+        (inside,) = rate.args
+        return Equation(inside, apply(applied, add(start(inside), since(right))))
+
+    return Inference(words, conclude)
+
+
+def factor_zero(factor: Any) -> Inference:
+    """Return the inference from factor * x = 0 to x = 0, where ``factor``, a SymPy expression, is not zero.
+
+    The sides are SymPy expressions.
+    """
+    words = "a factor that is not zero"
+
+    def conclude(equation: Equation) -> Equation:
+        whole = sp.factor(equation.right.expression - equation.left.expression)
+        rest = sp.cancel(whole / factor)
+        if rest.has(factor) or not vanishes(rest * factor - whole):
+            raise _refused(words, "this is no factor of all of it")
+        return Equation(expr(rest), number(0))
+
+    return Inference(words, conclude)
+
+
+# -- signs -------------------------------------------------------------------------------------
+
+
+def signs(left: Term, *products: tuple[Term, ...]) -> Inference:
+    """Return the inference that ``left`` is not negative: a sum of products of what is not.
+
+    ``products``: their factors: left sides of lines ``a >= 0`` from which it follows, powers of these,
+    squares. Whoever states the line checks the factors, and that the sum is ``left``.
+    """
+
+    def conclude(*lines: Equation) -> Equation:
+        if any(e.relation not in {">=", "="} for e in lines):
+            raise _refused("signs", "it follows from equations and inequalities alone")
+        certified(products)
+        return Equation(left, number(0), ">=")
+
+    return Inference("product of signs", conclude)
+
+
 # -- several equations -------------------------------------------------------------------------
 
 
@@ -249,5 +329,54 @@ def characteristic(
         polynomial = sp.Poly(sp.cancel(whole * scale), root)
         terms = (sp.factor(c) * root**n for (n,), c in polynomial.terms())
         return Equation(expr(scale * sp.Determinant(lead)), expr(sp.Add(*terms)))
+
+    return Inference(words, conclude)
+
+
+def linearised(
+    equal_zero: Callable[[Sequence[Equation]], Any],
+    deviations: Mapping[Any, Any],
+    steady: Mapping[Any, Any],
+) -> Inference:
+    """Return the inference from exact equations to the linear one of small deviations.
+
+    ``equal_zero``: from the lines to the SymPy expression that is zero in any motion; ``deviations``: the
+    symbol of the deviation for each symbol of the motion, rates among them; ``steady``: their values in
+    the steady motion. States the terms of first order. Source: Hughes, Spacecraft Attitude Dynamics
+    (1986), ch. 9.
+    """
+    words = "linearisation"
+
+    def conclude(*lines: Equation) -> Equation:
+        whole = equal_zero(lines)
+        if not vanishes(whole.xreplace(dict(steady))):
+            raise _refused(words, "the motion is not steady")
+        slopes = {x: whole.diff(s).xreplace(dict(steady)) for s, x in deviations.items()}
+        terms = (sp.factor(sp.trigsimp(slope)) * x for x, slope in slopes.items())
+        return Equation(expr(sp.Add(*terms)), number(0))
+
+    return Inference(words, conclude)
+
+
+def exponential(motions: Sequence[Mapping[Any, int]], root: Any) -> Inference:
+    """Return the inference from linear equations to their characteristic polynomial.
+
+    ``motions``: of each unknown the symbols of itself and its rates, with the number of the rate; ``root``:
+    the symbol of the polynomial, as all unknowns go like exp(root t). The lines say that expressions are
+    zero. States the determinant of the factors of the unknowns.
+    """
+    words = "exponential motion put in"
+
+    def factor(line: Equation, rates: Mapping[Any, int]) -> Any:
+        whole = line.left.data[0] - line.right.data[0]
+        return sp.Add(*(whole.diff(s) * root**n for s, n in rates.items()))
+
+    def conclude(*lines: Equation) -> Equation:
+        lead = sp.ImmutableMatrix([[factor(line, rates) for rates in motions] for line in lines])
+        if lead.free_symbols & {s for rates in motions for s in rates}:
+            raise _refused(words, "the equations are not linear")
+        polynomial = sp.Poly(lead.det(method="berkowitz"), root)
+        terms = (sp.factor(c) * root**n for (n,), c in polynomial.terms())
+        return Equation(expr(sp.Determinant(lead)), expr(sp.Add(*terms)))
 
     return Inference(words, conclude)

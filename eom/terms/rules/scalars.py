@@ -9,7 +9,21 @@ import sympy as sp
 
 from eom.terms.rules.basic import entrywise, everywhere, until_stable
 from eom.terms.rules.tracing import Rule, named, rest_on
-from eom.terms.terms import DYADIC, VECTOR, Equation, Term, add, dot, expr, mul, rebuild, zero
+from eom.terms.terms import (
+    DYADIC,
+    SCALAR,
+    VECTOR,
+    Equation,
+    Term,
+    add,
+    der,
+    dot,
+    expr,
+    mul,
+    number,
+    rebuild,
+    zero,
+)
 from eom.terms.vocabulary import quantity
 
 
@@ -72,6 +86,67 @@ def constants(*lines: Equation) -> Rule:
         return node
 
     return named("constants", everywhere(rule))
+
+
+def chain(scalars: Mapping[Any, Term]) -> Rule:
+    """Return the chain rule for rates of expressions: f' = sum of (df/ds) s' over the symbols in f.
+
+    ``scalars``: what symbols stand for; numbers have no rate, and a rate with a symbol is written by it.
+    """
+    symbols = {t.args[0]: s for s, t in scalars.items() if t.head == "der" and t.kind == SCALAR}
+
+    def rate(s: Any) -> Term:
+        meaning = scalars.get(s)
+        if meaning is not None and meaning.data[:1] == ("scalar",):
+            return number(0)
+        return expr(symbols[expr(s)]) if expr(s) in symbols else der(expr(s))
+
+    def rule(node: Term) -> Term:
+        if node.head != "der" or node.args[0].head != "expr":
+            return node
+        inside = node.args[0].data[0]
+        if inside.is_Symbol:
+            return rate(inside)
+        ordered = sorted(inside.free_symbols, key=sp.default_sort_key)
+        return add(number(0), *(mul(expr(inside.diff(s)), rate(s)) for s in ordered))
+
+    return named("chain rule", everywhere(rule))
+
+
+def initial_values(scalars: Mapping[Any, Term]) -> Rule:
+    """Return the rule that writes an expression at the start by the initial values of its symbols.
+
+    ``scalars``: what symbols stand for; numbers are what they are at any time.
+    """
+    first = {t.args[0]: s for s, t in scalars.items() if t.head == "start" and t.kind == SCALAR}
+    numbers = {s: s for s, t in scalars.items() if t.data[:1] == ("scalar",)}
+
+    def rule(node: Term) -> Term:
+        if node.head != "start" or node.args[0].head != "expr":
+            return node
+        inside = node.args[0].data[0]
+        values = {s: first.get(expr(s), numbers.get(s)) for s in inside.free_symbols}
+        return node if None in values.values() else expr(inside.xreplace(values))
+
+    return named("initial values", everywhere(rule))
+
+
+def out_of_sums(scalars: Mapping[Any, Term]) -> Rule:
+    """Return the rule that numbers and coordinates, as ``scalars`` names them, come out of sums."""
+
+    def rule(node: Term) -> Term:
+        if node.head not in {"sum", "integral"} or node.args[0].head != "mul":
+            return node
+        factor, *rest = node.args[0].args
+        symbols = factor.data[0].free_symbols if factor.head == "expr" else {None}
+        if any(s not in scalars or scalars[s].data[:1] not in _ONE_FOR_ALL for s in symbols):
+            return node
+        return mul(factor, rebuild(node, [mul(*rest)]))
+
+    return named("constants out of sums", everywhere(rule))
+
+
+_ONE_FOR_ALL = (("scalar",), ("coordinate",))
 
 
 def _collect(node: Term) -> Term:

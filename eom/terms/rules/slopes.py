@@ -16,14 +16,18 @@ from eom.terms.own import Own
 from eom.terms.rules.basic import everywhere, until_stable
 from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
+    INDICES,
     INERTIAL,
+    SCALAR,
     Term,
     add,
+    atom,
     cross,
     der,
     expr,
     mul,
     number,
+    partial,
     rebuild,
     zero,
 )
@@ -74,12 +78,18 @@ class Slopes:
         parts = [expr(e.diff(by))]
         for s in sorted(e.free_symbols - {by}, key=sp.default_sort_key):
             meaning = self.scalars.get(s)
-            if meaning is not None and meaning.head not in {"atom", "partial"}:
+            if meaning is not None and (
+                meaning.head not in {"atom", "partial"} or meaning.data[:1] == ("function",)
+            ):
                 parts.append(mul(expr(e.diff(s)), self.of(meaning, by)))
         return add(*parts)
 
     def _atom(self, term: Term, by: Any) -> Term:
         name, *labels = term.data
+        if name == "position" and self._is_configured(labels, by):
+            return partial(term, expr(by))
+        if name == "function":
+            return self._function(labels, by)
         if name == "unit" and labels[0] in self.own.frames:
             turned = [
                 mul(self._expression(sp.sympify(angle, strict=True), by), axis)
@@ -93,6 +103,24 @@ class Slopes:
             return self.of(ends[0] - ends[1], by)
         meaning = definition(term)
         return zero(term.kind) if meaning is None else self.of(meaning, by)
+
+    def _function(self, labels: list[str], by: Any) -> Term:
+        """Return the slope of a function of coordinates, by its name with a stroke and the coordinate."""
+        name, *variables = labels
+        meaning = self.scalars.get(by)
+        along = " ".join(map(str, meaning.data)) if meaning is not None else ""
+        if along not in variables:
+            return number(0)
+        whole, *before = name.split("|")
+        label = "|".join((whole, *sorted([*before, along])))
+        return atom("function", label, *variables, kind=SCALAR)
+
+    def _is_configured(self, labels: list[str], by: Any) -> bool:
+        """Return whether this is the place of a particle, which is a function of this coordinate."""
+        meaning = self.scalars.get(by)
+        known = meaning is not None and meaning.data[:1] == ("coordinate",)
+        place = labels[0] in INDICES and labels[1] == ORIGIN
+        return bool(known and place and meaning and meaning.data[1] in self.own.configured)
 
     def _positions(self, point: str, origin: str) -> Term:
         places = [self.own.place(p) for p in (point, origin)]
@@ -115,6 +143,20 @@ class Slopes:
 
 def _constant(term: Term) -> bool:
     return term.is_zero or (term.head == "expr" and not term.data[0].free_symbols)
+
+
+def _linear_slope(node: Term) -> Term:
+    if node.head != "partial":
+        return node
+    inside, by = node.args
+    if inside.head == "add":
+        return add(*(partial(a, by) for a in inside.args))
+    factor, rest = inside.data[0].as_coeff_Mul() if inside.head == "expr" else (sp.S.One, None)
+    return node if factor == 1 else mul(expr(factor), partial(expr(rest), by))
+
+
+linear_slopes: Rule = named("linearity", until_stable(_linear_slope))
+"""The slope of a sum is the sum of slopes, and numbers come out."""
 
 
 def spelt_out(own: Own) -> Rule:

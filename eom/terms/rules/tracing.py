@@ -20,11 +20,13 @@ Rule = Callable[[Term], Term]
 class Trace:
     """What rules have done.
 
-    ``words``: the names of those that changed something, each once; ``known``: the statements used.
+    ``words``: the names of those that changed something, each once; ``known``: the statements used;
+    ``products``: of what is shown not to be negative, products whose sum it is.
     """
 
     words: dict[str, None] = field(default_factory=dict)
     known: dict[Equation, None] = field(default_factory=dict)
+    products: tuple[tuple[Term, ...], ...] = ()
 
 
 _TRACE: ContextVar[Trace | None] = ContextVar("trace", default=None)
@@ -54,6 +56,13 @@ def noted(words: str) -> None:
     trace = _TRACE.get()
     if trace is not None:
         trace.words[words] = None
+
+
+def certified(products: tuple[tuple[Term, ...], ...]) -> None:
+    """Note the products whose sum is said not to be negative."""
+    trace = _TRACE.get()
+    if trace is not None:
+        trace.products = products
 
 
 @dataclass(frozen=True)
