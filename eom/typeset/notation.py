@@ -143,8 +143,10 @@ def _points(special: Mapping[str, Box]) -> Callable[[str], Box]:
     return point
 
 
-def _frames(special: Mapping[str, str]) -> Callable[[str], Box]:
+def _frames(special: Mapping[str, str], style: str = "") -> Callable[[str], Box]:
     """Return how frames are written, some by other letters than their label."""
+    if style:
+        return lambda label: Symbol(special.get(label, label), style)
     return lambda label: symbol(special.get(label, label))
 
 
@@ -405,12 +407,12 @@ NOTATIONS: dict[str, Notation] = {
         letters=_letters(0),
         nuclei=_nuclei(_marked("vec"), _bracketed, _bracketed),
         point=_points({}),
-        frame=_frames({"C": "W"}),
+        frame=_frames({"C": "W", "E": "U"}),
         atoms={
             "position": _short_position({"OI": "R", "C": "r", "O": "rho"}),
             "angular_velocity": _frames_below,
             "rotation": _rotation_below,
-            "unit": _unit({"C": "w"}, _marked("hat")),
+            "unit": _unit({"C": "w", "E": "u"}, _marked("hat")),
             "rotor_axis": lambda _, k: Scripts(Accent("hat", Symbol("a")), symbol(k)),
             "absolute_angular_momentum": _absolute(
                 _generic("absolute_angular_momentum", VECTOR), _generic("angular_momentum", VECTOR)
@@ -429,12 +431,12 @@ NOTATIONS: dict[str, Notation] = {
         letters=_letters(1),
         nuclei=_nuclei(_in("bold"), _in("blackboard"), _in("bold")),
         point=_points({"C": Symbol("G")}),
-        frame=_in("calligraphic"),
+        frame=_frames({"E": "U"}, "calligraphic"),
         atoms={
             "position": lambda n, of, origin: letter_box(n, "r", VECTOR, [_over(n, of, origin)]),
             "angular_velocity": _frames_around,
             "rotation": _rotation_around,
-            "unit": _unit({"I": "e"}, _in("bold")),
+            "unit": _unit({"I": "e", "E": "u"}, _in("bold")),
             "linear_momentum": _momentum_in("linear_momentum"),
             "angular_momentum": _momentum_in("angular_momentum"),
             "absolute_angular_momentum": _absolute(
@@ -455,12 +457,12 @@ NOTATIONS: dict[str, Notation] = {
             _marked("underline"), lambda n: Accent("underline", Symbol(n, "bold")), _in("bold")
         ),
         point=_points({"C": Operator("bullet")}),
-        frame=symbol,
+        frame=_frames({"E": "U"}),
         atoms={
             "position": _short_position({"OI": "r", "O": "rho"}),
             "angular_velocity": _frames_below,
             "rotation": _rotation_below,
-            "unit": _unit({}, _marked("underline")),
+            "unit": _unit({"E": "u"}, _marked("underline")),
             "inertia": _hughes_inertia,
         },
         derivative=_bullets,
@@ -480,12 +482,12 @@ NOTATIONS: dict[str, Notation] = {
                 **{i: Scripts(Symbol("P"), Symbol(i)) for i in "ijk"},
             }
         ),
-        frame=lambda label: Symbol({"I": "N"}.get(label, label)),
+        frame=_frames({"I": "N", "E": "U"}),
         atoms={
             "position": _kane_position,
             "angular_velocity": _frames_around,
             "rotation": _rotation_around,
-            "unit": _unit({"I": "n"}, _marked("hat", "bold")),
+            "unit": _unit({"I": "n", "E": "u"}, _marked("hat", "bold")),
             "linear_momentum": _kane("linear_momentum"),
             "angular_momentum": _kane("angular_momentum"),
             "absolute_angular_momentum": _absolute(
