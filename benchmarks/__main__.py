@@ -24,10 +24,12 @@ from benchmarks import (
     machine,
     pendulum,
     rates,
+    runs,
     stages,
     startup,
     taylor,
     trees,
+    waits,
 )
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
@@ -48,6 +50,7 @@ class Measurement:
 MEASUREMENTS = (
     Measurement(rates.measure),
     Measurement(calls.measure),
+    Measurement(runs.measure),
     Measurement(lanes.measure),
     Measurement(jacobians.measure),
     Measurement(integration.measure),
@@ -61,6 +64,7 @@ MEASUREMENTS = (
     Measurement(trees.measure, needs_compiler=False),
     Measurement(counts.measure),
     Measurement(compile_time.measure),
+    Measurement(waits.measure, quick=False),
     Measurement(startup.measure, needs_compiler=False, quick=False),
     Measurement(derivations.measure, needs_compiler=False, quick=False),
 )

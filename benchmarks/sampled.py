@@ -3,8 +3,11 @@
     python -m benchmarks.sampled
 
 In C: the time of a step with a sample at its end, over that of the same run with held inputs and steps that
-are as many and as long (``max_step``). The laws give zero, so that both make the same motion. In Python:
-what a call of f(t, x) costs beside the function itself. Figures: least times of many interleaved runs.
+are as many and as long (``max_step``). The laws give zero, so that both make the same motion. Beside it how
+often each evaluates the rates in a step (of series: orders of coefficients): a law that changes an input
+makes the rates at the end of a step worthless for the next one, which methods that estimate their error
+by them (DP5, Tsit5) pay for by one more. In Python: what a call of f(t, x) costs beside the function
+itself. Figures: least times of many interleaved runs.
 """
 
 from __future__ import annotations
@@ -63,8 +66,11 @@ def cases() -> Iterator[Case]:
     yield Case("arm", system, arm.initial_values(), arm.parameter_values(), law)
 
 
-def ratio(case: Case, method: str) -> tuple[float, float]:
-    """Return the time of a step with a sample (us), and over that of one with held inputs."""
+def ratio(case: Case, method: str) -> tuple[float, float, tuple[float, float]]:
+    """Return the time of a step with a sample (us), and over that of one with held inputs.
+
+    With evaluations a step, of both.
+    """
     compiled, end = codegen.compile(case.system), PERIOD * SAMPLES
     gains = dict.fromkeys(("k_gain", "d_gain"), 0.0)
     plan: dict[str, Any] = {"method": method, "rtol": 1e-6, "t_eval": [end]}
@@ -81,10 +87,10 @@ def ratio(case: Case, method: str) -> tuple[float, float]:
             inputs=dict.fromkeys(case.law, 0.0), **plan,
         )  # fmt: skip
 
-    sampled(), held()
+    counts = [r.nfev / (r.steps + r.rejected) for r in (sampled(), held())]
     pairs = [(sampled(), held()) for _ in range(RUNS)]
     one, other = (min(r[k].seconds / r[k].steps for r in pairs) for k in (0, 1))
-    return 1e6 * one, one / other
+    return 1e6 * one, one / other, (counts[0], counts[1])
 
 
 def least(call: Callable[[], object], count: int = 500, runs: int = 500) -> float:
@@ -127,8 +133,9 @@ def main() -> None:
     )
     for case in cases():
         for method in METHODS:
-            step, over = ratio(case, method)
-            print(f"  {case.name:10} {method:8} {step:6.3f} us  {over:5.2f}")
+            step, over, (one, other) = ratio(case, method)
+            counts = f"{one:.2f} and {other:.2f} evaluations"
+            print(f"  {case.name:10} {method:8} {step:6.3f} us  {over:5.2f}  {counts}")
     beside, sample = called()
     print(f"f(t, x) in Python: {beside:.2f} us a call beside the function (at most {CALL_LIMIT})")
     print(f"a sample that calls f(t, x) from C: {sample:.2f} us, the function in it")

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from codegen.compiling.compiled import compile as compile
     from codegen.compiling.compiled import compiled_jacobian as compiled_jacobian
     from codegen.compiling.events import Event as Event
+    from codegen.compiling.generated import generate as generate
     from codegen.compiling.sampled import Sampled as Sampled
     from codegen.compiling.signals import Signal as Signal
     from codegen.compiling.sparse import SparseJacobian as SparseJacobian
@@ -43,9 +44,11 @@ if TYPE_CHECKING:
     from codegen.native.trajectory import Stop as Stop
     from codegen.precision.accuracy import accuracy as accuracy
     from codegen.precision.domain import AccuracyReport as AccuracyReport
+    from codegen.runs.prepared import Integrator as Integrator
+    from codegen.runs.prepared import integrator as integrator
     from codegen.runs.pruning import Drift as Drift
+    from codegen.runs.result import Result as Result
     from codegen.runs.run_accuracy import Accuracy as Accuracy
-    from codegen.runs.simulation import Result as Result
     from codegen.runs.simulation import simulate as simulate
 
 _HOME = {
@@ -59,11 +62,12 @@ _HOME = {
     "Event": "compiling.events",
     "FreeMotion": "closed.exact",
     "Grid": "ensembles.sampler",
+    "Integrator": "runs.prepared",
     "Linear": "linearisation.linear_motion",
     "LinearMotion": "linearisation.linear_motion",
     "METHODS": "integrate.methods",
     "Normal": "ensembles.sampler",
-    "Result": "runs.simulation",
+    "Result": "runs.result",
     "Sampled": "compiling.sampled",
     "Sampler": "ensembles.sampler",
     "Sensitivities": "linearisation.sensitivity",
@@ -82,6 +86,8 @@ _HOME = {
     "equilibrium": "linearisation.equilibria",
     "free_body": "closed.exact",
     "free_motion": "closed.exact",
+    "generate": "compiling.generated",
+    "integrator": "runs.prepared",
     "linearise": "linearisation.linear_motion",
     "linearise_about": "linearisation.linear_motion",
     "sensitivities": "linearisation.sensitivity",

@@ -1,12 +1,15 @@
-"""Derive the equations of motion of rigid bodies with SymPy.
+"""Derive the equations of motion of rigid bodies with SymPy, compile and integrate them.
 
-The names below load on first use, so that the command line starts fast.
+The names below load on first use, so that the command line starts fast. Those of `codegen` are found
+here too, so that one import is enough for everything: ``eom.simulate`` is ``codegen.simulate``.
 """
 
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from eom import displays
 
 if TYPE_CHECKING:
     from eom.checker.note.checking import check as check
@@ -70,16 +73,31 @@ _HOME = {
     "Table": "tables",
 }
 
+displays.register({
+    "system as page": "eom.typeset.printing:notebook",
+    "result as histories": "eom.views.time.histories:of_result",
+    "result as animation": "eom.views.animation.of_results:animated",
+})  # fmt: skip
+
 __all__ = [*_HOME, "__version__"]  # noqa: PLE0604 - all entries are strings
 
 
-def __getattr__(name: str) -> object:
-    """Import the module that holds ``name`` on first use."""
-    if name not in _HOME:
+def __getattr__(name: str) -> Any:
+    """Import the module that holds ``name`` on first use; names of `codegen` are found by its own."""
+    if name in _HOME:
+        found = getattr(importlib.import_module(f"eom.{_HOME[name]}"), name)
+    elif not name.startswith("_") and name in _numerical().__all__:
+        found = getattr(_numerical(), name)
+    else:
         raise AttributeError(f"module 'eom' has no attribute {name!r}")
-    found = globals()[name] = getattr(importlib.import_module(f"eom.{_HOME[name]}"), name)
+    globals()[name] = found
     return found
 
 
+def _numerical() -> Any:
+    """Return the package that compiles and integrates, which nothing below the front door knows."""
+    return importlib.import_module("codegen")
+
+
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted({*__all__, *_numerical().__all__})

@@ -7,8 +7,8 @@ before names the term that does not fit (Kennedy, Programming Languages and Dime
 Cambridge 1996, sections 2 and 3, with rational exponents).
 
 Exact numbers are counts, which have no unit, as factors; a number that is a whole term, or has a decimal
-point (a SymPy Float), may be a value whose unit is not stated: then nothing follows. Zero is of every
-dimension.
+point (a SymPy Float), may be a value whose unit is not stated: then nothing follows. So may a term that
+is a number of time alone, as a pulse or a sine. Zero is of every dimension.
 """
 
 from __future__ import annotations
@@ -117,11 +117,16 @@ class Dimensions:
             return
         terms = formula.args if formula.is_Add else (formula,)
         for term in terms:
-            self._agree(term, self._term(term), expected, "")
+            own = self._term(term)
+            self._agree(term, None if self._varies(term, own) else own, expected, "")
 
     def _term(self, term: Expr) -> Powers | None:
         """Return the dimension of a term of a sum; a number may be a value, of any."""
         return None if term.is_number else self._of(term)
+
+    def _varies(self, term: Expr, own: Powers | None) -> bool:
+        """Return whether a term is a number that varies with time, and may be a value as others are."""
+        return own == _PLAIN and term.free_symbols == {self.time}
 
     def _of(self, formula: Expr) -> Powers | None:
         """Return the dimension of a formula, children first, each once; None where it may be any."""
@@ -161,14 +166,16 @@ class Dimensions:
     def sum(self, node: Expr) -> Powers | None:
         """Return the dimension of a sum, or of the larger of several; None where none is known."""
         known: Powers | None = None
-        first: Expr = None
+        first, varies = None, False
         for term in node.args:
             own = self._term(term)
-            if known is None:
+            if self._varies(term, own):
+                varies = True
+            elif known is None:
                 known, first = own, term
             elif own is not known:
                 self._agree(term, own, known, str(first))
-        return known
+        return _PLAIN if known is None and varies else known
 
     def power(self, node: Expr) -> Powers | None:
         """Return the dimension of a power; exponents, and bases of exponents that vary, are numbers."""
@@ -242,8 +249,8 @@ class Dimensions:
             where=where,
             got=f"{_short(str(misfit.term))}, in {found}{inside}",
             expected=f"{expected}{beside}",
-            hint="exact numbers have no unit: a value that has one is a parameter with its unit; "
-            "leave units out where they are not known",
+            hint="whole numbers and fractions have no unit: a value that has one is a parameter with its "
+            "unit, or has a decimal point, as 2.0; leave units out where they are not known",
         )
 
     def _words(self, powers: Powers) -> str:

@@ -18,6 +18,7 @@ import sympy as sp
 from eom import proof
 from eom.control import Spoken, as_quantity, as_state, in_order, name_of, widened
 from eom.dimensions import Dimensions
+from eom.displays import display
 from eom.errors import InputError, entries, is_text, shown, typed, unknown_name
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
 from eom.quantities import (
@@ -41,6 +42,12 @@ __all__ = (
 )  # fmt: skip
 
 Expr = Any  # a SymPy expression; SymPy ships no types
+
+
+def _few(names: Sequence[str], most: int = 12) -> str:
+    """Return names as a text: the first few, and how many more there are."""
+    rest = len(names) - most
+    return ", ".join(names[:most]) + (f" and {rest} more" if rest > 0 else "")
 
 
 @dataclass(frozen=True)
@@ -155,8 +162,16 @@ class System:
             "outputs": self.output_names,
             "invariants": self.invariant_names,
         }
-        named = [f"{kind} {', '.join(names)}" for kind, names in groups.items() if names]
+        named = [f"{kind} {_few(names)}" for kind, names in groups.items() if names]
         return f"System({self.name!r}: {'; '.join(named)})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: what there is, with its equations."""
+        return str(display("system as page", self, "html"))
+
+    def _repr_latex_(self) -> str:
+        """Return the equations of motion as a display in LaTeX."""
+        return str(display("system as page", self, "latex"))
 
     @property
     def state_names(self) -> tuple[str, ...]:

@@ -614,6 +614,9 @@ FACTS = {
         NONE,
         "Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14",
     ),
+    "codegen.generate": (NONE, "Units are those of the system", NONE, NONE),
+    "codegen.Integrator": (NONE, "(s)", NONE, NONE),
+    "codegen.integrator": (NONE, "Units are those of the system", NONE, NONE),
     "codegen.simulate": (
         "a number or (n,)",
         "Units are those of the system",

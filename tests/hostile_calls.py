@@ -87,7 +87,7 @@ HOSTILE = (
 
 MADE = {
     "codegen": "Accuracy AccuracyReport Compiled CompilerError Drift Ensemble Equilibrium FreeMotion "
-    "Linear LinearMotion Result Sensitivities SparseJacobian Stop Summary",
+    "Integrator Linear LinearMotion Result Sensitivities SparseJacobian Stop Summary",
     "eom": "Derived AssumptionError InputError",
     "eom.multibody": "Assembly BaseParameters ClosedForm Comparison Constraint Examination Regressor "
     "TreeFunction",
@@ -99,6 +99,8 @@ METHODS = (
     "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "System.closed_loop",
     "Table.__call__", "Compiled.rates",
     "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
+    "Result.at", "Result.load", "Result.save", "Result.animate",
+    "Integrator.run",
     "FreeMotion.__call__", "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix",
     "SparseJacobian.__call__", "SparseJacobian.dense",
 )  # fmt: skip
@@ -126,6 +128,16 @@ def _codegen(folder):
             "system": compiled, **run, "method": "scipy:RK45", "outputs": ["E"], "dense_output": False,
             "first_step": 0.1, "max_steps": 10, "project": None, "events": None, "epoch": 0.0,
             "accuracy": False, "progress": None,
+        }),
+        "integrator": (codegen.integrator, {
+            "system": compiled, "t_span": (0, 1), "method": "scipy:RK45", "rtol": 1e-6, "atol": 1e-9,
+            "t_eval": [0, 1], "inputs": {"M": 0.0}, "outputs": ["E"], "dense_output": False,
+            "first_step": 0.1, "max_step": 0.5, "max_steps": 10, "margin": 1e-6, "project": None,
+            "events": None, "epoch": 0.0,
+        }),
+        "generate": (codegen.generate, {
+            "system": OSCILLATOR, "folder": None, "target": "numpy", "parameters": {"k": 1.0},
+            "integrator": "", "rtol": 1e-9, "jacobian": ["states"], "stable": False,
         }),
         "ensemble": (codegen.ensemble, {
             "system": compiled, **run, "method": "auto", "statistics": ["y"], "keep": True, "store": None,
@@ -327,8 +339,8 @@ def _multibody():
         "base_parameters": (m.base_parameters, {
             "tree": tree, "armature": False, "damping": False, "coulomb": False, "seed": 0,
         }),
-        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", **wishes}),
-        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), **wishes}),
+        "closed_form": (m.closed_form, {"tree": tree, "method": "lagrange", "rates": False, **wishes}),
+        "compare": (m.compare, {"tree": tree, "methods": ("lagrange",), "rates": False, **wishes}),
         "Lagrangian": (m.Lagrangian, {
             "name": "o", "rates": {y: v}, "kinetic": v**2 / 2, "potential": y**2 / 2, "dissipation": 0,
             "forces": {},
@@ -355,7 +367,7 @@ def _multibody():
         "examine": (m.examine, {"tree": tree, "start": None}),
         "regressor": (m.regressor, {"tree": tree, "armature": False, "damping": False, "coulomb": False}),
         "tree_page": (m.tree_page, {
-            "tree": tree, "method": "lagrange", "style": "text", **wishes,
+            "tree": tree, "method": "lagrange", "style": "text", "rates": False, **wishes,
         }),
     }  # fmt: skip
 
@@ -365,6 +377,10 @@ def _methods():
     compiled = codegen.compile(OSCILLATOR, "numpy")
     run = codegen.simulate(
         compiled, {"y": 1, "v": 0}, (0, 1), {"k": 1.0}, "scipy:RK45", inputs={"M": 0.0}
+    )
+    prepared = codegen.integrator(compiled, (0, 1), "scipy:RK45")
+    dense = codegen.simulate(
+        compiled, [1, 0], (0, 1), {"k": 1.0}, inputs={"M": 0.0}, dense_output=True
     )
     jacobian, sensitive = compiled.jacobian(), codegen.sensitivities(OSCILLATOR, ["k"])
     at = {"t": 0.0, "x": [1, 0], "p": [1], "u": [0]}
@@ -390,6 +406,13 @@ def _methods():
         "Compiled.rates": (lambda **a: compiled.functions["rates"](a["t"], a["x"], a["p"], a["u"]), at),
         "Compiled.jacobian": (compiled.jacobian, {"wrt": "states", "of": "rates"}),
         "Compiled.batch": (compiled.batch, {"group": "rates", "threads": 1}),
+        "Integrator.run": (prepared.run, {
+            "initial": start, "parameters": {"k": 1.0}, "inputs": {"M": 0.0},
+        }),
+        "Result.at": (dense.at, {"t": [0.5]}),
+        "Result.save": (run.save, {"path": "run.npz"}),
+        "Result.load": (codegen.Result.load, {"path": "run.npz"}),
+        "Result.animate": (run.animate, {"scene": None, "speed": 1.0}),
         "Result.accuracy": (run.accuracy, {"limit": 1.0}),
         "Result.with_accuracy": (run.with_accuracy, {"limit": 1.0}),
         "FreeMotion.__call__": (free, {"t": 0.5}),

@@ -84,7 +84,37 @@ def test_a_mistake_is_one_message(analyse, words, told):
     assert told in done.stderr
 
 
-def test_scenes_of_one_body_are_refused():
-    done = CliRunner().invoke(main, ["analyse", "heavy-top"])
+def analysed(*words):
+    return CliRunner().invoke(main, ["analyse", *words, "--small", "0"], catch_exceptions=False)
+
+
+def test_scenes_of_one_body_are_analysed():
+    done = analysed("bicycle-wheel", "--solve", "phi_dot", "--rates", "0")
+    assert done.exit_code == 0
+    assert "V_eff  = g m r₂ sin(θ) + pᵩ²/(2 I₂) + (p_ψ − pᵩ sin(θ))²/(2 I₁ cos(θ)²)" in done.output
+    assert "p = s² + (I₁² ψ̇⁴ − 2 I₁ g m ψ̇² r₂ sin(θ) + g² m² r₂²)/(I₁² ψ̇²)" in done.output
+
+
+def test_a_disc_rolls_upright_where_it_is_fast():
+    """v^2 > g r / 3: Greenwood, Advanced Dynamics (2003), ch. 4; the scene has a quaternion."""
+    names = [f"--name=q_disc_{k}={n}" for k, n in enumerate(("psi", "theta", "phi"), 1)]
+    done = analysed("rolling-disc", *names, "--at=theta=0", "--at=psi_dot=0", "--rates", "0")
+    assert done.exit_code == 0
+    assert "Attitude by angles instead of a quaternion: 3-1-2." in done.output
+    assert "−g + 3 φ̇² r > 0" in done.output
+    turns = analysed("rolling-disc", *names, "--solve", "phi_dot", "--rates", "0").output
+    assert "φ̇ = −(4 g + 5 ψ̇² r cos(θ)) sin(θ)/(6 ψ̇ r cos(θ))" in turns
+
+
+def test_a_slider_crank_swings_about_its_lowest_place():
+    """The rod and the piston move as one with the pin: J + (m2 + m3) r^2; the rod's middle rises half."""
+    done = analysed("slider-crank", "--at=q_crank=-pi/2", "--rates", "0", "--harmonics", "0")
+    assert done.exit_code == 0
+    assert "What is left closes the chain" in done.output
+    assert "p = g m₂ r/(2 (J + r² (m₂ + m₃))) + s²" in done.output
+
+
+def test_laws_of_control_are_no_part_of_it(tmp_path):
+    done = CliRunner().invoke(main, ["analyse", "reaction-wheels"])
     assert done.exit_code == 2
-    assert "eom analyse is for scenes of many bodies" in done.stderr
+    assert done.stderr.startswith("error: ")

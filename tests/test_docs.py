@@ -38,6 +38,7 @@ NEEDS = {
     "control": ("matplotlib",),
     "rotary-pendulum": ("matplotlib",),
     "reaction-wheels": ("matplotlib",),
+    "run-many-times": ("matplotlib", "pandas", "xarray"),
 }
 TASKS = 10
 

@@ -20,6 +20,7 @@ from codegen.measure.stress.growth import fitted, turn_between
 from codegen.measure.stress.record import ABSENT, FAIL, PASS, Figure, Findings, Plan, Size
 from codegen.measure.stress.workers import Worker
 from codegen.native import native
+from codegen.runs import simulation
 from eom import problems
 from eom.__main__ import main
 from eom.commands import stressing as random_scenes
@@ -56,6 +57,8 @@ def spoilt(monkeypatch, name, change):
     row = next(r for r in methods.ROWS if r.name == name)
     changed = [replace(r, prepare=prepare) if r.name == name else r for r in methods.ROWS]
     monkeypatch.setattr(methods, "ROWS", tuple(changed))
+    once = simulation._once  # keeps integrators, also those that were not changed
+    monkeypatch.setattr(simulation, "_once", getattr(once, "__wrapped__", once))
 
 
 def wrong_step(integrator):

@@ -241,6 +241,19 @@ def test_angles_against_the_ground(run):
     assert "θ_elbow" in done.output
 
 
+def test_speeds_may_be_the_rates_of_coordinates(run):
+    """The disc in angles: Greenwood, Advanced Dynamics (2003), ch. 4."""
+    names = [f"--name=q_disc_{k}={n}" for k, n in enumerate(("psi", "theta", "phi"), 1)]
+    done = run(
+        "derive", "rolling-disc", "--method", "kane", "--attitude", "3-1-2", "--rates", *names
+    )
+    assert done.exit_code == 0
+    assert "(5 sin(θ)² + 1) ψ̈ + 6 sin(θ) φ̈" in done.output
+    assert "3 sin(θ) ψ̈ + 3 φ̈ + 5 cos(θ) ψ̇ θ̇" in done.output
+    refused = run("derive", "double-pendulum", "--rates")
+    assert "--rates is for closed forms" in refused.stderr
+
+
 def test_constrained_scenes_have_closed_forms(run):
     """The disc by angles; the crank under another name, its piston kept."""
     words = ["derive", "rolling-disc", "--method", "all", "--attitude", "3-1-2"]

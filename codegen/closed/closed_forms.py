@@ -455,10 +455,10 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
     where phases lose their digits before the end.
     """
     known = held(compiled, problem)
-    start = tuple(Fraction(float(v)) for v in problem.x0)
     for row in ROWS:
         try:
             reading = known.read(row.read)
+            start = () if reading is None else tuple(Fraction(float(v)) for v in problem.x0)
             motion = None if reading is None else row.move(reading, start)
         except (ArithmeticError, InputError):
             continue

@@ -36,6 +36,7 @@ from codegen.compiling.sparse import (
 from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.frontend.layout import Layout, names_of
+from codegen.frontend.notebook import MOST, listed, table
 from codegen.frontend.structure import Guard, Structure
 from codegen.ir import compile_progress
 from codegen.ir.names import identifier
@@ -90,6 +91,23 @@ class Compiled:
         fixed = f", with {', '.join(names)} fixed" if names else ""
         functions = ", ".join("rhs" if g == RATES else g for g in self.functions)
         return f"Compiled({self.layout.name!r} for {self.target}{fixed}: {functions})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: what it computes and of what, and the system."""
+        kinds = {
+            "states": self.layout.states,
+            "parameters": self.layout.parameters,
+            "inputs": self.layout.inputs,
+        }
+        rows = [(kind, listed([f"{q.name} [{q.unit}]" if q.unit else q.name for q in quantities], MOST))
+                for kind, quantities in kinds.items() if quantities]  # fmt: skip
+        rows += [("fixed", ", ".join(self.structure.names))] if self.structure.names else []
+        costs = (
+            f"{', '.join(self.functions)}: target {self.target}, {self.program.cost():,} operations"
+        )
+        rows.append(("functions", costs))
+        page = f"<details><summary>equations</summary>{self.system._repr_html_()}</details>"
+        return table(rows, (), repr(self)) + page
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""

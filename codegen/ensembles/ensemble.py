@@ -24,6 +24,7 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
+from html import escape
 from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
@@ -47,6 +48,7 @@ from codegen.ensembles.work_units import (
     run,
 )
 from codegen.frontend.layout import names_of, to_array
+from codegen.frontend.notebook import number, sparkline, table
 from codegen.integrate import fleet
 from codegen.integrate.fleet import Shared
 from codegen.ir.program import INVARIANTS, OUTPUTS, SameObject
@@ -56,7 +58,8 @@ from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
 from codegen.runs.arguments import span as span_of
 from codegen.runs.arguments import tolerances as tolerances_of
-from codegen.runs.simulation import DEFAULT_MARGIN, InputsGiven, compile_once
+from codegen.runs.given import InputsGiven, compile_once
+from codegen.runs.prepared import DEFAULT_MARGIN
 from eom.errors import InputError, typed, unknown_name
 from eom.system import System
 
@@ -104,6 +107,22 @@ class Ensemble:
         ends = ", ".join(f"{k}: {v:,}" for k, v in self.counts.items())
         drift = "".join(f"; drift of {n} at most {d.maximum[0]:.1e}" for n, d in self.drift.items())
         return f"Ensemble({self.count:,} trajectories, {ends}; {self.steps:,} steps{drift})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: how trajectories ended, statistics at the last stored time."""
+        rows = [
+            (
+                n,
+                *(number(v[-1]) for v in (s.mean, s.deviation, s.minimum, s.maximum)),
+                sparkline(self.t, s.mean),
+            )
+            for n, s in self.statistics.items()
+            if len(s.mean)
+        ]
+        rows = rows or [("no statistics: no times were stored", *[""] * 5)]
+        header = ("at the end", "mean", "standard deviation", "least", "largest", "mean over time")
+        told = f"<p>{escape(self.notice)}</p>" if self.notice else ""
+        return table(rows, header, repr(self)) + told
 
     @property
     def success(self) -> bool:
@@ -563,8 +582,8 @@ class Gathered:
         tallies = piece.tallies
         for name, nodes in tallies.nodes.items():
             tree = self.trees.setdefault(name, Tree())
-            for (level, number), value in nodes.items():
-                tree.add(level, number, value)
+            for (level, place), value in nodes.items():
+                tree.add(level, place, value)
         for name, counts in tallies.histograms.items():
             self.histograms[name] = self.histograms.get(name, np.zeros_like(counts)) + counts
         if tallies.bins is not None:

@@ -43,13 +43,13 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.signals import Inputs
 from codegen.derivatives.taylor import operations, prepare
 from codegen.integrate import closed
-from codegen.integrate.scales import PART
+from codegen.integrate.scales import PART, units_of
 from codegen.ir.interpret import Point
 from codegen.ir.program import RATES, SameObject
 from codegen.loops import taylor
 from codegen.loops.projection import units
 from codegen.native import native
-from codegen.native.trajectory import Array, Found, Problem, Trajectory
+from codegen.native.trajectory import Array, Found, Problem, Trajectory, varied
 from codegen.watch.trust import is_analytic
 from eom.errors import InputError
 
@@ -117,6 +117,9 @@ def promising(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> 
     """
     start, end = problem.t_span
     span = abs(end - start)
+    quick = _steepest(compiled, problem, u)
+    if quick is not None and quick * span * ROUNDING < worth * DOP853_REACH:
+        return False
     changes, slopes = _differences(compiled, problem, start, problem.x0, u)
     bound = float((np.abs(slopes).T @ (1.0 / changes)).max())
     if not math.isfinite(bound) or bound * span < worth * DOP853_REACH:
@@ -124,6 +127,23 @@ def promising(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> 
     J = slopes.T / changes
     worst = _worst(J, math.copysign(1.0, end - start))
     return worst is not None and abs(worst) * span >= worth * DOP853_REACH
+
+
+ROUNDING = 1 + 1e-9
+"""More than two sums of the same terms in another order differ by, relative to them."""
+
+
+def _steepest(compiled: Compiled, problem: Problem, u: InputsAt) -> float | None:
+    """Return the bound of the norm, but for rounding, by `codegen/native/runs.c`; None without C."""
+    extension = native.extension() if compiled.target == "c" else None
+    if extension is None:
+        return None
+    start, x = problem.t_span[0], problem.x0
+    found: float | None = extension.steepest(
+        compiled.rhs, x, problem.parameters, u(start, x), units_of(compiled)[0], start, problem.atol,
+        problem.rtol,
+    )  # fmt: skip
+    return found
 
 
 def limited(
@@ -344,7 +364,7 @@ def _going_on(
     def integrator(problem: Problem) -> Trajectory:
         look = _Look(task, problem, chosen)
         made = run(problem if task.events else look.watching())
-        first = replace(made, method=name, why=chosen.why, methods=(chosen.method,))
+        first = varied(made, method=name, why=chosen.why, methods=(chosen.method,))
         if problem.laws:
             return _anew(task, methods, problem, first, look.stiff)
         if look.stiff is not None and first.stop.kind == LEFT:
@@ -400,7 +420,7 @@ class _Look:
 
     def watching(self) -> Problem:
         """Return the problem, watched."""
-        return replace(self.problem, watch=self._limited, watch_every=WATCH[self.native])
+        return varied(self.problem, watch=self._limited, watch_every=WATCH[self.native])
 
     def _limited(self, t: float, x: Array, h: float) -> bool:
         at, u = (t, x, h), _inputs(self.task)

@@ -251,7 +251,7 @@ def _against_lanes(program: Program, prepared: Prepared, order: int) -> str:
 def _dop853(compiled: Compiled, rtol: float) -> Built:  # noqa: ARG001 - the signature of a row
     program, layout = compiled.program, compiled.layout
     text = runge_kutta.single_text(DOP853, program, layout, SAMPLES in layout.results)
-    flags = native.flags_for(0, len(program.instructions))
+    flags = native.flags_for_steps(len(program.instructions))
     return Built(_many(text, layout, DOP853.name, flags), "DOP853 in generated C", text)
 
 

@@ -309,8 +309,9 @@ def single_text(
     name = identifier(layout.name)
     rest = "".join(texts.values()).replace(f'#include "{name}.h"\n', "")
     rest = rest.replace(f'#include "{name}_{suffix}.h"\n', "")
-    around = samples.text(suffix, layout) if sampled else ""
-    return c.single_text(program, layout) + rest + around
+    if sampled:
+        rest = samples.around(rest, suffix, layout)
+    return c.single_text(program, layout) + rest
 
 
 def check_sampled(method: str, layout: Layout, programs: Sequence[tuple[Program, str]]) -> None:
@@ -342,6 +343,8 @@ def unbound(*_: Array) -> None:
 
 def integrate(method: NativeMethod, evaluate: Between, problem: Problem) -> Trajectory:
     """Integrate a problem; its dense output is evaluated with its own parameters and inputs."""
+    if not problem.dense_output:
+        return runge_kutta.integrate(method, problem)
 
     def solution(t: Array, h: Array, x: Array, rows: Array) -> RowSolution:
         return RowSolution(t, h, x, rows, evaluate, problem)

@@ -92,16 +92,26 @@ def _taylor_once(
     return taylor.build(*_extended_once(key, further), order, further[2])
 
 
-def _native(compiled: Compiled, method: runge_kutta.NativeMethod) -> Integrator:
-    def integrate(problem: Problem) -> Trajectory:
+@dataclass(frozen=True)
+class Native:
+    """A loop in generated C as an integrator, with what its projection needs beside it."""
+
+    compiled: Compiled
+    method: runge_kutta.NativeMethod
+
+    def __call__(self, problem: Problem) -> Trajectory:
+        """Integrate a problem."""
         if not problem.project:
-            return runge_kutta.integrate(method, problem)
-        found = runge_kutta.integrate(method, with_values(compiled, problem))
+            return runge_kutta.integrate(self.method, problem)
+        found = runge_kutta.integrate(self.method, with_values(self.compiled, problem))
         if not (problem.dense_output and problem.t_eval is not None):
             return found
-        return replace(found, y=Projector(compiled, problem).points(found.t, found.y))
+        return replace(found, y=Projector(self.compiled, problem).points(found.t, found.y))
 
-    return integrate
+    def quick(self, problem: Problem) -> runge_kutta.Quick | None:
+        """Return the quick way for problems like this one but for their values, if there is one."""
+        quick = None if problem.project else self.method.quick
+        return quick if quick is not None and quick.takes(problem) else None
 
 
 def _runge_kutta(
@@ -113,7 +123,7 @@ def _runge_kutta(
         compiled = task.compiled
         if compiled.target == "c" and task.signals is None:
             native = _runge_kutta_once(SameObject(compiled), _further(task), tableau)
-            return _native(compiled, native), f"{name} in generated C"
+            return Native(compiled, native), f"{name} in generated C"
         if task.events:
             raise InputError(
                 f"method {name} finds events in generated C alone",
@@ -140,7 +150,7 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
         )
     order = taylor.order_of(task.problem.rtol)
     native = _taylor_once(SameObject(task.compiled), _further(task), order)
-    return _native(task.compiled, native), f"Taylor series of order {order} in generated C"
+    return Native(task.compiled, native), f"Taylor series of order {order} in generated C"
 
 
 def _refuse_signals(name: str, task: Task) -> None:

@@ -114,7 +114,7 @@ def build(
     method = NativeMethod(
         shape.terms, group.unbound, begin, run, state, output, library,
         notice=partial(_notice, shape.variables, names_of(layout.states)),
-        sampled=samples.functions(library, prefix, NAME) if sampled else None,
+        sampled=samples.functions(library, prefix) if sampled else None,
     )  # fmt: skip
     return method, group.between(library, prefix)
 

@@ -23,12 +23,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.layout import Layout
+from codegen.native import native
 from codegen.native.trajectory import Array
 
 PART = 1e-3
@@ -197,8 +199,7 @@ def defaults(
     return found.tolerances(rtol), _notice(unknown, rtol) if unknown else ""
 
 
-@dataclass(frozen=True)
-class Point:
+class Point(NamedTuple):
     """Where a run starts: states, parameters, inputs, and the time of the system at which t is zero."""
 
     states: Array
@@ -218,6 +219,10 @@ def of_run(
 
     ``signals``: inputs over time and state, where they are functions.
     """
+    quick = None if signals is not None else quickly(compiled, t_span, rtol, start.epoch)
+    at_once = None if quick is None else quick(start.states, start.parameters, start.inputs)
+    if at_once is not None:
+        return at_once
 
     def rates(t: Array, x: Array) -> Array:
         now, state = start.epoch + float(t[0]), np.ascontiguousarray(x[:, 0])
@@ -227,6 +232,54 @@ def of_run(
     column = start.states[:, None]
     found, notice = defaults(rates, compiled.layout, column, t_span, rtol)
     return found[:, 0], notice
+
+
+Quickly = Callable[[Array, Array, Array], tuple[Array, str] | None]
+"""From states, parameters and inputs to tolerances and what is to be reported; None for misfits."""
+
+
+def quickly(
+    compiled: Compiled, t_span: tuple[float, float], rtol: float, epoch: float
+) -> Quickly | None:
+    """Return the same for many runs, in one call each (`codegen/native/runs.c`), to the last bit.
+
+    ``epoch``: time of the system at which t is zero. None without C.
+    """
+    extension = native.extension() if compiled.target == "c" else None
+    if extension is None:
+        return None
+    units, alone = units_of(compiled)
+    rates, call, (begin, end), n = (
+        compiled.rhs,
+        extension.scales,
+        t_span,
+        len(compiled.layout.states),
+    )
+
+    def tolerances(x: Array, p: Array, u: Array) -> tuple[Array, str] | None:
+        found = np.empty(n)
+        unknown = call(rates, x, p, u, units, alone, begin, end, epoch, rtol, found)
+        if not unknown:
+            return None if unknown is None else (found, "")
+        return found, _notice([compiled.layout.states[k].name for k in unknown], rtol)
+
+    return tolerances
+
+
+def units_of(compiled: Compiled) -> tuple[bytes, int]:
+    """Return the units of states as generated code has them, made once; see `_numbered`."""
+    key = ("units of states",)
+    found: Any = compiled.derived.get(key)
+    if found is None:
+        found = compiled.derived[key] = _numbered([q.unit for q in compiled.layout.states])
+    units, alone = found
+    return units, alone
+
+
+def _numbered(units: Sequence[str]) -> tuple[bytes, int]:
+    """Return the number of each unit as integers of C, and that of states without one, or -1."""
+    number = {unit: k for k, unit in enumerate(dict.fromkeys(units))}
+    return np.array([number[u] for u in units], dtype=np.intc).tobytes(), number.get("", -1)
 
 
 def _notice(names: Sequence[str], rtol: float) -> str:

@@ -111,7 +111,7 @@ def build(
     terms = _terms(len(layout.states))
     made = NativeMethod(
         terms, group.unbound, begin, run, state, output, library, notice=_notice,
-        sampled=samples.functions(library, prefix, NAME) if sampled else None,
+        sampled=samples.functions(library, prefix) if sampled else None,
     )  # fmt: skip
     return made, group.between(library, prefix)
 

@@ -50,6 +50,7 @@ from codegen.compiling.compiled import Compiled, kept_jacobian
 from codegen.compiling.sampled import refuse
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of
+from codegen.frontend.notebook import listed, matrix, table
 from codegen.ir.interpret import Point
 from codegen.ir.ops import OPS, SOLVE, Instruction, Op, row_of
 from codegen.ir.passes import needed
@@ -58,7 +59,7 @@ from codegen.linearisation.unknowns import Equilibrium, leaves_of, maintained, t
 from eom.errors import InputError, near_matches, typed, unknown_name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Linear:
     """A linear system dx' = A dx + B du, dy = C dx + D du about a point, or about N points.
 
@@ -74,6 +75,23 @@ class Linear:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """Name states, inputs and outputs; the matrices are fields."""
+        named = (("states", self.states), ("inputs", self.inputs), ("outputs", self.outputs))
+        texts = [f"{kind} {listed(names)}" for kind, names in named if names]
+        count = f", about {self.A.shape[2]} points" if self.A.ndim == 3 else ""
+        return f"{type(self).__name__}({'; '.join(texts)}{count})"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: the matrices, with the names of their rows and columns."""
+        shown = [
+            matrix(self.A, self.states, self.states, "A"),
+            matrix(self.B, self.states, self.inputs, "B"),
+            matrix(self.C, self.outputs, self.states, "C"),
+            matrix(self.D, self.outputs, self.inputs, "D"),
+        ]
+        return "".join(shown) or table([(repr(self),)])
 
 
 @typed
@@ -141,7 +159,7 @@ class Stability:
     error: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LinearMotion(Linear):
     """A linear motion dz' = A dz + B du, dy = C dz + D du; ``states`` are the names of z.
 

@@ -6,7 +6,7 @@ import ctypes
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from codegen.ir.program import RATES, SINGULARITIES, Program
 from codegen.loops import crossings, jumps, lookout, projection, samples
 from codegen.loops.tableaux import Row, Tableau
 from codegen.native import native
-from codegen.native.trajectory import Array, Held, Problem, Stepwise, Stop, Trajectory
+from codegen.native.trajectory import Array, Held, Problem, Stepwise, Stop, Trajectory, varied
 from codegen.passes.pipeline import by_parameters
 from codegen.targets import c
 
@@ -28,11 +28,11 @@ COARSE = 6
 """Of a method with equal steps: they are too long, and the run begins again."""
 THIN = 7
 """Of a method that moves momentum: it cannot resolve a body rate about an axis of small moment."""
-STEPS_A_CALL, FIRST_CALL = 50_000, 50
+STEPS_A_CALL, FIRST_CALL = 50_000, 256
 """Steps that generated code makes in one call, at most and at first."""
 CALL_SECONDS = 0.05
 """What a call takes, about: between two calls Python sees that the user has interrupted it."""
-FIRST_CAPACITY = 2_048
+FIRST_CAPACITY = 256
 
 
 def files(
@@ -56,13 +56,12 @@ def single_text(tableau: Tableau, program: Program, layout: Layout, sampled: boo
     """
     name = identifier(layout.name)
     header, source = files(tableau, program, layout, sampled).values()
-    own = samples.declaration(tableau.name, layout) if sampled else ""
-    rest = (header + own + source).replace(f'#include "{name}.h"\n', "")
+    rest = (header + source).replace(f'#include "{name}.h"\n', "")
     rest = rest.replace(f'#include "{name}_{tableau.name}.h"\n', "")
     if sampled:
         prefix = f"{name}_{tableau.name}"
         rates = _rates(name, prefix, _watch(tableau, program, prefix))
-        rest += samples.text(tableau.name, layout, rates)
+        rest = samples.around(rest, tableau.name, layout, rates)
     return c.single_text(program, layout) + rest
 
 
@@ -313,12 +312,18 @@ class NativeMethod:
     library: ctypes.CDLL
     most_events: int = 0
     """What a step may find, where there are events."""
-    notice: Callable[[Any, Problem], str] = lambda state, problem: ""
+    notice: Callable[[Any, Problem], str] = crossings.silent
     """The notice of a run, from the state of the integrator at its end."""
     sampled: samples.Functions | None = None
     """What stands round the loop, where it was built for laws that are sampled."""
     overflows: Callable[[Any], bool] = lambda state: False
     """Whether Taylor coefficients where it stopped are not finite, those of the first order apart."""
+
+    @cached_property
+    def quick(self) -> Quick | None:
+        """The quick way, where there is one."""
+        extension = native.extension()
+        return None if extension is None else Quick(self, extension.begun)
 
 
 def build(
@@ -326,7 +331,7 @@ def build(
 ) -> NativeMethod:
     """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
     text = single_text(tableau, program, layout, sampled)
-    flags = native.flags_for(0, len(program.instructions))
+    flags = native.flags_for_steps(len(program.instructions))
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     constants = max(1, len(by_parameters(program, layout.sizes).values))
@@ -340,7 +345,7 @@ def build(
     return NativeMethod(
         terms, DenseSolution, start, run, state, output, library, room,
         crossings.notice(program, layout),
-        samples.functions(library, prefix, tableau.name) if sampled else None,
+        samples.functions(library, prefix) if sampled else None,
     )  # fmt: skip
 
 
@@ -360,6 +365,11 @@ def loaded(
 
 def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     """Integrate a problem; stop at its end, at a singular configuration, or where numbers fail."""
+    quick = method.quick
+    if quick is not None and quick.takes(problem):
+        return quick.integrate(
+            problem, problem.x0, problem.parameters, problem.inputs, problem.atol
+        )
     s = method.state(
         t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin
     )
@@ -368,7 +378,19 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     store, clock = _Store(method, problem), _Clock()
     store.finder.attach(s, method.most_events)
     loop = _loop(method, problem, s, store)
-    status = clock.timed(loop.start)
+    return _to_its_end(method, problem, s, store, clock, loop, clock.timed(loop.start))
+
+
+def _to_its_end(
+    method: NativeMethod,
+    problem: Problem,
+    s: Any,
+    store: _Store,
+    clock: _Clock,
+    loop: _Plain | samples.Driver,
+    status: int,
+) -> Trajectory:
+    """Go on with a run that has begun."""
     look = problem.watch_every if problem.watch else problem.max_steps
     most = min(FIRST_CALL, STEPS_A_CALL)
     while status in {PAUSED, FULL}:
@@ -392,6 +414,112 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     overflows = status in {NOT_FINITE, STEP_TOO_SMALL} and method.overflows(s)
     stop = Stop(_STOPS[status], s.t, s.which, overflows)
     return store.trajectory(s, stop, problem, clock.seconds)
+
+
+WORDS_OF_OUTPUT = 8
+"""Words of the structure of an output."""
+
+
+class Quick:
+    """The first call of a method, and a run that ends in it: what is done by name elsewhere, by place.
+
+    The structures of integrator and output are one array of doubles, new for each run: runs may be made in
+    several threads.
+    """
+
+    def __init__(self, method: NativeMethod, begun: Callable[..., Any]) -> None:
+        self.method, self.begun, state = method, begun, method.state
+        self.start, self.run = (
+            ctypes.cast(f, ctypes.c_void_p).value for f in (method.start, method.run)
+        )
+        self.size = ctypes.sizeof(state) // 8
+        at = {
+            n: getattr(state, n).offset // 8 for n in ("t", "t_end", "rtol", "margin", "h", "h_max")
+        }
+        self.t, self.t_end, self.rtol, self.margin, self.h, self.h_max = at.values()
+        self.x, self.atol, self.closest = (_places(state, n) for n in ("x", "atol", "closest"))
+        self.counts = state.steps.offset
+        assert [getattr(state, n).offset - self.counts for n in _COUNTED] == [0, 8, 16, 24, 28]
+        self.tells = hasattr(state, "off_at") or method.notice is not crossings.silent
+        self.n = self.x.stop - self.x.start
+        self.template = np.zeros(self.size + WORDS_OF_OUTPUT)
+
+    def takes(self, problem: Problem) -> bool:
+        """Return whether nothing is looked for on the way."""
+        if problem.dense_output or problem.events or problem.laws:
+            return False
+        if problem.t_eval is not None and not problem.t_eval.size:
+            return False
+        return problem.watch is None or problem.watch_every > FIRST_CALL
+
+    def integrate(
+        self, problem: Problem, x0: Array, parameters: Array, inputs: Array, atol: Array
+    ) -> Trajectory:
+        """Integrate a problem that it `takes`, with these values in the place of its own."""
+        grid, memory = problem.t_eval, self.template.copy()
+        (memory[self.t], memory[self.t_end]), memory[self.rtol] = problem.t_span, problem.rtol
+        memory[self.margin], memory[self.h_max] = problem.margin, problem.max_step
+        if problem.first_step:
+            memory[self.h] = problem.first_step
+        memory[self.x], memory[self.atol] = x0, atol
+        t, x = rows_of(grid, self.n)
+        first = self.x.start if grid is None else -1
+        attempts = min(FIRST_CALL, STEPS_A_CALL, problem.max_steps)
+        began = time.perf_counter()
+        ended = self.begun(
+            self.start, self.run, memory, parameters, inputs, t, x, grid, first, self.counts, attempts
+        )  # fmt: skip
+        seconds = time.perf_counter() - began
+        status, kept, steps, rejected, evaluations, which, time_of_stop = ended
+        if self.tells or status not in _ENDED:
+            whole = varied(problem, x0=x0, parameters=parameters, inputs=inputs, atol=atol)
+            return self._further(whole, memory, (t, x), status, seconds)
+        return varied(
+            _MADE, t=t[:kept].copy(), y=x[:kept].T.copy(), state_at_stop=memory[self.x].copy(),
+            stop=varied(_ENDED[status], t=time_of_stop, which=which),
+            closest=tuple(memory[self.closest].tolist()) if problem.singularities else (),
+            steps=steps, rejected=rejected, evaluations=evaluations, seconds=seconds,
+        )  # fmt: skip
+
+    def _further(
+        self,
+        problem: Problem,
+        memory: Array,
+        rows: tuple[Array, Array],
+        status: int,
+        seconds: float,
+    ) -> Trajectory:
+        """Go on where the first call did not end a run, or ended it otherwise than at an end."""
+        method = self.method
+        s = method.state.from_buffer(memory.data)
+        output = method.output.from_buffer(memory.data, 8 * self.size)
+        store, clock = _Store(method, problem, (*rows, output)), _Clock()
+        clock.seconds = clock.last = seconds
+        loop = _Plain(method, problem, s, store)
+        problem.report(s.t)
+        if status == COARSE and store.begins_again(s, problem):
+            status = clock.timed(loop.start)
+        return _to_its_end(method, problem, s, store, clock, loop, status)
+
+
+def _places(state: Any, name: str) -> slice:
+    field = getattr(state, name)
+    return slice(field.offset // 8, (field.offset + field.size) // 8)
+
+
+_COUNTED = ("steps", "rejected", "evaluations", "status", "which")
+_ENDED = {DONE: Stop("end", 0.0), SINGULAR: Stop("singular", 0.0)}
+_MADE = Trajectory(
+    np.empty(0),
+    np.empty((0, 0)),
+    Stop("end", 0.0),
+    np.empty(0),
+    (),
+    evaluations=0,
+    steps=0,
+    rejected=0,
+)
+"""What a run that ends in its first call has in common with others."""
 
 
 class _Plain:
@@ -461,17 +589,35 @@ def _doubled(array: Array) -> Array:
     return larger
 
 
+def rows_of(grid: Array | None, n: int) -> tuple[Array, Array]:
+    """Return room for times and states (n,); without a grid the first row is for the start."""
+    room = 1 + FIRST_CAPACITY if grid is None else len(grid) or 1
+    return np.empty(room), np.empty((room, n))
+
+
 class _Store:
     """Growing arrays of times, states and, where asked for, interpolants."""
 
-    def __init__(self, method: NativeMethod, problem: Problem) -> None:
+    def __init__(
+        self,
+        method: NativeMethod,
+        problem: Problem,
+        begun: tuple[Array, Array, Any] | None = None,
+    ) -> None:
+        """Begin, or go on with times, states and the structure of output of a run that has ``begun``."""
         self.n, self.finder = len(problem.x0), crossings.Finder(problem)
         self.terms, self.solution, self.notice = method.terms, method.solution, method.notice
         self.grid = None if problem.dense_output else problem.t_eval
         self.dense_output = problem.dense_output
         self.held: Held | None = None
-        capacity = FIRST_CAPACITY if self.grid is None else max(1, len(self.grid))
-        self.t, self.x = np.empty(capacity), np.empty((capacity, self.n))
+        self.head = int(self.grid is None)
+        if begun is not None:
+            self.t, self.x, self.output = begun
+            return
+        self.t, self.x = rows_of(self.grid, self.n)
+        if self.head:
+            self.t[0], self.x[0] = problem.t_span[0], problem.x0
+        capacity = len(self.t) - self.head
         self.dense = np.empty((capacity if self.dense_output else 0, self.terms, self.n))
         self.output = method.output(capacity=capacity)
         if self.grid is not None:
@@ -482,7 +628,8 @@ class _Store:
         self._point()
 
     def _point(self) -> None:
-        self.output.t, self.output.x = self.t.ctypes.data, self.x.ctypes.data
+        self.output.t = self.t[self.head :].ctypes.data
+        self.output.x = self.x[self.head :].ctypes.data
         self.output.dense = self.dense.ctypes.data if self.dense_output else None
 
     def make_room(self) -> bool:
@@ -495,7 +642,7 @@ class _Store:
                 self.dense = _doubled(self.dense)
         except MemoryError:
             return False
-        self.output.capacity = len(self.t)
+        self.output.capacity = len(self.dense) if self.dense_output else len(self.t) - self.head
         self._point()
         return True
 
@@ -513,24 +660,21 @@ class _Store:
         """Return what was stored; without a grid the start is the first point."""
         count = self.output.count
         self.finder.empty(s)
-        t, x = self.t[:count], self.x[:count]
+        t, x = self.t[: self.head + count], self.x[: self.head + count]
         solution = None
-        if self.grid is None:
-            t = np.concatenate([[problem.t_span[0]], t])
-            x = np.concatenate([problem.x0[None, :], x])
         if self.dense_output:
             h = np.diff(t)
             if count:
                 h[-1] = s.h_old
-            solution = self.solution(t, h, x, self.dense[:count].copy())
+            solution = self.solution(t.copy(), h, x.copy(), self.dense[:count].copy())
             if problem.t_eval is not None:
                 direction = np.sign(problem.t_span[1] - problem.t_span[0])
                 reached = s.steps > 0 or stop.kind == "end"
                 t = problem.t_eval[reached & (direction * (problem.t_eval - s.t) <= 0)]
                 x = solution(t).T
         return Trajectory(
-            t=t if problem.t_eval is None else t.copy(),
-            y=np.ascontiguousarray(x.T),
+            t=t.copy(),
+            y=np.array(x.T, order="C"),
             stop=stop,
             state_at_stop=np.array(s.x[:]),
             closest=tuple(s.closest[: problem.singularities]),

@@ -1,6 +1,6 @@
 
-/* Laws that are evaluated at samples: their inputs are held between these, and steps end there. What stands
- * here goes round the loop above, which sees inputs that are held until its t_end.
+/* Laws that are evaluated at samples: their inputs are held between these, and steps end there. The loop above
+ * sees inputs that are held until its t_end, where it asks next_piece whether it goes on.
  *
  * Sample k of a law is at start + k period, its values take effect at the time of sample k + whole, and rest
  * later. places: of the inputs that are set, count, then of those that are states and change at the sample
@@ -13,16 +13,17 @@ typedef struct {
     int (*call)(double t);
 } @PREFIX@_law;
 
-/* rows: times and inputs after each change, where they are asked for; the run is given back when they are full. */
-typedef struct {
+/* rows: times and inputs after each change, where they are asked for; the run is given back when they are full.
+ * only: whether there is but one law, generated and without a delay. */
+struct @PREFIX@_samples_ {
     @PREFIX@ *s;
     const double *p;
     double *u, *values, *rows;
     @PREFIX@_law *laws;
-    long long count, room, kept;
-    double start, end, h; /* h: the step that was due where the inputs changed last */
+    long long count, room, kept, only;
+    double start, end, last, h; /* last: no sample is later; h: the step that was due where the inputs changed last */
     long long rejected;
-@MARKED@} @PREFIX@_samples;
+@MARKED@};
 
 /* Times that are so many spacings apart are one: multiples of different periods are rounded differently. */
 #define SAME 4.0
@@ -41,23 +42,29 @@ static double effect_time(const @PREFIX@_samples *o, const @PREFIX@_law *l, long
     return sample_time(o, l, k + l->whole) + l->rest;
 }
 
-/* The next time at which a sample is due, or takes effect, or the end. */
-static inline double next_change(const @PREFIX@_samples *o) {
-    double next = o->end;
+/* The next time at which a sample is due, or takes effect. */
+static double next_of_all(const @PREFIX@_samples *o) {
+    double next = HUGE_VAL;
     for (const @PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
         if (l->next < next) next = l->next;
         if (l->effect < next) next = l->effect;
     }
-    return next < o->end - SAME * spacing(o->end) ? next : o->end;
+    return next;
+}
+
+/* That, or the end. */
+static inline double next_change(const @PREFIX@_samples *o) {
+    const double next = o->only ? o->laws->next : next_of_all(o);
+    return next < o->last ? next : o->end;
 }
 
 static inline long long behind(const @PREFIX@_law *l, long long row) { return row + 1 == l->room ? 0 : row + 1; }
 
 /* Evaluate the laws that are due, over what was there before; not 0: one of them failed. */
-static inline int take_samples(@PREFIX@_samples *o, double t) {
-    const double until = t + SAME * spacing(t);
+static int take_samples(@PREFIX@_samples *o, double t, double until) {
+    const @PREFIX@_law *const behind_all = o->laws + o->count;
     int generated = 0;
-    for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
+    for (@PREFIX@_law *l = o->laws; l < behind_all; ++l) {
         l->due = l->next <= until;
         if (!l->due) continue;
         if (l->call) {
@@ -78,10 +85,9 @@ static inline int take_samples(@PREFIX@_samples *o, double t) {
     return 0;
 }
 
-static inline int change_inputs(@PREFIX@_samples *o, double t) {
-    const double until = t + SAME * spacing(t);
-    if (take_samples(o, t)) return 1;
-    for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
+static void apply(@PREFIX@_samples *o, double until) {
+    const @PREFIX@_law *const behind_all = o->laws + o->count;
+    for (@PREFIX@_law *l = o->laws; l < behind_all; ++l) {
         const double *value = o->values + l->first;
         for (long long i = l->due ? (l->waits ? l->count : 0) : l->all; i < l->all; ++i) o->u[l->places[i]] = value[i];
         while (l->effect <= until) {
@@ -92,10 +98,40 @@ static inline int change_inputs(@PREFIX@_samples *o, double t) {
             l->effect = l->applied < l->taken ? effect_time(o, l, l->applied) : HUGE_VAL;
         }
     }
+}
+
+/* The one law that there is, generated and without a delay, is due wherever inputs change. */
+static inline void take_only(@PREFIX@_samples *o, double t) {
+    @PREFIX@_law *l = o->laws;
+    double *restrict u = o->u;
+    const double *restrict value = o->values;
+    const long long *restrict place = l->places, *const last = place + l->all;
+    (void)t;
+    @SAMPLE_ONLY@
+    do u[*place] = *value++;
+    while (++place != last);
+    l->taken += 1;
+    l->next = sample_time(o, l, l->taken);
+}
+
+#ifdef __GNUC__
+__attribute__((noinline)) /* so that it costs nothing where there is but one law */
+#endif
+static int take_all(@PREFIX@_samples *o, double t) {
+    const double until = t + SAME * spacing(t);
+    if (take_samples(o, t, until)) return 1;
+    apply(o, until);
+    return 0;
+}
+
+static inline int change_inputs(@PREFIX@_samples *o, double t) {
+    if (o->only) take_only(o, t);
+    else if (take_all(o, t)) return 1;
     if (o->room > 0) {
-        double *row = o->rows + o->kept++ * (@INPUTS@ + 1);
+        double *restrict row = o->rows + o->kept++ * (@INPUTS@ + 1);
+        const double *restrict u = o->u;
         row[0] = t;
-        for (int i = 0; i < @INPUTS@; ++i) row[i + 1] = o->u[i];
+        for (int i = 0; i < @INPUTS@; ++i) row[i + 1] = u[i];
     }
     return 0;
 }
@@ -156,6 +192,8 @@ static inline void mark(@PREFIX@_samples *o, const @PREFIX@_output *out) {
 int @PREFIX@_start_sampled(@PREFIX@_samples *o, const @PREFIX@_output *out) {
     @PREFIX@ *s = o->s;
     o->start = s->t, o->end = s->t_end, o->kept = 0;
+    o->last = o->end - SAME * spacing(o->end);
+    o->only = o->count == 1 && !o->laws->call && !o->laws->waits && o->laws->all > 0;
     for (@PREFIX@_law *l = o->laws; l < o->laws + o->count; ++l) {
         l->next = s->t, l->effect = HUGE_VAL;
         l->taken = l->applied = l->last_in = l->last_out = 0;
@@ -168,20 +206,26 @@ int @PREFIX@_start_sampled(@PREFIX@_samples *o, const @PREFIX@_output *out) {
     return status;
 }
 
-/* In place of @PREFIX@_run, until the inputs have changed for the last time and the end is reached. */
-int @PREFIX@_run_sampled(@PREFIX@_samples *o, @PREFIX@_output *out, long long max_steps) {
+/* At t_end of a piece with held inputs: whether the loop goes on with the next one; if not, status says why. */
+static int next_piece(@PREFIX@_samples *o, const @PREFIX@_output *out) {
     @PREFIX@ *s = o->s;
-    const long long before = s->steps + s->rejected;
-    for (;;) {
-        int status = @PREFIX@_run(s, o->u, out, max_steps - (s->steps + s->rejected - before));
-@BEGIN_AGAIN@        if (status != @UPPER@_DONE || s->t == o->end) return status;
-        if (o->room > 0 && o->kept == o->room) return s->status = @UPPER@_FULL;
-#ifdef E
-        if (s->found_room - s->found_count < E) return s->status = @UPPER@_FULL;
-#endif
-        if (change_inputs(o, s->t)) return s->status = @UPPER@_FAILED;
-        status = refresh(o);
-        if (status != @UPPER@_PAUSED) return status;
-        mark(o, out);
+    int full = o->room > 0 && o->kept == o->room;
+    if (s->t == o->end) {
+        s->status = @UPPER@_DONE;
+        return 0;
     }
+#ifdef E
+    full |= s->found_room - s->found_count < E;
+#endif
+    if (full) s->status = @UPPER@_FULL;
+    else if (change_inputs(o, s->t)) s->status = @UPPER@_FAILED;
+    else if (refresh(o) == @UPPER@_PAUSED) {
+        mark(o, out);
+        return 1;
+    }
+    return 0;
 }
+
+/* In place of @PREFIX@_run. */
+int @PREFIX@_run_sampled(@PREFIX@_samples *o, @PREFIX@_output *out, long long max_steps) {
+@AGAIN@}

@@ -1,7 +1,7 @@
 """Laws that are sampled: inputs are held between samples, at which every step ends.
 
-A loop in C sees inputs that are held up to its end. What stands round it (``samples.c``) moves this end
-from one change of an input to the next, evaluates the laws there, those in generated C or by a call to
+A loop in C sees inputs that are held up to its end. There it asks ``next_piece`` (``samples.c``), which
+moves this end to the next change of an input, evaluates the laws, those in generated C or by a call to
 Python, and lets the loop go on from where it is, with the step that it had: no loop begins anew, and none
 but that of equal steps is written differently. What a method keeps of the rates where a step begins is
 refreshed by a row of `REFRESH`. Loops in Python keep the same time by `Schedule`.
@@ -64,8 +64,16 @@ _TORQUE = """\
             return s->status = @UPPER@_NOT_FINITE;
         }
 """
+_LAST = """\
+    const double part = ldexp(1.0, -P);
+    for (int i = 0; i < N; ++i) {
+        o->least[0][i] = part * fabs(s->jet[P - 1][i]);
+        o->least[1][i] = 2.0 * part * fabs(s->jet[P - 2][i]);
+    }
+    o->changed = 1;
+"""
 REFRESH: Mapping[str, str] = {
-    "taylor": "    s->h_old = 0.0; /* the next step is in doubt */\n",
+    "taylor": _LAST,
     "rkmk": _SLOPES,
     "splitting": _TORQUE,
 }
@@ -106,28 +114,91 @@ static void begin_again(@PREFIX@_samples *o, @PREFIX@_output *out) {
 }
 
 """,
-    "BEGIN_AGAIN": """\
-        if (status == @UPPER@_COARSE) {
-            begin_again(o, out);
-            continue;
-        }
+    "AGAIN": """\
+    const long long before = o->s->steps + o->s->rejected;
+    for (;;) {
+        const long long tried = o->s->steps + o->s->rejected - before;
+        const int status = @PREFIX@_run(o->s, o->u, out, max_steps - tried, o);
+        if (status != @UPPER@_COARSE) return status;
+        begin_again(o, out);
+    }
 """,
 }
 """What a method with equal steps has besides: those between two changes are made again, if too long."""
+_SERIES: Mapping[str, str] = {
+    "MARKED": """\
+    double least[2][N]; /* last coefficients before inputs changed, as small as for a step twice as long */
+    int changed;
+""",
+    "DECLARED": "static inline int doubtful(@PREFIX@_samples *o, double h);\n",
+    "EQUAL": """\
+/* Whether the series of a step h are to be tested at its end. The last coefficients after a change of the
+ * inputs may be small by chance; they are believed where those of no state have shrunk as far as for a step
+ * that may be twice as long. */
+static inline int doubtful(@PREFIX@_samples *o, double h) {
+    const @PREFIX@ *s = o->s;
+    int doubt = h > 2.0 * fabs(s->h_old);
+    if (!o->changed) return doubt;
+    o->changed = 0;
+    for (int i = 0; i < N; ++i) {
+        const double one = o->least[0][i], other = o->least[1][i];
+        doubt |= !(one + other > 0.0 && fabs(s->jet[P - 1][i]) >= one && fabs(s->jet[P - 2][i]) >= other);
+    }
+    return doubt;
+}
+
+""",
+}
+"""What series have besides: whether they are believed where inputs have changed."""
 _OTHERS: Mapping[str, str] = {
-    "MARKED": "", "BEFORE": _AGAIN, "MARK": "", "EQUAL": "", "BEGIN_AGAIN": "",
+    "MARKED": "", "DECLARED": "", "BEFORE": _AGAIN, "MARK": "", "EQUAL": "",
+    "AGAIN": "    return @PREFIX@_run(o->s, o->u, out, max_steps, o);\n",
 }  # fmt: skip
 
 
-def declaration(method: str, layout: Layout) -> str:
-    """Return what stands before the loop: it stays a function of its own, which is quicker."""
+_BEFORE = """\
+typedef struct @PREFIX@_samples_ @PREFIX@_samples;
+#ifdef __GNUC__
+__attribute__((noinline)) /* what is called once a piece leaves the loop its registers */
+#endif
+static int next_piece(@PREFIX@_samples *o, const @PREFIX@_output *out);
+@DECLARED@"""
+_ASKS: Sequence[tuple[str, str]] = (
+    ("@PREFIX@_output *o, long long max_steps)",
+     "@PREFIX@_output *o, long long max_steps, @PREFIX@_samples *around)"),
+    ("    while (s->t != s->t_end || s->t_low != 0.0) {\n",
+     "    while (s->t != s->t_end || s->t_low != 0.0 || next_piece(around, o)) {\n"),
+    ("    }\n    return s->status = @UPPER@_DONE;\n}\n", "    }\n    return s->status;\n}\n"),
+)  # fmt: skip
+"""What changes in a loop that goes on at its end, and into what."""
+_BESIDES: Mapping[str, Mapping[str, str]] = {"taylor": _SERIES, "splitting": _EQUAL}
+_DOUBT = (
+    "h_abs > 2.0 * fabs(s->h_old);", "doubtful(around, smaller(h_abs, fabs(rest)));"
+)  # fmt: skip
+
+
+def around(loop: str, method: str, layout: Layout, rates: Sequence[str] = ()) -> str:
+    """Return the ``loop`` of a method, header and source, as one that goes on from sample to sample.
+
+    ``rates``: as of `text`.
+    """
     prefix = f"{identifier(layout.name)}_{method}"
-    call = f"{prefix}_run({prefix} *s, const double *u, {prefix}_output *o, long long max_steps)"
-    return f"#ifdef __GNUC__\n__attribute__((noinline)) int {call};\n#endif\n"
+
+    declared = _BESIDES.get(method, {}).get("DECLARED", "")
+
+    def named(part: str) -> str:
+        part = part.replace("@DECLARED@", declared)
+        return part.replace("@PREFIX@", prefix).replace("@UPPER@", prefix.upper())
+
+    for before, after in (*_ASKS, *((_DOUBT,) if method == "taylor" else ())):
+        assert named(before) in loop
+        loop = loop.replace(named(before), named(after))
+    start = loop.index(named("int @PREFIX@_run("))
+    return loop[:start] + named(_BEFORE) + loop[start:] + text(method, layout, rates)
 
 
 def text(method: str, layout: Layout, rates: Sequence[str] = ()) -> str:
-    """Return what stands behind the loop of a method, as C.
+    """Return what a loop asks at samples, as C.
 
     ``rates``: of Runge-Kutta methods the function, its arguments before the results, and those behind.
     """
@@ -139,9 +210,11 @@ def text(method: str, layout: Layout, rates: Sequence[str] = ()) -> str:
         function=rates[0], arguments=rates[1], end=rates[2]
     )
     values = {
-        **(_EQUAL if method == "splitting" else _OTHERS),
+        **_OTHERS,
+        **_BESIDES.get(method, {}),
         "REFRESH": refresh,
         "SAMPLE": sample if generated else "return 1;",
+        "SAMPLE_ONLY": sample if generated else "",
         "INPUTS": str(len(layout.inputs)),
         "NAME": name,
         "PREFIX": prefix,
@@ -224,17 +297,16 @@ class _Law(ctypes.Structure):
 
 
 @cache
-def _samples(marked: bool) -> Any:
-    """Mirror the structure that stands round a loop; ``marked``: of one that begins again where it was."""
+def _samples(size: int) -> Any:
+    """Mirror the structure of so many bytes round a loop; what a method has besides is its own."""
     fields: list[tuple[str, Any]] = [
         (f, ctypes.c_void_p) for f in ("s", "p", "u", "values", "rows", "laws")
     ]
-    fields += [(f, ctypes.c_longlong) for f in ("count", "room", "kept")]
-    fields += [(f, ctypes.c_double) for f in ("start", "end", "h")]
+    fields += [(f, ctypes.c_longlong) for f in ("count", "room", "kept", "only")]
+    fields += [(f, ctypes.c_double) for f in ("start", "end", "last", "h")]
     fields += [("rejected", ctypes.c_longlong)]
-    if marked:
-        fields += [("marked", ctypes.c_double * 21), ("steps", ctypes.c_longlong)]
-        fields += [(f, ctypes.c_size_t) for f in ("stored", "next")]
+    known = ctypes.sizeof(type("Known", (ctypes.Structure,), {"_fields_": fields}))
+    fields += [("besides", ctypes.c_char * (size - known))]
     return type("Samples", (ctypes.Structure,), {"_fields_": fields})
 
 
@@ -247,11 +319,11 @@ class Functions:
     structure: Any
 
 
-def functions(library: ctypes.CDLL, prefix: str, method: str) -> Functions:
+def functions(library: ctypes.CDLL, prefix: str) -> Functions:
     """Return what a library has for laws that are sampled."""
-    structure = _samples(method == "splitting")
     size = getattr(library, f"{prefix}_samples_size")
     size.restype = ctypes.c_size_t
+    structure = _samples(size())
     assert size() == ctypes.sizeof(structure)
     start, run = (getattr(library, f"{prefix}_{f}_sampled") for f in ("start", "run"))
     start.argtypes = [ctypes.c_void_p] * 2

@@ -85,8 +85,9 @@ def single_text(program: Program, layout: Layout, order: int, sampled: bool = Fa
     header, source = files(program, layout, order).values()
     rest = (header + source).replace(f'#include "{name}.h"\n', "")
     rest = rest.replace(f'#include "{name}_taylor.h"\n', "")
-    around = samples.text("taylor", layout) if sampled else ""
-    return c.single_text(program, layout) + rest + around
+    if sampled:
+        rest = samples.around(rest, "taylor", layout)
+    return c.single_text(program, layout) + rest
 
 
 def _prepared(program: Program, layout: Layout) -> Prepared:
@@ -188,7 +189,7 @@ def build(program: Program, layout: Layout, order: int, sampled: bool = False) -
     return NativeMethod(
         order, TaylorSolution, start, run, state, output, library, room,
         notice=crossings.notice(program, layout), overflows=_overflows,
-        sampled=samples.functions(library, prefix, "taylor") if sampled else None,
+        sampled=samples.functions(library, prefix) if sampled else None,
     )  # fmt: skip
 
 

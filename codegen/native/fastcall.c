@@ -162,7 +162,13 @@ static PyObject *bind(PyObject *module, PyObject *args) {
     return function;
 }
 
-static PyMethodDef methods[] = {{"bind", bind, METH_VARARGS, "bind a compiled function"}, {NULL, NULL, 0, NULL}};
+/* @RUNS@ */
+static PyMethodDef methods[] = {{"bind", bind, METH_VARARGS, "bind a compiled function"},
+                                QUICK(taken, "take numbers by name or in order"),
+                                QUICK(scales, "default absolute tolerances"),
+                                QUICK(steepest, "a bound of stiffness"),
+                                QUICK(begun, "begin a run"),
+                                {NULL, NULL, 0, NULL}};
 static struct PyModuleDef definition = {PyModuleDef_HEAD_INIT, "eom_fastcall", NULL, 0, methods, NULL, NULL, NULL, NULL};
 
 PyMODINIT_FUNC PyInit_eom_fastcall(void) { return PyModuleDef_Init(&definition); }

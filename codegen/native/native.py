@@ -69,11 +69,16 @@ keeps clang from fusing products into sums, so that every compiler gives the sam
 MANY_RESULTS = 16
 STORES_APART = ("-fno-tree-slp-vectorize",)
 """For functions of more than `MANY_RESULTS` results: there gcc packs little but the stores, in groups
-of four, and runs out of registers (Jacobian of the satellite: 389 instructions with, 364 without)."""
+of four, and runs out of registers (Jacobian of the satellite: 389 instructions with, 364 without). In loops
+of Runge-Kutta methods, too: rates are read one by one behind their stores (ten scenes with DOP853 and DP5:
+a step takes 0.88 to 1.04 of the time with packed stores, 0.96 in the middle)."""
 MANY_INSTRUCTIONS = 2000
 QUICKLY = ("-O1", "-ftree-vectorize")
 """For programs of more than `MANY_INSTRUCTIONS`: straight-line code gains nothing from -O3, whose time
 grows faster (pendulum of 20 links: 1.24 s and 2.1 us a call with -O3, 0.89 s and 2.1 us with these)."""
+QUICKEST = "-Og"
+"""For the module of quick calls, which a first run waits for: 0.13 s of the processor, 0.36 s with -O3, for
+runs that take as long."""
 TIMEOUT_SECONDS = 600
 CACHE_VARIABLE = "EOM_CACHE_DIR"
 
@@ -250,6 +255,11 @@ def flags_for(results: int, instructions: int = 0) -> tuple[str, ...]:
     return long + (STORES_APART if results > MANY_RESULTS else ())
 
 
+def flags_for_steps(instructions: int) -> tuple[str, ...]:
+    """Return further flags that suit loops of steps over rates of a program's length."""
+    return (*flags_for(0, instructions), *STORES_APART)
+
+
 def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = "") -> Path:
     """Return the shared library of a C source text, compiled if the cache does not have it.
 
@@ -396,9 +406,13 @@ def _extension() -> Any | None:
     headers = python_headers()
     if headers is None:
         return None
-    source = resources.files("codegen.native").joinpath("fastcall.c").read_text(encoding="ascii")
+    calls, runs = (
+        resources.files("codegen.native").joinpath(f"{name}.c").read_text(encoding="ascii")
+        for name in ("fastcall", "runs")
+    )
+    source = calls.replace("/* @RUNS@ */", runs)
     try:
-        library = compile_library(source, (f"-I{headers}",))
+        library = compile_library(source, (QUICKEST, f"-I{headers}"))
         loader = importlib.machinery.ExtensionFileLoader("eom_fastcall", str(library))
         spec = importlib.util.spec_from_loader("eom_fastcall", loader)
         assert spec is not None
@@ -407,6 +421,15 @@ def _extension() -> Any | None:
     except (CompilerError, ImportError):
         return None
     return module
+
+
+def extension() -> Any | None:
+    """Return the module of quick calls, None without a compiler or the headers of Python.
+
+    Beside ``bind`` it has what runs cost beside their loops (`runs.c`): ``taken``, ``scales``,
+    ``steepest``, ``begun``; whoever calls these has a form of his own for where it is not there.
+    """
+    return _extension()
 
 
 def bind(
@@ -421,10 +444,10 @@ def bind(
     preparation fills. ``fallback`` serves every call
     that is not (float, contiguous arrays of doubles of these lengths); it must keep the code loaded.
     """
-    extension = _extension()
-    if extension is None:
+    quick = _extension()
+    if quick is None:
         return fallback
-    function: Callable[..., Any] = extension.bind(
+    function: Callable[..., Any] = quick.bind(
         *addresses, lengths, constants, fallback, partial(np.empty, lengths[3])
     )
     return function

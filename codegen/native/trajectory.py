@@ -9,12 +9,26 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+T = TypeVar("T")
+
+
+def varied(value: T, **changes: Any) -> T:
+    """Return a frozen value with fields changed: `dataclasses.replace` of classes that check nothing.
+
+    Runs of a few microseconds are made of these; this takes a tenth of the time.
+    """
+    made, own = object.__new__(type(value)), value.__dict__.copy()
+    own.update(changes)
+    object.__setattr__(made, "__dict__", own)
+    return made
 
 
 MAX_STEPS = 10_000_000

@@ -53,7 +53,7 @@ DECLINE = 3.0
 """Largest error over that at the end from which on both are reported."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Accuracy:
     """How good a run is: estimated errors of its states, from its start to where it stopped.
 
@@ -128,6 +128,10 @@ class Accuracy:
         """Return a time to a hundredth of the run or less."""
         places = 2 - math.floor(math.log10(abs(float(self.t[-1] - self.t[0])) or 1.0))
         return f"{t:.{max(0, places)}f}"
+
+    def __repr__(self) -> str:
+        """Say it in a sentence."""
+        return f"Accuracy({self})"
 
     @property
     def warning(self) -> str:

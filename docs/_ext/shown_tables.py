@@ -64,7 +64,9 @@ def _derivations() -> Rows:
     from eom.derivations import titles
 
     return [
-        (group, f"`{name}`", title) for group, made in titles().items() for name, title in made.items()
+        (group, f"`{name}`", title)
+        for group, made in titles().items()
+        for name, title in made.items()
     ]
 
 

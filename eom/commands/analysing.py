@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
 
-from eom.commands.deriving import named_pairs, tree_of
+from eom.commands.deriving import named_pairs, refuse_control, tree_of
 from eom.commands.shared import scene_argument, scene_of, waiting_for
 from eom.errors import InputError
+
+if TYPE_CHECKING:
+    from eom.multibody.model.model import Tree
 
 
 @click.command("analyse")
@@ -76,13 +80,14 @@ def analyse(
 ) -> None:
     """Analyse SCENE in symbols: what is cyclic, steady, stable, conserved.
 
-    For small scenes of many bodies (model = "tree"). Numbers of one steady motion: eom linearise.
+    For small scenes of one body or many. Attitudes are by angles; their rates are the speeds. Numbers of
+    one steady motion: eom linearise.
     """
     from eom.multibody.analysis import analysis_page
     from eom.multibody.model.names import symbols_of
     from eom.scenes.parse import parse
 
-    tree = tree_of(scene, attitude, "eom analyse")
+    tree = _tree(scene, attitude)
     stated = scene_of(scene).as_stated().parameter_values()
     positive = [str(name) for name, x in stated.items() if x > 0]
     known = {s.name: s for s in symbols_of(tree)}
@@ -98,3 +103,15 @@ def analyse(
             order=small, rates=rates, harmonics=harmonics, positive=positive,
         )  # fmt: skip
     click.echo(page)
+
+
+def _tree(name: str, attitude: str | None) -> Tree:
+    """Return the tree of a scene of one body or many."""
+    from eom.multibody.files.single import single_tree
+    from eom.scenes.scene import Scene
+
+    scene = scene_of(name)
+    if not isinstance(scene, Scene):
+        return tree_of(name, attitude, "eom analyse")
+    refuse_control(scene, name, "eom analyse")
+    return single_tree(scene, attitude or "")

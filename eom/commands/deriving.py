@@ -18,6 +18,7 @@ from eom.scenes import catalogue
 if TYPE_CHECKING:
     from eom.derivations.derived import Derived
     from eom.multibody import Tree
+    from eom.opening import AnyScene
 
 
 @click.command()
@@ -104,6 +105,13 @@ if TYPE_CHECKING:
     "those that leave the simplest equations]",
 )
 @click.option(
+    "--rates",
+    is_flag=True,
+    default=None,
+    help="With --method: speeds are rates of coordinates, also of planar, spherical and free joints, not "
+    "components of velocities.",
+)
+@click.option(
     "--run",
     "running",
     is_flag=True,
@@ -126,6 +134,7 @@ def derive(
     named: tuple[str, ...],
     attitude: str | None,
     independent: tuple[str, ...],
+    rates: bool | None,
     running: bool | None,
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
@@ -134,7 +143,7 @@ def derive(
     (.md, .tex, .ipynb) whose every line eom check judges true, as a derivation; a program with derivations
     of your own (.py), by --run alone.
     """
-    wishes = {"--name": named or None, "--attitude": attitude, "--independent": independent or None}
+    wishes = _wishes(named, attitude, independent, rates)
     page: Options = {"--notation": notation, "--steps": steps, "--form": form, "--out": out}
     page |= {"--figures": figures, "--lexicon": lexicon}
     own = is_kept(name)
@@ -154,11 +163,21 @@ def derive(
             print_equations(scene_of(name), style or "text", explain is not False)
         else:
             _refuse(name, "equations without --method", {"--explain": explain})
-            wished = Wished(method, style or "text", bool(absolute), named, attitude, independent)
-            click.echo(_closed_form(name, wished))
+            with waiting_for("deriving"):
+                tree = tree_of(name, attitude, "--method")
+                shown = _closed_form(name, tree, method, style or "text", bool(absolute), wishes)
+            click.echo(shown)
 
 
 _TREES = "scenes of many bodies"
+
+
+def _wishes(
+    named: tuple[str, ...], attitude: str | None, independent: tuple[str, ...], rates: bool | None
+) -> dict[str, object]:
+    """Return what is wished of a closed form alone, by its option; None where it is not given."""
+    more = {"--independent": independent or None, "--rates": rates}
+    return {"--name": named or None, "--attitude": attitude, **more}
 
 
 def tree_of(name: str, attitude: str | None, what: str) -> Tree:
@@ -170,13 +189,18 @@ def tree_of(name: str, attitude: str | None, what: str) -> Tree:
     if tree is None:
         hint = f"leave out {what}" if what.startswith("--") else 'model = "tree" makes one'
         raise InputError(f"{what} is for {_TREES}", where=name, hint=hint)
+    refuse_control(scene, name, what)
+    return with_attitude(tree, attitude) if attitude else tree
+
+
+def refuse_control(scene: AnyScene, name: str, what: str) -> None:
+    """Raise `InputError` for a scene with laws of control; ``what`` is of the open loop."""
     if scene.control.laws:
         raise InputError(
             "the closed form is that of the open loop: laws of control are no part of it",
             where=f"{name}: {what}",
             hint=f"leave out {what}, or [control]",
         )
-    return with_attitude(tree, attitude) if attitude else tree
 
 
 def _angles(name: str, tree: Tree) -> dict[Any, Any]:
@@ -192,33 +216,17 @@ def _angles(name: str, tree: Tree) -> dict[Any, Any]:
     return angles
 
 
-@dataclass(frozen=True)
-class Wished:
-    """What is asked for of a closed form: see `derive`."""
-
-    method: str
-    style: str
-    absolute: bool
-    named: tuple[str, ...]
-    attitude: str | None
-    independent: tuple[str, ...]
-
-
-def _closed_form(name: str, wished: Wished) -> str:
-    """Return the page of a tree's closed form."""
+def _closed_form(
+    name: str, tree: Tree, method: str, style: str, absolute: bool, wishes: Mapping[str, Any]
+) -> str:
+    """Return the page of a tree's closed form; ``wishes``: by option."""
     from eom.multibody import tree_page
 
-    with waiting_for("deriving"):
-        tree = tree_of(name, wished.attitude, "--method")
-        chosen = (_angles(name, tree) if wished.absolute else {}) or None
-        return tree_page(
-            tree,
-            wished.method,
-            wished.style,
-            coordinates=chosen,
-            names=named_pairs(name, wished.named),
-            independent=wished.independent,
-        )
+    return tree_page(
+        tree, method, style, coordinates=_angles(name, tree) if absolute else None,
+        names=named_pairs(name, wishes["--name"] or ()),
+        independent=wishes["--independent"] or (), rates=bool(wishes["--rates"]),
+    )  # fmt: skip
 
 
 def named_pairs(name: str, named: Sequence[str]) -> dict[str, str]:

@@ -102,21 +102,19 @@ def generate(scene: str, folder: Path | None, **options: Any) -> None:
 def _generate(
     scene: AnyScene, folder: Path | None, target: str, fixed: bool, report: bool, **options: Any
 ) -> None:
-    from codegen.compiling.compiled import generate as generate_files
+    from codegen import generate as generate_files
     from codegen.compiling.compiled import write_files
-    from codegen.compiling.sparse import with_jacobians
-    from codegen.passes.pipeline import specialised
     from codegen.precision.accuracy_report import show_operations
 
-    integrator = _choice(options["integrator"], scene)
-    values = scene.parameter_values() if fixed else {}
+    integrator, values = options["integrator"], scene.parameter_values() if fixed else {}
     if report:
-        show_operations(scene.derive(), values, target, integrator)
+        show_operations(scene.derive(), values, target, _choice(integrator, scene))
     if folder is not None:
         with waiting_for("writing code"):
-            made = specialised(scene.derive(), values, stable=options["stable"])
-            made = with_jacobians(*made, options["jacobian"], options["stable"])
-            files = generate_files(*made, target, integrator)
+            files = generate_files(
+                scene.derive(), None, target, values, integrator=integrator or "",
+                rtol=scene.integration.rtol, jacobian=options["jacobian"], stable=options["stable"],
+            )  # fmt: skip
         report_files(write_files(files, folder))
 
 

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Self, get_args
 import pydantic
 import sympy as sp
 
+from eom.displays import display
 from eom.errors import InputError, entries, near_matches, quoted
 from eom.quantities import Quantity
 from eom.scenes import catalogue, parse, reduce
@@ -72,6 +73,20 @@ class BaseScene(Request):
             super().__init__(**_with_inputs(self._written_out(limited(data))))
         except pydantic.ValidationError as error:
             raise readable(error, type(self)) from None
+
+    def __repr__(self) -> str:
+        """Name it; its fields are many."""
+        return (
+            f"{type(self).__name__}({self.name!r}: {self.title})"
+            if self.title
+            else (f"{type(self).__name__}({self.name!r})")
+        )
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: the system that is derived."""
+        return str(display("system as page", self.derive(), "html"))
 
     def __eq__(self, other: object) -> bool:
         """Scenes are equal if their fields are: what was worked out from them is no part of it."""

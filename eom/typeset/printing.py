@@ -213,6 +213,41 @@ def markdown(system: System) -> str:
     return pages.markdown_page(_page(system))
 
 
+LARGEST = 1500
+"""Terms of all equations together up to which a notebook shows them."""
+
+
+def notebook(system: System, style: str) -> str:
+    """Return what a notebook displays of a system: a page in HTML, or the equations of motion in LaTeX.
+
+    ``style``: html or latex. Of a system with very long equations names and meanings alone.
+    """
+    if not _is_short(system):
+        few = [*_page(system)[:1], *_variables("States", system.states, _latex_names(system))]
+        told = Bullets(
+            ((None, "equations too long to show: eom.typeset.printing.show writes them"),)
+        )
+        return "" if style == "latex" else pages.html_body([*few, told])
+    if style == "latex":
+        _, lines = _equations(system, _latex_names(system), primes=False)
+        return f"$${pages.display_latex([(line, '') for line in lines])}$$"
+    return pages.html_body(_page(system))
+
+
+def _is_short(system: System) -> bool:
+    """Return whether all expressions together have few terms; that is counted no further."""
+    stack: list[Any] = [
+        *system.rates,
+        *(d.expression for d in (*system.definitions, *system.outputs)),
+    ]
+    stack += [] if system.mass_matrix is None else list(system.mass_matrix)
+    count = 0
+    while stack and count <= LARGEST:
+        stack += stack.pop().args
+        count += 1
+    return not stack
+
+
 FORMATS: dict[str, Callable[[System], str]] = {"text": text, "latex": latex, "markdown": markdown}
 
 

@@ -21,6 +21,7 @@ from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.watch.trust import is_analytic
 from eom.mechanics.dissipation import viscous_slug
+from eom.problems import PROBLEMS
 from eom.quantities import TIME
 from eom.system import System
 
@@ -416,3 +417,22 @@ def test_what_is_analytic_is_known_at_each_point():
     series = prepare(compiled.program, "rates", compiled.layout)
     for at, expected in ((0.0, False), (1e-300, True), (1e4, True)):
         assert is_analytic(series, 16, Point(0.0, [at])) == expected
+
+
+@needs_compiler
+@pytest.mark.parametrize("problem", PROBLEMS, ids=lambda p: p.name)
+def test_the_bound_of_stiffness_is_that_of_the_jacobian_by_differences(problem, monkeypatch):
+    """In one call or by NumPy, to rounding: and so whether it is looked at closely."""
+    compiled = compile_system(problem.system, "c")
+    layout = compiled.layout
+    x, p, u = (np.array([float(of[q.name]) for q in qs]) for of, qs in
+               ((problem.start, layout.states), (problem.parameters, layout.parameters),
+                (problem.inputs, layout.inputs)))  # fmt: skip
+    asked = Problem(x, (0.0, problem.end), p, u, 1e-9, np.full(len(x), 1e-12), 1e-6, 0)
+    changes, slopes = choice._differences(compiled, asked, 0.0, x, lambda t, x: u)
+    bound = float((np.abs(slopes).T @ (1.0 / changes)).max())
+    found = choice._steepest(compiled, asked, lambda t, x: u)
+    assert native.python_headers() is None or found == pytest.approx(bound, rel=1e-12)
+    known = [choice.promising(compiled, asked, lambda t, x: u, 5 * 10**k) for k in range(7)]
+    monkeypatch.setattr(native, "_extension", lambda: None)
+    assert [choice.promising(compiled, asked, lambda t, x: u, 5 * 10**k) for k in range(7)] == known

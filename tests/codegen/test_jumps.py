@@ -14,7 +14,7 @@ import codegen
 from codegen.loops import jumps
 from codegen.native import native
 from codegen.native.trajectory import Problem
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 from eom.system import BodyAttitude, System
 
 pytestmark = [pytest.mark.sparse, pytest.mark.skipif(not native.compiler(), reason="methods in C")]

@@ -14,6 +14,7 @@ from codegen.compiling.compiled import compile as compile_system
 from codegen.integrate import methods
 from codegen.integrate.methods import METHODS
 from codegen.native import native
+from codegen.runs import simulation
 from codegen.runs.run_accuracy import LOST, growth
 from codegen.runs.second_run import CANDIDATES, FAMILIES
 from eom.errors import InputError
@@ -108,6 +109,8 @@ def spoilt(monkeypatch, name, change):
     row = next(r for r in methods.ROWS if r.name == name)
     rows = [replace(r, prepare=prepare) if r.name == name else r for r in methods.ROWS]
     monkeypatch.setattr(methods, "ROWS", tuple(rows))
+    once = simulation._once  # keeps integrators, also those that were not changed
+    monkeypatch.setattr(simulation, "_once", getattr(once, "__wrapped__", once))
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e-9])

@@ -13,6 +13,7 @@ import codegen
 import eom
 from codegen.native.trajectory import Law
 from eom.errors import InputError
+from eom.quantities import TIME
 from eom.typeset import printing
 
 X, V, U, K, D, Z = sp.symbols("x v u k d z", real=True)
@@ -66,6 +67,21 @@ def test_every_method_ends_its_steps_at_the_samples(method):
         for k in range(8):
             assert k * period in run.t
             assert k * period + delay in run.t or k * period + delay > 1
+
+
+@pytest.mark.parametrize("late", [0.0, 1e-7])
+def test_series_that_end_by_chance_where_inputs_change_are_not_believed(late):
+    """y' = u ((t - 1)^12 + (t - 1)^16): about t = 1 series of order 12 vanish, or nearly."""
+    y = sp.Symbol("y", real=True)
+    rates = {y: U * ((TIME - 1) ** 12 + (TIME - 1) ** 16), X: V, V: -X / 16}
+    system = eom.System.from_rates("flat", rates, inputs=[U])
+    law = sp.Piecewise((0, TIME < 1), (1, True))
+    inputs = {"u": codegen.Sampled(law, 1 + late)}
+    run = codegen.simulate(
+        system, {"y": 0.0, "x": 0.01, "v": 0.0}, (0, 2.2), method="taylor", inputs=inputs, rtol=1e-6
+    )
+    whole = sum((1.2**n - late**n) / n for n in (13, 17))
+    assert run.y[0, -1] == pytest.approx(whole, rel=1e-6)
 
 
 @given(

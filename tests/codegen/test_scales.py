@@ -12,6 +12,7 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.integrate import scales, sundials
 from codegen.native import native
+from codegen.runs import prepared
 from eom.problems import PROBLEMS
 from eom.quantities import TIME, Quantity
 from eom.system import System
@@ -208,13 +209,13 @@ def test_passing_through_zero_forces_no_steps(method):
 @needs_compiler
 def test_a_given_tolerance_is_taken_as_it_is(small, monkeypatch):
     seen = []
-    whole = codegen.runs.simulation._run
+    whole = prepared._Ready.run
 
-    def noted(part, problem, *others):
-        seen.append(problem.atol)
-        return whole(part, problem, *others)
+    def noted(ready, given, atol, progress):
+        seen.append(atol[0])
+        return whole(ready, given, atol, progress)
 
-    monkeypatch.setattr(codegen.runs.simulation, "_run", noted)
+    monkeypatch.setattr(prepared._Ready, "run", noted)
     for atol in (1e-5, [1e-5, 1e-300, 7.0]):
         simulate(small["grows"], (0, 0, 0), (0, 1), atol=atol, method="DOP853")
     np.testing.assert_array_equal(seen, [[1e-5] * 3, [1e-5, 1e-300, 7.0]])
@@ -295,3 +296,31 @@ def test_ready_scenes_start_with_scales():
         found, reported = scales.defaults(rates, layout, x[:, None], (0.0, 10.0), 1e-9)
         assert not reported, name
         assert np.all(found > 0)
+
+
+@needs_compiler
+@pytest.mark.parametrize("problem", [p for p in PROBLEMS if not p.stiff], ids=lambda p: p.name)
+def test_the_form_in_c_gives_the_same_to_the_last_bit(problem, monkeypatch):
+    """Starts of all sizes, zeros and what rounding leaves of zero among them; spans of both directions."""
+    compiled = compile_system(problem.system, "c")
+    layout, draw = compiled.layout, np.random.default_rng(0)
+    p = np.array([float(problem.parameters[q.name]) for q in layout.parameters])
+    u = np.array([float(problem.inputs[q.name]) for q in layout.inputs])
+    own = np.array([float(problem.start[q.name]) for q in layout.states])
+    starts = [own, np.zeros_like(own)]
+    for _ in range(60):
+        size = draw.choice([0.0, 1.0, 1e-17, 1e-9, 1e200, -3.0], len(own))
+        starts.append(size * np.where(draw.random(len(own)) < 0.5, own, draw.normal(size=len(own))))
+    quick = 0
+    for k, start in enumerate(starts):
+        span = [(0.0, 20.0), (3.0, -1e5), (1e3, 1e3 + 1e-7)][k % 3]
+        point = scales.Point(start, p, u, 0.25 * (k % 2))
+        found = scales.of_run(compiled, point, span, 1e-9, None)
+        of_many = scales.quickly(compiled, span, 1e-9, point.epoch)
+        quick += of_many is not None and of_many(start, p, u) is not None
+        with monkeypatch.context() as without:
+            without.setattr(native, "_extension", lambda: None)
+            plain = scales.of_run(compiled, point, span, 1e-9, None)
+        assert found[0].tobytes() == plain[0].tobytes()
+        assert found[1] == plain[1]
+    assert native.python_headers() is None or quick == len(starts)

@@ -124,7 +124,7 @@ def test_turns_that_nobody_knows_are_reported_and_the_attitude_is_right(monkeypa
     def blind(run, outputs):
         return known(replace(run, trajectory=replace(run.trajectory, solution=None)), outputs)
 
-    monkeypatch.setattr("codegen.runs.simulation.counted", blind)
+    monkeypatch.setattr("codegen.runs.result.counted", blind)
     t, psi, notice = spun.__wrapped__(30)
     assert "whole turns of psi and phi are not known" in notice
     np.testing.assert_allclose(np.cos(psi), np.cos(0.5 + 20 * t), rtol=0, atol=1e-8)

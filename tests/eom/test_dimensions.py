@@ -41,6 +41,10 @@ FITS = [
     (m * v * omega + m * v**2 / l, "N"),
     ((x / l) ** sp.Rational(3, 2) * m * g, "N"),
     (m * g * sp.sign(v), "N"),
+    ((1 + sp.sign(10 - t)) / 4, "N m"),
+    (m * g - sp.sin(2 * t) * sp.exp(-t), "N"),
+    (m * g * (1 + sp.sign(10 - t)) - sp.sin(3 * t) / 2, "N"),
+    (sp.Max(m * g, sp.cos(t)), ""),
 ]
 MISFITS = [
     (m * g * sp.sin(theta), "N m", "g*m*sin(theta), in kg m/s^2"),
@@ -56,6 +60,10 @@ MISFITS = [
     (2 * x, "m/s^2", "2*x, in m"),
     (sp.Piecewise((x, x > l), (v, True)), "", "v, in m/s"),
     (m * g * t, "N", "in kg m/s"),
+    (m * (1 + sp.sign(10 - t)), "N", ", in kg"),
+    (m * g + 2 * t, "N", "2*t, in s"),
+    (m * g - 2 * omega, "N", "2*omega, in 1/s"),
+    (m * g * (x + sp.sin(theta)), "", "sin(theta), in 1"),
 ]
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -76,3 +78,31 @@ def test_unknown_name_says_kind_place_and_neighbours():
     assert "unknown state 'thta'" in str(error)
     assert error.where == "[initial]"
     assert "theta" in error.hint
+
+
+def test_what_passes_by_its_type_alone_is_what_annotations_ask_for():
+    """Of all annotations of public functions, with hostile values and right ones: never more."""
+    import codegen
+    import eom
+    from eom import errors
+    from tests.hostile_calls import HOSTILE
+
+    functions = [getattr(m, n) for m in (eom, codegen) for n in m.__all__]
+    functions = [f.__wrapped__ for f in functions if hasattr(f, "__wrapped__")]
+    hints = {str(h): h for f in functions for h in errors._hints(f).values()}
+    values = [*HOSTILE, 1.0, 2, 10**400, True, None, "a", "\ud800", math.nan, [1.0], (0, 1), (0, 1, 2),
+              ["a"],
+              {"a": 1.0}, {"a": 10**400}, {"a": "x"}, {1: 1.0}, {"\ud800": 1.0}, [None], (10**400, 1.0),
+              np.float64(1.0), np.array([1.0]), np.array(1), [[1.0]], {"a": [1.0]}, range(3)]  # fmt: skip
+    passed = 0
+    for hint in hints.values():
+        test = errors._by_type(hint)
+        for value in values:
+            if test(value):
+                held = errors._held(value, hint)
+                assert held is value, (hint, type(value))
+                assert errors._fits(value, hint), (hint, type(value))
+                assert not errors._is_long(value), (hint, type(value))
+                passed += 1
+    assert len(hints) > 50
+    assert passed > 3 * len(hints)

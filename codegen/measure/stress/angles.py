@@ -22,7 +22,8 @@ from codegen.measure.stress.growth import turn_between
 from codegen.measure.stress.record import EPSILON, Figure, Findings, Material, Plan
 from codegen.measure.stress.workers import Collector, Run, tolerance_of
 from codegen.native.trajectory import Array
-from codegen.runs.simulation import DEFAULT_MARGIN, Result
+from codegen.runs.prepared import DEFAULT_MARGIN
+from codegen.runs.result import Result
 from eom.errors import InputError
 from eom.rotations import cosines, quaternion_product
 

@@ -37,8 +37,8 @@ from codegen.measure.stress.workers import Collector, Run
 from codegen.measure.workprecision.case import Case
 from codegen.native.trajectory import Array
 from codegen.precision import extended
+from codegen.runs.result import Result
 from codegen.runs.run_accuracy import Accuracy
-from codegen.runs.simulation import Result
 from eom.errors import InputError, unknown_name
 
 PARTS = 16

@@ -33,7 +33,7 @@ from codegen.measure.workprecision.case import Case
 from codegen.native import native
 from codegen.native.trajectory import Array
 from codegen.passes.pipeline import by_parameters
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 from codegen.targets.c import float_prefix, float_single_text
 
 STOPS = 7

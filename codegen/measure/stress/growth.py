@@ -23,7 +23,7 @@ from codegen.ir.program import INVARIANTS
 from codegen.measure.stress.record import EPSILON, Figure, Findings, Material, Plan
 from codegen.measure.stress.workers import HELD, Collector, Run
 from codegen.native.trajectory import Array
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 
 MOMENTS = {"I1": 1.5e-4, "I2": 4.0e-4, "I3": 5.2e-4}
 OMEGA = (0.05, 10.0, 0.05)

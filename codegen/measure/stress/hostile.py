@@ -25,7 +25,7 @@ from codegen.measure.stress.hostile_cases import FAMILIES, Hostile, cases
 from codegen.measure.stress.record import Figure, Findings, Material, Plan
 from codegen.measure.stress.workers import Collector, Run
 from codegen.native.trajectory import Array
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 
 STORE = Path(__file__).with_name("hostile_references.json")
 LEVEL = 1e3

@@ -23,7 +23,7 @@ from codegen.measure.stress.sweeps import ROUNDING, Amplification, amplification
 from codegen.measure.stress.workers import Refusal, Run, Worker, attempt
 from codegen.measure.workprecision.case import Case
 from codegen.native.trajectory import Array
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 from eom.system import System
 
 SECONDS = 120.0

@@ -30,7 +30,7 @@ from codegen.measure.stress.record import ABSOLUTE, EPSILON, Figure, Findings, M
 from codegen.measure.stress.workers import MAX_STEPS, Collector, Refusal, Run, Worker, attempt
 from codegen.measure.workprecision.case import Case, Reference, reference
 from codegen.native.trajectory import Array
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 from eom.errors import InputError
 from eom.system import System
 

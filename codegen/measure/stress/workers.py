@@ -22,7 +22,9 @@ from codegen.measure.stress.record import EPSILON, Figure, Findings
 from codegen.native import children
 from codegen.native.children import TooLongError, watch
 from codegen.native.trajectory import Array
-from codegen.runs.simulation import DEFAULT_MARGIN, Result, simulate
+from codegen.runs.prepared import DEFAULT_MARGIN
+from codegen.runs.result import Result
+from codegen.runs.simulation import simulate
 from eom import interrupts
 from eom.errors import InputError
 

@@ -287,10 +287,10 @@ def _prescribed(form: ClosedForm) -> Any:
 def lagrangian(tree: Tree, *, names: Mapping[str, str] | None = None) -> Lagrangian:
     """Return the energies of a tree over its coordinates and their rates.
 
-    ``names``: as of `closed_form`. Constraints are allowed that give coordinates outright, such as
-    q = R. Raises `InputError` for speeds that are no rates of coordinates, other constraints, and
-    what `closed_form` refuses; `DerivationError` if the energies gave other equations than the closed
-    form. Units, frames and signs are those of `closed_form`, as are sources.
+    ``names``: as of `closed_form`. Attitudes are by angles, whose rates are the speeds. Constraints are
+    allowed that give coordinates outright, such as q = R. Raises `InputError` for quaternions, other
+    constraints, and what `closed_form` refuses; `DerivationError` if the energies gave other equations
+    than the closed form. Units, frames and signs are those of `closed_form`, as are sources.
 
     >>> from eom.multibody import Body, Joint
     >>> m, l, g = sp.symbols("m l g", positive=True)
@@ -299,7 +299,7 @@ def lagrangian(tree: Tree, *, names: Mapping[str, str] | None = None) -> Lagrang
     >>> lagrangian(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -g))).potential
     -g*l*m*cos(q_hinge)
     """
-    form = closed_form(tree, "lagrange", names=names)
+    form = closed_form(tree, "lagrange", names=names, rates=True)
     _refuse_inputs(form)
     held = form.bonds
     steps: Lagrange = form.steps.whole if isinstance(form.steps, Bound) else form.steps
@@ -342,11 +342,18 @@ def _rates(form: ClosedForm) -> dict[Expr, Expr]:
         if q.symbol in placed:
             continue
         if rate not in {u.symbol for u in form.speeds}:
+            bound = held is not None and any(
+                q.symbol in held.whole.basis[d] for d in held.dependent
+            )
             raise InputError(
-                "the speeds are no rates of coordinates",
+                "a closed chain: a coordinate follows others, and is no formula over them"
+                if bound
+                else "the speeds are no rates of coordinates",
                 where=where,
                 got=f"rate of {q.name}: {rate}",
-                hint="describe the joint by joints about single axes",
+                hint="steady motions, linear motion and conserved quantities are those of its closed form"
+                if bound
+                else "describe the attitude by angles (eom analyse --attitude)",
             )
         found[q.symbol] = rate
     return found

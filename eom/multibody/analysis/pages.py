@@ -21,7 +21,7 @@ from eom.multibody.analysis.steady import (
     stability,
     steady_motion,
 )
-from eom.multibody.closed.forms import closed_form
+from eom.multibody.closed.forms import closed_form, in_angles
 from eom.multibody.closed.mechanism import dotted
 from eom.multibody.model.model import Tree
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line, Paragraph
@@ -47,12 +47,12 @@ def analysis_page(
 ) -> str:
     """Return what analysis finds of a tree or Lagrangian, the ``source``, as a page.
 
-    ``style``: a format of `eom.derivations.showing.FORMATS`. ``names``: as of `closed_form`.
-    ``values``: of a steady motion, as of `steady_motion`; ``solve``: symbols that its conditions are
-    solved for. ``order``: of the equations for small changes (0: left out); ``rates``, ``harmonics``: of
-    the ansatz for conserved quantities, as of `conserved_quantities`. ``positive``: names of parameters
-    that are taken to be so. Raises `InputError` as these. Units and signs are those of the source, as are
-    frames.
+    ``style``: a format of `eom.derivations.showing.FORMATS`. ``names``: as of `closed_form`. ``values``:
+    of a steady motion, as of `steady_motion`; ``solve``: symbols that its conditions are solved for.
+    ``order``: of the equations for small changes (0: left out); ``rates``, ``harmonics``: of the ansatz
+    for conserved quantities, as of `conserved_quantities`. ``positive``: names of parameters that are
+    taken to be so. Quaternions of a tree are replaced by angles, which is told. Raises `InputError` as
+    these. Units and signs are those of the source, as are frames.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> page = analysis_page(Lagrangian("free", {q: u}, u**2 / 2))
@@ -65,9 +65,8 @@ def analysis_page(
         raise InputError("the order is below zero", where="analysis", got=order)
     check_degrees("analysis", rates=rates, harmonics=harmonics)
     shown: list[Block] = [Heading(f"{source.name.replace('_', ' ')}: analysis", 1)]
-    made, why = _source(source, names)
-    if why:
-        shown.append(Paragraph(f"No Lagrangian: {why}."))
+    made, told = _source(source, names)
+    shown += map(Paragraph, told)
     taken = _taken(made, positive)
     if taken:
         shown.append(Paragraph(f"Taken to be positive: {', '.join(map(str, taken.values()))}."))
@@ -86,14 +85,18 @@ def analysis_page(
 
 def _source(
     source: Tree | Lagrangian, names: Mapping[str, str] | None
-) -> tuple[Lagrangian | Equations, str]:
-    """Return the Lagrangian, or the equations and why there is none."""
+) -> tuple[Lagrangian | Equations, tuple[str, ...]]:
+    """Return the Lagrangian, or the equations and why there is none; with the angles that were chosen."""
     if isinstance(source, Lagrangian):
-        return source, ""
+        return source, ()
+    tree, sequences = in_angles(source)
+    turns = ", ".join(dict.fromkeys(sequences))
+    told = (f"Attitude by angles instead of a quaternion: {turns}.",) if turns else ()
     try:
-        return lagrangian(source, names=names), ""
+        return lagrangian(tree, names=names), told
     except InputError as error:
-        return equations_of(closed_form(source, names=names)), error.what
+        made = equations_of(closed_form(tree, names=names, rates=True))
+        return made, (*told, f"No Lagrangian: {error.what}.")
 
 
 def _taken(of: Lagrangian | Equations, positive: Sequence[str]) -> dict[Expr, Expr]:
@@ -198,12 +201,14 @@ def _steady(
     known = [(q, x) for q, x in found.values.items() if q != x]
     if known:
         yield Display(tuple(pen.line(Formula(pen.put(q)), x) for q, x in known))
-    if found.conditions:
+    if not found.placed:
         yield Paragraph(
             "Linear motion needs values that are steady, or conditions that are solved."
         )
-    else:
-        yield from _linear(pen, found)
+        return
+    if found.conditions:
+        yield Paragraph("What is left closes the chain; what follows holds where it does.")
+    yield from _linear(pen, found)
 
 
 def _linear(pen: _Pen, about: SteadyMotion) -> Iterator[Block]:

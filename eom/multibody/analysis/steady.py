@@ -44,6 +44,16 @@ class SteadyMotion:
     values: Mapping[Expr, Expr]
     conditions: tuple[Expr, ...]
 
+    @property
+    def placed(self) -> bool:
+        """Whether all that is left to be met are closures between coordinates: where, not how it moves.
+
+        Raises `DerivationError` if a formula were not written equal.
+        """
+        put = dict(self.values)
+        closures = (tidy(c.xreplace(put)) for c in self.equations.closures)
+        return {*self.conditions} <= {_factored(c) for c in closures}
+
     def solved(self, name: str) -> SteadyMotion:
         """Return it with one of its symbols found from a condition that is linear in it.
 

@@ -406,7 +406,7 @@ def _reduced(given: Bonds) -> Mechanism:
     def put(x: Scalar) -> Scalar:
         return followed(whole.algebra, x, over)
 
-    draft = replace(whole, followers=over)
+    draft = replace(whole, followers={g: put(x) for g, x in whole.followers.items()} | over)
     return replace(
         draft,
         speeds=tuple(whole.speeds[k] for k in own),

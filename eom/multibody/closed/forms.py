@@ -16,8 +16,8 @@ from eom.derivations.verification import DerivationError
 from eom.errors import InputError, typed, unknown_name
 from eom.errors import shown as shown_value
 from eom.exact.identity import equal, vanishes
-from eom.multibody.algebra.scalars import is_zero, sub
-from eom.multibody.algebra.spatial import Vector, times, transposed
+from eom.multibody.algebra.scalars import is_zero, negative, sub
+from eom.multibody.algebra.spatial import Vector, plus, product, times, transposed
 from eom.multibody.closed.bonds import Bonds, Bound, bonds, bound
 from eom.multibody.closed.factors import quotient, shared_factor, solved_by_groups
 from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
@@ -31,7 +31,9 @@ from eom.multibody.closed.readable import (
     factor,
     parts,
 )
-from eom.multibody.model.model import Tree
+from eom.multibody.model.constraints import Rolling
+from eom.multibody.model.joints import QUATERNION, SEQUENCE_TO
+from eom.multibody.model.model import Joint, Tree
 from eom.multibody.model.names import inputs_of, singularities_of, symbols_of
 from eom.quantities import TIME, Definition, Quantity, Singularity
 from eom.system import System, as_expression
@@ -324,6 +326,7 @@ def closed_form(
     coordinates: Mapping[Expr, Expr] | None = None,
     names: Mapping[str, str] | None = None,
     independent: Sequence[str] = (),
+    rates: bool = False,
 ) -> ClosedForm:
     """Return the equations of motion of a small tree as a person would write them.
 
@@ -332,10 +335,12 @@ def closed_form(
     names that they have; the rate of what is called phi is called phi_dot. Under constraints, Lagrange's
     equations get multipliers and are combined so that these drop out, Kane's are those of nonholonomic
     speeds; ``independent``: names of the speeds that stay, by default those that leave the simplest
-    equations. Raises `InputError` for an unknown method, constraints that cannot be solved, and for
-    a tree whose closed form nobody would read. SI units; frames and signs are those of `Joint`.
-    Source: Goldstein, Classical Mechanics (2002), ch. 1; Kane and Levinson, Dynamics: Theory and
-    Applications (1985); Wittenburg, Dynamics of Multibody Systems (2008).
+    equations. ``rates``: also of joints whose speeds are components of velocities (planar, spherical and
+    free ones; not in quaternions), the speeds are the rates of their coordinates. Raises `InputError` for
+    an unknown method, constraints that cannot be solved, and for a tree whose closed form nobody would
+    read. SI units; frames and signs are those of `Joint`. Source: Goldstein, Classical Mechanics (2002),
+    ch. 1; Kane and Levinson, Dynamics: Theory and Applications (1985); Wittenburg, Dynamics of Multibody
+    Systems (2008).
 
     >>> from eom.multibody import Body, Joint
     >>> m, l, g = sp.symbols("m l g", positive=True)
@@ -346,7 +351,7 @@ def closed_form(
     >>> form.mass_matrix[0], form.forcing[0]
     (l**2*m, -g*l*m*sin(theta))
     """
-    return _forms(tree, (method,), Wishes(coordinates, names, tuple(independent)))[0]
+    return _forms(tree, (method,), Wishes(coordinates, names, tuple(independent), rates))[0]
 
 
 @typed
@@ -357,12 +362,13 @@ def compare(
     coordinates: Mapping[Expr, Expr] | None = None,
     names: Mapping[str, str] | None = None,
     independent: Sequence[str] = (),
+    rates: bool = False,
 ) -> Comparison:
     """Return the closed forms of a tree by several methods, their agreement verified term by term.
 
-    ``methods``: rows of `METHODS`; ``coordinates``, ``names``, ``independent``: as of `closed_form`.
-    Multipliers of constraints are compared, too. Raises `DerivationError` if two methods differ, and
-    `InputError` as `closed_form`. Units, frames, signs and sources are those of `closed_form`.
+    ``methods``: rows of `METHODS`; ``coordinates``, ``names``, ``independent``, ``rates``: as of
+    `closed_form`. Multipliers of constraints are compared, too. Raises `DerivationError` if two methods
+    differ, and `InputError` as `closed_form`. Units, frames, signs and sources are those of `closed_form`.
 
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
@@ -371,7 +377,7 @@ def compare(
     >>> [(row.kind, str(row.terms[0].expression)) for row in found.rows]
     [('inertial', '2*u_hinge_dot'), ('gravity', '20*sin(q_hinge)')]
     """
-    wishes = Wishes(coordinates, names, tuple(independent))
+    wishes = Wishes(coordinates, names, tuple(independent), rates)
     return Comparison(_forms(tree, tuple(methods), wishes)).checked()
 
 
@@ -382,6 +388,7 @@ class Wishes:
     coordinates: Mapping[Expr, Expr] | None = None
     names: Mapping[str, str] | None = None
     independent: tuple[str, ...] = ()
+    rates: bool = False
 
 
 def _forms(tree: Tree, methods: Sequence[str], wishes: Wishes) -> tuple[ClosedForm, ...]:
@@ -392,7 +399,7 @@ def _forms(tree: Tree, methods: Sequence[str], wishes: Wishes) -> tuple[ClosedFo
         if method not in METHODS:
             raise unknown_name("method", method, METHODS, f"tree {tree.name!r}")
     names = chosen_names(tree, wishes.names or {})
-    given = mechanism(tree, wishes.coordinates, names)
+    given = mechanism(tree, wishes.coordinates, names, wishes.rates)
     write = Writer(given.algebra, runs(given))
     if not tree.constraints:
         if wishes.independent:
@@ -521,8 +528,13 @@ def with_attitude(tree: Tree, attitude: str) -> Tree:
     if not turned:
         raise InputError("no joint has an attitude", where=f"tree {tree.name!r}", got=attitude)
     joints = tuple(replace(j, attitude=attitude) if j.row.attitude else j for j in tree.joints)
+    return _reattached(tree, joints)
+
+
+def _reattached(tree: Tree, joints: tuple[Joint, ...]) -> Tree:
+    """Return a tree with joints of other attitudes. Raises `InputError` for formulas over what is lost."""
     found = replace(tree, joints=joints)
-    lost = {q.symbol for j in turned for q in j.coordinates}
+    lost = {q.symbol for j in tree.joints for q in j.coordinates}
     lost -= {q.symbol for j in joints for q in j.coordinates}
     used = sorted(str(s) for s in lost & set(symbols_of(tree)))
     if used:
@@ -532,6 +544,41 @@ def with_attitude(tree: Tree, attitude: str) -> Tree:
             got=", ".join(used),
         )
     return found
+
+
+def in_angles(tree: Tree) -> tuple[Tree, tuple[str, ...]]:
+    """Return a tree without quaternions, and the sequences of the angles in their place, in order.
+
+    The last turn is about the axis of a wheel that rolls, or of a body of revolution, so that its angle
+    drops out of the equations. Raises `InputError` for formulas over what is replaced.
+    """
+    turned = [j for j in tree.ordered if j.row.attitude and j.attitude == QUATERNION]
+    chosen = {j.name: SEQUENCE_TO[_symmetric(tree, j)] for j in turned if j.motion is None}
+    joints = (replace(j, attitude=chosen.get(j.name, j.attitude)) for j in tree.joints)
+    return _reattached(tree, tuple(joints)), tuple(
+        chosen[j.name] for j in turned if j.name in chosen
+    )
+
+
+def _symmetric(tree: Tree, joint: Joint) -> int | None:
+    """Return the axis, in the joint's frame, that a body rolls about or is symmetric about; or None."""
+    body, F = tree.body[joint.child], [list(row) for row in joint.on_child.rotation]
+    for c in tree.constraints:
+        if isinstance(c, Rolling) and c.body == body.name and c.axis is not None:
+            along = times(F, c.axis)
+            return next((k for k in range(3) if _alone(along, k)), None)
+    J = product(F, product([list(row) for row in body.central_inertia], transposed(F)))
+    centre = plus(times(F, body.centre), [negative(x) for x in times(F, joint.on_child.position)])
+    diagonal = all(is_zero(J[i][j]) for i in range(3) for j in range(3) if i != j)
+    for k in (2, 1, 0) if diagonal else ():
+        i, j = (n for n in range(3) if n != k)
+        if is_zero(sub(J[i][i], J[j][j])) and is_zero(centre[i]) and is_zero(centre[j]):
+            return k
+    return None
+
+
+def _alone(v: Vector, k: int) -> bool:
+    return all(is_zero(x) for n, x in enumerate(v) if n != k)
 
 
 @typed

@@ -186,9 +186,13 @@ class Lagrange:
         found = {}
         for link in self.mechanism.links:
             joint = link.joint
-            if joint.motion is not None or None not in joint.row.paired(joint.attitude):
-                continue
             first = self._first(link)
+            if (
+                joint.motion is not None
+                or None not in joint.row.paired(joint.attitude)
+                or first < 0
+            ):
+                continue
             for i in range(len(joint.speeds)):
                 for j in range(len(joint.speeds)):
                     c = _combination(_bracket(link.subspace[i], link.subspace[j]), link.subspace)
@@ -198,9 +202,10 @@ class Lagrange:
         return found
 
     def _first(self, link: Link) -> int:
-        """Return the number, among all speeds, of the first of a joint."""
-        names = [u.symbol for u in self.mechanism.speeds]
-        return names.index(self.mechanism.algebra.named(link.joint.speeds[0].symbol))
+        """Return the number, among all speeds, of the first of a joint's own; -1 where rates are chosen."""
+        own = [self.mechanism.algebra.named(u.symbol) for u in link.joint.speeds[:1]]
+        found = (k for k, u in enumerate(self.mechanism.speeds) if u.symbol in own)
+        return next(found, -1)
 
     def _test(self, i: int, j: int, coefficients: dict[int, Scalar]) -> None:
         basis = self.mechanism.basis

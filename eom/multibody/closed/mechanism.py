@@ -115,7 +115,7 @@ class Mechanism:
     even: frozenset[int] = frozenset()
     """Prescribed speeds that are constant."""
     followers: Mapping[int, Scalar] = field(default_factory=dict)
-    """Generators that are speeds which follow others, over those."""
+    """Generators that are speeds which follow others, or are not chosen, over those."""
     named: frozenset[Expr] = frozenset()
     """Speeds whose names were chosen."""
 
@@ -268,23 +268,27 @@ def mechanism(
     tree: Tree,
     coordinates: Mapping[Expr, Expr] | None = None,
     names: Mapping[Expr, Expr] | None = None,
+    rates: bool = False,
 ) -> Mechanism:
     """Return a tree over polynomials, its constraints left aside.
 
     ``coordinates``: other coordinates, for each coordinate that is replaced an expression over the
-    new ones. ``names``: symbols in place of those of coordinates and speeds. Raises `InputError` for
+    new ones. ``names``: symbols in place of those of coordinates and speeds. ``rates``: whether every
+    speed is to be the rate of a coordinate, where angles allow it. Raises `InputError` for
     systems with too many speeds, coordinates that do not fit, and whatever the tree says beyond
     `eom.multibody.closed.mechanism.KNOWN` and constraints.
     """
     refuse_unknown(tree, "a closed form", frozenset({"constraints"}))
-    builder = _Building(tree, dict(coordinates or {}), dict(names or {}))
+    builder = _Building(tree, dict(coordinates or {}), dict(names or {}), rates)
     links = tuple(builder.link(joint) for joint in tree.ordered)
     return builder.finish(links)
 
 
 class _Building:
-    def __init__(self, tree: Tree, chosen: dict[Expr, Expr], names: dict[Expr, Expr]) -> None:
-        self.tree = tree
+    def __init__(
+        self, tree: Tree, chosen: dict[Expr, Expr], names: dict[Expr, Expr], rates: bool
+    ) -> None:
+        self.tree, self.in_rates = tree, rates
         self.own_names = frozenset(names.values())
         self.algebra = Algebra(f"tree {tree.name!r}", _with_rates(tree, names))
         self.work = Trigonometry(self.algebra)
@@ -298,6 +302,7 @@ class _Building:
         self.accelerations: list[Expr] = []
         self.free: list[int] = []
         self.basis: list[dict[Expr, Scalar]] = []
+        self.followers: dict[int, Scalar] = {}
         self.even: list[int] = []
         self._new_speeds()
 
@@ -404,6 +409,9 @@ class _Building:
         if any(replaced):
             self.joint_speeds += [self._over_new(x) for x in q]
             return
+        if self.in_rates and _by_rates(joint):
+            self._rates(joint, setting, q, local)
+            return
         for k, u in enumerate(joint.speeds):
             unit = [int(n == k) for n in range(len(joint.speeds))]
             rates = joint.row.rates(setting, q, unit, local)
@@ -411,6 +419,17 @@ class _Building:
             moved = {c: r for c, r in zip(names, rates, strict=True) if not is_zero(r)}
             self._speed(u, True, moved)
             self.joint_speeds.append(self.algebra.atom(u.symbol))
+
+    def _rates(self, joint: Joint, setting: Setting, q: list[Scalar], local: Any) -> None:
+        """Add the rates of a joint's coordinates as speeds, and its own speeds over them."""
+        moved = []
+        for c in joint.coordinates:
+            self._speed(q_dot(self.named(c)), True, {c.symbol: 1})
+            moved.append(self.algebra.atom(self.speeds[-1].symbol))
+        own = joint.row.from_rates(setting, q, moved, local)
+        for u, x in zip(joint.speeds, own, strict=True):
+            self.followers[self.algebra.index(self.algebra.named(u.symbol))] = x
+        self.joint_speeds += own
 
     def _prescribed(self, joint: Joint) -> None:
         for k, u in enumerate(joint.speeds):
@@ -445,16 +464,27 @@ class _Building:
             gravity=self.vector(self.tree.gravity),
             pulls=tuple(self._pull(load) for load in self.tree.loads),
             even=frozenset(self.even),
+            followers=self.followers,
             named=frozenset(u.symbol for u in self.speeds) & self.own_names,
         )
 
     def _pull(self, load: Load) -> Pull:
         link = self.done[self.seats[load.body]]
-        force, torque = self.vector(load.force), self.vector(load.torque)
+        force, torque = (self._acting(v) for v in (load.force, load.torque))
         if load.axes != GROUND:
             force, torque = (times(transposed(link.seat), v) for v in (force, torque))
         point = link.point(self.vector(load.point))
         return Pull(self.seats[load.body], force, torque, point, load.axes == GROUND)
+
+    def _acting(self, v: Vector) -> Vector:
+        """Return what acts, over the speeds that are chosen."""
+        return [followed(self.algebra, x, self.followers) for x in self.vector(v)]
+
+
+def _by_rates(joint: Joint) -> bool:
+    """Return whether a joint's own speeds are others than the rates of its coordinates, and these do."""
+    by_components = None in joint.row.paired(joint.attitude)
+    return by_components and not (joint.row.attitude and joint.attitude == QUATERNION)
 
 
 def locked(joint: Joint, k: int) -> bool:
@@ -564,7 +594,7 @@ KNOWN: dict[type, frozenset[str]] = {
         {
             *("name", "kind", "parent", "child", "axis", "second_axis", "pitch", "attitude"),
             *("on_parent", "on_child", "stiffness", "rest", "damping", "armature", "force"),
-            *("motor", "motion"),
+            *("motor", "motion", "alone"),
         }
     ),
     Load: frozenset({"body", "force", "torque", "point", "axes"}),

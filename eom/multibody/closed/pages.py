@@ -75,13 +75,14 @@ def tree_page(
     coordinates: Mapping[Expr, Expr] | None = None,
     names: Mapping[str, str] | None = None,
     independent: Sequence[str] = (),
+    rates: bool = False,
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
     ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.showing.FORMATS`:
-    text, latex, markdown or html. ``coordinates``, ``names``, ``independent``: as of `closed_form`, as are
-    units, frames, signs and sources. Raises `InputError` for unknown methods and formats, else as
-    `compare`.
+    text, latex, markdown or html. ``coordinates``, ``names``, ``independent``, ``rates``: as of
+    `closed_form`, as are units, frames, signs and sources. Raises `InputError` for unknown methods and
+    formats, else as `compare`.
 
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
@@ -97,6 +98,7 @@ def tree_page(
         "coordinates": coordinates,
         "names": names,
         "independent": independent,
+        "rates": rates,
     }
     if method == "all":
         return show(compare(tree, **wishes), style)

@@ -29,6 +29,7 @@ from eom.multibody.algebra.spatial import (
     Vector,
     back,
     cross,
+    forward,
     keep_matrix,
     scaled,
 )
@@ -88,8 +89,9 @@ class Kind:
     """One row of the table.
 
     ``coordinates``, ``speeds``: given the attitude. ``place(setting, q, work)``. ``rates(setting, q, u,
-    place)``: q'. ``axes``: how many the joint names. ``spins``: F turns about the one axis of S last,
-    so that the body of revolution about that axis is the same in axes that do not turn.
+    place)``: q'; ``from_rates(setting, q, q', place)``: u, of angles, not of quaternions. ``axes``: how
+    many the joint names. ``spins``: F turns about the one axis of S last, so that the body of revolution
+    about that axis is the same in axes that do not turn.
     """
 
     name: str
@@ -97,6 +99,9 @@ class Kind:
     speeds: Callable[[str], tuple[Letter, ...]]
     place: Callable[[Setting, Sequence[Scalar], Work], Relative]
     rates: Callable[[Setting, Sequence[Scalar], Sequence[Scalar], Relative], list[Scalar]] = (
+        same_rates
+    )
+    from_rates: Callable[[Setting, Sequence[Scalar], Sequence[Scalar], Relative], list[Scalar]] = (
         same_rates
     )
     drift: Callable[[Sequence[SpatialVector], Sequence[Scalar]], SpatialVector] = no_drift
@@ -209,6 +214,16 @@ def _planar_rates(
     return [x, y, u[2]]
 
 
+def _planar_from_rates(
+    setting: Setting,  # noqa: ARG001
+    q: Sequence[Scalar],  # noqa: ARG001
+    rates: Sequence[Scalar],
+    place: Relative,
+) -> list[Scalar]:
+    x, y, _ = forward(place.rotation, (rates[0], rates[1], 0))
+    return [x, y, rates[2]]
+
+
 def _attitude(
     setting: Setting, q: Sequence[Scalar], work: Work
 ) -> tuple[Rotation, tuple[tuple[Scalar, Scalar], ...]]:
@@ -230,9 +245,22 @@ def _attitude_rates(
     if attitude == QUATERNION:
         known |= dict(zip(_quaternion().symbols, q, strict=True))
     else:
-        for angle, (s, c) in zip(_sequence(attitude).angles, place.trigonometry, strict=True):
-            known |= {sp.sin(angle): s, sp.cos(angle): c}
+        known |= _turns(attitude, place)
     return [value(rate, known) for rate in _rates(attitude)]
+
+
+def _turns(attitude: str, place: Relative) -> dict[Any, Scalar]:
+    """Return sines and cosines by those of the angles of a sequence."""
+    found: dict[Any, Scalar] = {}
+    for angle, (s, c) in zip(_sequence(attitude).angles, place.trigonometry, strict=True):
+        found |= {sp.sin(angle): s, sp.cos(angle): c}
+    return found
+
+
+def _angular_velocity(attitude: str, rates: Sequence[Scalar], place: Relative) -> list[Scalar]:
+    """Return the angular velocity over the rates of angles, by `eom.kinematics.coordinates`."""
+    known = {**_turns(attitude, place), **dict(zip(_OMEGA, rates, strict=True))}
+    return [value(w, known) for w in _sequence(attitude).angular_velocity(_OMEGA).components]
 
 
 _OMEGA = tuple(sp.Symbol(f"omega{k}", real=True) for k in (1, 2, 3))
@@ -288,6 +316,15 @@ def _spherical_rates(
     return _attitude_rates(setting.attitude, q, u, place)
 
 
+def _spherical_from_rates(
+    setting: Setting,
+    q: Sequence[Scalar],  # noqa: ARG001
+    rates: Sequence[Scalar],
+    place: Relative,
+) -> list[Scalar]:
+    return _angular_velocity(setting.attitude, rates, place)
+
+
 def _free(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:
     rotation, trig = _attitude(setting, q[3:], work)
     return Relative(q[:3], rotation, COLUMNS, trig)
@@ -298,6 +335,16 @@ def _free_rates(
 ) -> list[Scalar]:
     velocity = back(place.rotation, u[3:])
     return [*velocity, *_attitude_rates(setting.attitude, q[3:], u[:3], place)]
+
+
+def _free_from_rates(
+    setting: Setting,
+    q: Sequence[Scalar],  # noqa: ARG001
+    rates: Sequence[Scalar],
+    place: Relative,
+) -> list[Scalar]:
+    velocity = forward(place.rotation, (rates[0], rates[1], rates[2]))
+    return [*_angular_velocity(setting.attitude, rates[3:], place), *velocity]
 
 
 def _attitude_letters(attitude: str) -> tuple[Letter, ...]:
@@ -336,6 +383,10 @@ ALONE |= {"q1": "psi", "q2": "theta", "q3": "phi"}
 """Names of attitude and angular velocity of a body by itself (`eom.kinematics`), by letter and suffix."""
 
 
+SEQUENCE_TO: dict[int | None, str] = {0: "3-2-1", 1: "3-1-2", 2: "3-1-3", None: "3-2-1"}
+"""Angles by the axis, from 0, that is turned about last."""
+
+
 def _numbered(letter: Letter, *suffixes: str) -> tuple[Letter, ...]:
     return tuple(letter._replace(suffix=s) for s in suffixes)
 
@@ -357,12 +408,12 @@ KINDS: dict[str, Kind] = {
         Kind("universal", always(*_numbered(_ANGLE, "1", "2")), always(*_numbered(_RATE, "1", "2")),
              _universal, drift=_universal_drift, axes=2, paired=lambda _: (0, 1)),
         Kind("planar", always(*_POSITIONS[:2], _ANGLE), always(*_VELOCITIES[:2], _RATE),
-             _planar, rates=_planar_rates, paired=lambda _: (None, None, 2)),
+             _planar, rates=_planar_rates, from_rates=_planar_from_rates, paired=lambda _: (None, None, 2)),
         Kind("spherical", _attitude_letters, always(*_SPEEDS), _spherical, rates=_spherical_rates,
-             attitude=True, paired=lambda _: (None,) * 3),
+             from_rates=_spherical_from_rates, attitude=True, paired=lambda _: (None,) * 3),
         Kind("free", lambda attitude: (*_POSITIONS, *_attitude_letters(attitude)),
              always(*_SPEEDS, *_VELOCITIES), _free, rates=_free_rates,
-             attitude=True, paired=lambda _: (None,) * 6),
+             from_rates=_free_from_rates, attitude=True, paired=lambda _: (None,) * 6),
     )
 }  # fmt: skip
 """All kinds by name."""

@@ -1,7 +1,7 @@
 """Where bodies are and what they look like: pages and films of them.
 
 In: scenes and results. Out: tracks and figures as data, one page of HTML, GIF, APNG, WebP.
-Imports: `eom.errors`, `eom.kinematics`, `eom.mass`, `eom.multibody.algebra`, `eom.multibody.files`,
-`eom.multibody.model`, `eom.multibody.recursion`, `eom.opening`, `eom.quantities`, `eom.rotations`,
-`eom.scenes`, `eom.structure`, `eom.views.draw`.
+Imports: `codegen.runs`, `eom.errors`, `eom.kinematics`, `eom.mass`, `eom.multibody.algebra`,
+`eom.multibody.files`, `eom.multibody.model`, `eom.multibody.recursion`, `eom.opening`,
+`eom.quantities`, `eom.rotations`, `eom.scenes`, `eom.structure`, `eom.system`, `eom.views.draw`.
 """

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -95,6 +95,33 @@ def histories(
     return check(
         Picture(tuple((p,) for p in _timed(panels, result)), short(title), " ".join(notes))
     )
+
+
+def of_result(result: Result, names: Iterable[str] = ()) -> Picture:
+    """Return the histories of a result by itself: of ``names``, or of all its states and outputs.
+
+    Units are those that it states. Raises as `histories` does.
+    """
+    known = _known(result)
+    asked = tuple(names)
+    for n in asked:
+        result[n]  # raises for those that it does not have
+    return histories(result, known, asked)
+
+
+def _known(result: Result) -> list[Quantity]:
+    """Return what a result holds: as its system has it, or by names and units where it was read."""
+    import sympy as sp
+
+    from eom.quantities import Quantity
+
+    origin: Any = result.origin
+    system = origin.compiled.system if origin is not None else None
+    own = {q.name: q for q in quantities(system)} if system is not None else {}
+    return [
+        own.get(n) or Quantity(sp.Symbol(n, real=True), result.units.get(n, ""))
+        for n in (*result.names, *result.outputs)
+    ]
 
 
 def histories_of(

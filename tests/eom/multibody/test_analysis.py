@@ -41,6 +41,7 @@ from tests.eom.multibody.bound_forms import (
     r,
     rolling_disc,
     sleigh,
+    slider_crank,
     t,
 )
 
@@ -388,8 +389,15 @@ def test_refusals():
     free = Lagrangian("free", {x: u}, m * u**2 / 2)
     refused(lambda: lagrangian(rolling_disc()), "between speeds(.|\n)*floor_x")
     refused(lambda: lagrangian(sleigh()), "between speeds|no rates")
-    planar = Tree("puck", [Body("b", 1)], [Joint("f", "planar", "ground", "b")])
-    refused(lambda: lagrangian(planar), "no rates of coordinates")
+    ball = Tree("ball", [Body("b", 1, inertia=(1, 1, 1))], [Joint("f", "spherical", "ground", "b")])
+    refused(lambda: lagrangian(ball), "no rates of coordinates")
+    refused(lambda: lagrangian(slider_crank()), "a closed chain")
+    planar = Tree("puck", [Body("b", 1, inertia=(1, 1, 1))], [Joint("f", "planar", "ground", "b")])
+    assert [str(c.coordinate) for c in cyclic_coordinates(lagrangian(planar))] == [
+        "x_f",
+        "y_f",
+        "q_f",
+    ]
     refused(lambda: lagrangian(pendulum(motor=True)), "inputs drive(.|\n)*tau_hinge")
     refused(lambda: lagrangian(bead(Motion(sp.sin(t)))), "time enters")
     refused(lambda: routh(top(), ["theta"]), "not cyclic")

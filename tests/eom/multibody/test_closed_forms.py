@@ -11,7 +11,7 @@ import codegen
 from eom.derivations.verification import DerivationError
 from eom.errors import InputError
 from eom.exact.identity import equal
-from eom.multibody import Body, Distance, Joint, Motion, Placement, Rotor, Tree, derive
+from eom.multibody import Body, Distance, Joint, Load, Motion, Placement, Rotor, Tree, derive
 from eom.multibody.closed import METHODS, absolute_angles, closed_form, compare, tree_page
 from eom.multibody.closed.mechanism import MOST
 from eom.multibody.closed.readable import KINDS
@@ -456,3 +456,41 @@ def test_a_tree_without_motion_has_no_equations():
     form = closed_form(given)
     assert form.terms == ()
     assert form.speeds == ()
+
+
+SPEEDY = {"sphere": "spherical", "free": "free", "plane": "planar"}
+
+
+@pytest.mark.parametrize("kind", every(2, SPEEDY))
+def test_rates_of_coordinates_as_speeds(kind):
+    """The three methods agree, and their equations move as those over the joint's own speeds."""
+    body = Body("b", m, (0, 0, l) if kind == "sphere" else (l, 0, 0), (I1, I2, I3))
+    joint = Joint(
+        "j",
+        SPEEDY[kind],
+        "ground",
+        "b",
+        attitude="1-2-3",
+        damping=[c] * (6 if kind == "free" else 3),
+    )
+    last = joint.speeds[-1].symbol
+    loads = (Load("b", torque=(0, 0, -k * last), axes="body"),)
+    given = Tree("given", (body,), (joint,), DOWN, loads)
+    form = compare(given, rates=True).forms[0]
+    own = closed_form(given, "kane")
+    assert [u.name for u in form.speeds] == [f"{q.name}_dot" for q in form.coordinates]
+    K = sp.Matrix(own.kinematics).jacobian([u.symbol for u in own.speeds])
+    rates = sp.Matrix([u.symbol for u in form.speeds])
+    q = [x.symbol for x in form.coordinates]
+    w = K.LUsolve(rates)
+    moved = sp.Matrix([sp.diff(x, y) for x in K for y in q]).reshape(len(K), len(q)) * rates
+    turned = sp.Matrix(len(q), len(q), list(moved)) * w
+    put = dict(zip((u.symbol for u in own.speeds), w, strict=True))
+    point = {s: sp.Rational(n + 3, 7) for n, s in enumerate(sorted({*q, *rates}, key=str))}
+    point |= {s: sp.Rational(n + 2, 3) for n, s in enumerate((m, l, I1, I2, I3, c, k, g))}
+    theirs = own.mass_matrix.LUsolve(own.forcing).xreplace(put)
+    expected = sp.N((K * theirs + turned).xreplace(point), 30)
+    found = sp.N(form.mass_matrix.xreplace(point), 40).LUsolve(
+        sp.N(form.forcing.xreplace(point), 40)
+    )
+    assert max(abs(a - b) for a, b in zip(found, expected, strict=True)) < 1e-20

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from codegen.runs.pruning import Drift
-from codegen.runs.simulation import Result
+from codegen.runs.result import Result
 from eom.errors import InputError
 from eom.quantities import Quantity
 from eom.scenes.scene import Scene

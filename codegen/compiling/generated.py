@@ -1,0 +1,54 @@
+"""Code for a system as files: what `eom generate` writes, from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from codegen.compiling.compiled import generate as texts_of
+from codegen.compiling.compiled import write_files
+from codegen.compiling.sparse import with_jacobians
+from codegen.frontend.from_sympy_mechanics import as_system
+from codegen.loops.written import Choice
+from codegen.passes.pipeline import specialised
+from eom.errors import typed
+from eom.system import System
+
+
+@typed
+def generate(
+    system: System | Any,
+    folder: str | Path | None = None,
+    target: str = "c",
+    parameters: Mapping[str, float] | None = None,
+    *,
+    integrator: str = "",
+    rtol: float = 1e-9,
+    jacobian: Sequence[str] = (),
+    stable: bool = False,
+) -> Mapping[str, str]:
+    """Return code for ``system`` as texts by file name, and write it into ``folder`` if one is given.
+
+    ``target``: c (with an integrator), c_f32, c_lanes, numpy, python or javascript. ``system``: as of
+    `codegen.compile`; no compiler is needed. ``parameters``: numbers for some or all, which are
+    compiled in. ``integrator``: what stands beside the targets c and javascript, dop853 for c unless
+    another is named; ``rtol``: the relative tolerance that the order of taylor suits. ``jacobian``:
+    states, parameters, inputs or time, by which derivatives of the rates are written too. ``stable``:
+    apply every identity against cancellation.
+
+    Units are those of the system. The same arguments give the same bytes. Raises `InputError` for unknown
+    names, targets and integrators, for what a target cannot compute, and where the folder cannot be
+    written; each file appears whole or not at all.
+
+    >>> import sympy as sp
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> sorted(generate(System.from_rates("oscillator", {y: v, v: -k * y}), target="numpy"))
+    ['oscillator.py']
+    """
+    made = specialised(as_system(system), dict(parameters or {}), stable=stable)
+    made = with_jacobians(*made, jacobian, stable)
+    files = texts_of(*made, target, Choice(integrator, rtol) if integrator else None)
+    if folder is not None:
+        write_files(files, folder)
+    return files

@@ -1,0 +1,258 @@
+"""Results as files, tables, pictures and animations, and what notebooks display."""
+
+import importlib
+import json
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import codegen
+import eom
+from codegen import Result, simulate
+from codegen.frontend import notebook
+from codegen.runs import export
+from eom.errors import InputError
+from eom.opening import load_scene
+from eom.system import System
+
+Y, V = sp.symbols("y v", real=True)
+OSCILLATOR = System.from_rates(
+    "oscillator", {Y: V, V: -Y}, outputs={"twice": 2 * Y}, invariants={"E": (Y**2 + V**2) / 2}
+)
+
+
+@pytest.fixture(scope="module")
+def run():
+    compiled = codegen.compile(OSCILLATOR, "auto")
+    return simulate(compiled, [1, 0], (0, 10), method="DOP853", rtol=1e-6, dense_output=True,
+                    events={"top": Y})  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def top():
+    scene = load_scene("heavy-top")
+    return simulate(scene.derive(), scene.initial_values(), (0, 2), scene.parameter_values(),
+                    method="DOP853")  # fmt: skip
+
+
+def same(a, b):
+    for name in ("t", "y", "y_stop"):
+        assert getattr(a, name).tobytes() == getattr(b, name).tobytes()
+    for name in ("status", "message", "notice", "why", "method", "names", "left_out", "steps", "rejected",
+                 "nfev", "t_stop", "seconds", "margin", "units"):  # fmt: skip
+        assert getattr(a, name) == getattr(b, name), name
+    assert {n: v.tobytes() for n, v in a.outputs.items()} == {
+        n: v.tobytes() for n, v in b.outputs.items()
+    }
+    assert {n: (d.start, d.largest, d.size, d.over_time.tobytes()) for n, d in a.drift.items()} == {
+        n: (d.start, d.largest, d.size, d.over_time.tobytes()) for n, d in b.drift.items()
+    }
+    assert {
+        n: (e.t.tobytes(), e.y.tobytes(), e.direction.tolist()) for n, e in a.events.items()
+    } == {n: (e.t.tobytes(), e.y.tobytes(), e.direction.tolist()) for n, e in b.events.items()}
+
+
+def test_what_was_saved_is_read_to_the_last_bit(run, top, tmp_path):
+    for k, one in enumerate((run, top)):
+        again = Result.load(one.save(tmp_path / f"{k}.npz"))
+        same(again, one)
+        same(Result.load(again.save(tmp_path / f"again{k}.npz")), one)
+        assert not again.sol
+        with pytest.raises(InputError, match="does not know what it came from"):
+            again.accuracy()
+    assert top.units["omega_1"] == "rad/s"
+    with np.load(tmp_path / "1.npz", allow_pickle=False) as archive:
+        assert archive["tilt"].tobytes() == top["tilt"].tobytes()
+
+
+def test_a_file_never_runs_anything(run, tmp_path):
+    """A pickled object, other texts, missing and misshapen arrays, no archive: one clear error each."""
+
+    class Bomb:
+        def __reduce__(self):
+            return (pytest.fail, ("it was unpickled",))
+
+    file = run.save(tmp_path / "run.npz")
+    with np.load(file, allow_pickle=False) as archive:
+        arrays = dict(archive)
+    about = json.loads(str(arrays["eom.about"]))
+    wrong = [
+        {**arrays, "y": np.array([Bomb()], dtype=object)},
+        {**arrays, "eom.about": np.array([Bomb()], dtype=object)},
+        {**arrays, "eom.about": np.array("{")},
+        {**arrays, "eom.about": np.array(json.dumps({**about, "format": 2}))},
+        {**arrays, "eom.about": np.array(json.dumps([1]))},
+        {**arrays, "y": arrays["y"][:-1]},
+        {**arrays, "y": np.array(["a"] * len(arrays["t"]))},
+        {n: v for n, v in arrays.items() if n != "eom.y_stop"},
+        {n: v for n, v in arrays.items() if n != "eom.about"},
+    ]
+    for found in wrong:
+        np.savez(tmp_path / "wrong.npz", **found)
+        with pytest.raises(InputError, match="the file is no result"):
+            Result.load(tmp_path / "wrong.npz")
+    (tmp_path / "text.npz").write_text("no archive")
+    (tmp_path / "empty.npz").write_bytes(b"")
+    for name in ("text.npz", "empty.npz", "not there.npz", "."):
+        with pytest.raises(InputError, match=r"the file (is no result|cannot be read)"):
+            Result.load(tmp_path / name)
+
+
+def test_names_that_files_need_are_refused(tmp_path):
+    own = sp.Symbol("eom.about", real=True)
+    made = simulate(
+        System.from_rates("odd", {own: sp.Integer(1)}), [0.0], (0, 1), method="scipy:RK45"
+    )
+    with pytest.raises(InputError, match="a name cannot be kept"):
+        made.save(tmp_path / "odd.npz")
+    with pytest.raises(InputError, match="unknown kind of file"):
+        made.save(tmp_path / "odd.xlsx")
+
+
+def test_tables_hold_the_same_numbers_with_units(top, monkeypatch):
+    pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    frame, data = top.to_pandas(), top.to_xarray()
+    assert isinstance(frame, pandas.DataFrame)
+    assert isinstance(data, xarray.Dataset)
+    assert list(frame.columns) == [*top.names, *top.outputs]
+    assert (frame.index.name, frame.index.to_numpy().tobytes()) == ("t", top.t.tobytes())
+    for name in frame.columns:
+        assert frame[name].to_numpy().tobytes() == top[name].tobytes()
+        assert data[name].to_numpy().tobytes() == top[name].tobytes()
+        assert data[name].attrs["units"] == frame.attrs["units"][name] == top.units[name]
+    assert data["t"].attrs["units"] == "s"
+
+    def missing(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr(importlib, "import_module", missing)
+    for make in (export.frame, export.dataset):
+        with pytest.raises(InputError, match=r"eom-toolkit\[tables\]"):
+            make(top)
+
+
+def test_states_are_had_by_name_at_any_time(run, top):
+    t = np.array([0.0, 1.25, 7.0])
+    assert run.at(t)["y"].tobytes() == run.sol(t)[0].tobytes()
+    assert run.at(1.25)["v"] == run.sol(1.25)[1]
+    assert run.at(1.25)["y"] == pytest.approx(np.cos(1.25), abs=1e-5)
+    with pytest.raises(InputError, match="no dense output"):
+        top.at(1.0)
+
+
+def test_a_result_is_drawn_by_itself_and_when_it_was_read(top, tmp_path):
+    again = Result.load(top.save(tmp_path / "top.npz"))
+    for one in (top, again):
+        picture = one.plot("tilt", "omega_1")
+        assert [row[0].axes[1].words for row in picture.rows[:2]] == [
+            row[0].axes[1].words for row in top.plot("tilt", "omega_1").rows[:2]
+        ]
+        with pytest.raises(InputError, match="unknown state or output"):
+            one.plot("tlt")
+
+
+def test_the_motion_of_the_body_among_the_states_is_animated(top, tmp_path):
+    made = top.animate(speed=0.5)
+    track = made.animation.tracks.bodies[0]
+    scene = load_scene("heavy-top")
+    dense = simulate(scene.derive(), scene.initial_values(), (0, 2), scene.parameter_values(),
+                     method="DOP853", dense_output=True)  # fmt: skip
+    q = np.array([dense.at(made.animation.times)[f"q{k}"] for k in range(4)]).T
+    apart = np.minimum(np.abs(track.quaternions - q).max(), np.abs(track.quaternions + q).max())
+    assert apart < 1e-6
+    assert "<html" in made.write(tmp_path / "top.html").read_text("utf-8")
+    assert "Heavy symmetric top" in repr(made)
+    assert made._repr_html_().startswith("<iframe srcdoc=")
+    with pytest.raises(InputError, match="unknown kind of file"):
+        made.write(tmp_path / "top.gif")
+
+
+def test_a_motion_is_animated_with_its_scene_from_where_it_started():
+    scene = load_scene("t-handle")
+    start = {**scene.initial_values(), "omega_1": 0.2}
+    one = simulate(scene.derive(), start, (0, 2), scene.parameter_values(), method="DOP853")
+    with pytest.raises(InputError, match="give the scene"):
+        one.animate()
+    found = one.animate(scene).animation.tracks
+    at_start = np.linalg.norm(found.bodies[0].omega[0])
+    assert at_start == pytest.approx(np.linalg.norm(one.y[:, 0]))
+    for wrong in ("t-handle", 3):
+        with pytest.raises(InputError, match="not a scene"):
+            one.animate(wrong)
+
+
+# --- what notebooks display ------------------------------------------------------------------------
+
+
+def parsed(html):
+    """The elements of a piece of HTML that is XML as well."""
+    return ElementTree.fromstring(f"<div>{html}</div>")
+
+
+def test_everything_that_users_hold_has_a_short_text_and_a_page(run, top):
+    compiled = codegen.compile(OSCILLATOR, "numpy")
+    linear = codegen.linearise(compiled, [1, 0])
+    many = codegen.ensemble(
+        compiled, {"y": np.linspace(0, 1, 3), "v": 0.0}, (0, 1), t_eval=[0.5, 1]
+    )
+    scene = load_scene("satellite-with-panels")
+    for made in (OSCILLATOR, compiled, run, top, linear, many, scene, scene.derive()):
+        assert len(repr(made)) < 500
+        assert len(made._repr_html_()) > 200
+        assert len(made._repr_html_()) < 60_000
+    for made in (run, top, linear, many):
+        parsed(made._repr_html_())
+    assert run._repr_html_().count("<svg") == 3
+    assert r"\frac{\mathrm{d}}{\mathrm{d}t} y &= v" in OSCILLATOR._repr_latex_()
+    assert "<math" in OSCILLATOR._repr_html_()
+    assert len(repr(run.accuracy())) < 200
+
+
+def test_a_notice_is_in_the_text_and_on_the_page():
+    rest = simulate(OSCILLATOR, [0, 0], (0, 1), method="DOP853")
+    assert "notice: no scale is known for y, v" in repr(rest)
+    assert "no scale is known for y, v" in rest._repr_html_()
+
+
+def test_texts_of_users_are_quoted():
+    odd = sp.Symbol("<b>&", real=True)
+    made = simulate(
+        System.from_rates("<i>", {odd: sp.Integer(1)}), [0.0], (0, 1), method="scipy:RK45"
+    )
+    assert "<b>" not in made._repr_html_()
+    assert "&lt;b&gt;&amp;" in made._repr_html_()
+
+
+@pytest.mark.parametrize(
+    "y",
+    [
+        np.sin(np.linspace(0, 9, 5000)),
+        np.zeros(3),
+        np.array([1.0, np.nan, 3.0, 4.0]),
+        np.array([1e300, -1e300]),
+        np.linspace(5, 5 + 1e-15, 10),
+    ],
+)
+def test_a_line_over_time_stays_in_its_frame(y):
+    svg = notebook.sparkline(np.arange(len(y), dtype=float), y)
+    numbers = [float(v) for v in re.findall(r"-?\d+\.\d", parsed(svg)[0][0].get("d"))]
+    assert all(0 <= v <= notebook.WIDE for v in numbers[::2])
+    assert all(0 <= v <= notebook.HIGH for v in numbers[1::2])
+    assert len(svg) < 5000
+
+
+def test_a_line_over_no_time_is_none():
+    assert notebook.sparkline(np.array([1.0]), np.array([2.0])) == ""
+    assert notebook.sparkline(np.array([1.0, 2.0]), np.array([np.nan, 2.0])) == ""
+
+
+def test_one_import_is_enough(tmp_path):
+    assert eom.simulate is codegen.simulate
+    assert eom.Result is Result
+    files = eom.generate(OSCILLATOR, tmp_path, target="python", jacobian=["states"])
+    assert {p.name for p in tmp_path.iterdir()} == set(files)
+    with pytest.raises(AttributeError, match="no attribute 'simulat'"):
+        _ = eom.simulat
