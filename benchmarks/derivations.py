@@ -1,13 +1,16 @@
-"""Time to make and verify each derivation, what they assert; time and error of inertia of solids."""
+"""Time to make and verify each derivation, what they assert, lengths of their pages; inertia of solids."""
 
 from __future__ import annotations
 
 import math
+import shutil
 import subprocess
 import sys
 
+from benchmarks.pages import longest_formula, pdf_pages
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
+from eom.commands.paging import COMPILER
 from eom.derivations import derive, names
 from eom.derivations.reached import RESULT, asserted
 from eom.mass.meshes import mesh_properties
@@ -17,9 +20,12 @@ from tests.eom.test_solids import cubature_error
 
 EACH_DERIVATION, ALL_DERIVATIONS, EACH_SOLID = 2.0, 15.0, 0.2
 CUBATURE_ERROR, MESH_ORDER = 1e-10, 2.0
+LONGEST_FORMULA = 200
+"""Letters of LaTeX on a line."""
 
 _DERIVATIONS = """
 import time
+from eom.commands.paging import COMPILER
 from eom.derivations import derive, names
 for name in names():
     start = time.process_time()
@@ -46,6 +52,8 @@ def measure(settings: Settings) -> Section:  # noqa: ARG001 - all measurements a
         _slowest("derivation", steps, EACH_DERIVATION),
         _row(f"all {len(steps)} derivations", sum(steps.values()), ALL_DERIVATIONS),
         _asserted(),
+        *_formulas(),
+        _handouts(),
         _slowest("inertia of a solid", moments, EACH_SOLID),
         _row(f"all {len(moments)} solids", sum(moments.values()), None),
         _cubature(),
@@ -61,6 +69,31 @@ def _asserted() -> Row:
     count = sum(len(asserted(d)) for d in made)
     what = f"results that are asserted, of {len(results)}"
     return Row(what, str(count), target="0", met=count == 0)
+
+
+def _formulas() -> tuple[Row, ...]:
+    """Return the longest lines of formulas of all steps, in letters of LaTeX."""
+    plain, where = longest_formula(matrices=False)
+    matrix, there = longest_formula(matrices=True)
+    target = f"< {LONGEST_FORMULA}"
+    return (
+        Row(
+            f"longest line of a formula: {where}",
+            str(plain),
+            target=target,
+            met=plain < LONGEST_FORMULA,
+        ),
+        Row(f"of one with a matrix: {there}", str(matrix)),
+    )
+
+
+def _handouts() -> Row:
+    """Return the most pages that a handout takes as PDF."""
+    what = "pages of PDF of a handout, at most"
+    if shutil.which(COMPILER) is None:
+        return Row(what, "no LaTeX here")
+    most = max(pdf_pages(derive(name).page("latex", form="handout")) for name in names())
+    return Row(what, str(most), target="1", met=most == 1)
 
 
 def _cubature() -> Row:

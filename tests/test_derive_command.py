@@ -1,5 +1,7 @@
 """`eom derive` of what users keep: notes, and programs that are run when they say so."""
 
+import shutil
+
 import pytest
 from click.testing import CliRunner
 
@@ -68,3 +70,65 @@ def test_what_cannot_be_derived_says_so(run, tmp_path, file, text, words, said):
     done = run("derive", file, *words)
     assert done.exit_code == 2
     assert said in done.stderr
+
+
+# -- forms, files, figures ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", [".txt", ".tex", ".md", ".html"])
+def test_a_page_is_written_to_a_file_whose_ending_is_its_format(tmp_path, ending):
+    file = tmp_path / f"page{ending}"
+    done = CliRunner().invoke(main, ["derive", "point-mass", "--out", str(file)])
+    assert done.exit_code == 0, done.output
+    shown = file.read_text(encoding="utf-8")
+    marks = {
+        ".txt": "Notation",
+        ".tex": "\\begin{document}",
+        ".md": "# Dynamics",
+        ".html": "<!DOCTYPE",
+    }
+    assert marks[ending] in shown
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="LaTeX is not installed")
+def test_a_handout_is_written_as_pdf(tmp_path):
+    file = tmp_path / "page.pdf"
+    done = CliRunner().invoke(
+        main, ["derive", "point-mass", "--form", "handout", "--out", str(file)]
+    )
+    assert done.exit_code == 0, done.output
+    assert file.read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--out", "page.doc"], "a name that ends in"),
+        (["--out", "page.md", "--as", "html"], "another format"),
+        (["--form", "half"], "full, handout"),
+        (["--form", "handout", "--no-steps"], "a handout has steps"),
+        (["--figures"], "no place for figures"),
+        (["--out", "no/such/folder/page.md"], "cannot be written"),
+    ],
+)
+def test_what_no_page_can_be_is_refused(options, said):
+    done = CliRunner().invoke(main, ["derive", "point-mass", *options])
+    assert done.exit_code != 0
+    assert said in str(done.exception) + done.output
+
+
+def test_figures_stand_where_frames_are_introduced():
+    shown = {
+        style: CliRunner().invoke(main, ["derive", "euler-equations", "--as", style, *more]).output
+        for style, more in (("html", []), ("latex", []), ("markdown", ["--figures"]))
+    }
+    assert "<figure><svg" in shown["html"]
+    assert "\\begin{picture}" in shown["latex"]
+    assert "data:image/svg+xml;base64," in shown["markdown"]
+    without = ["derive", "euler-equations", "--as", "html", "--no-figures"]
+    assert "<svg" not in CliRunner().invoke(main, without).output
+
+
+def test_scenes_have_no_handout():
+    done = CliRunner().invoke(main, ["derive", "bicycle-wheel", "--form", "handout"])
+    assert "--form is for derivations" in str(done.exception) + done.output

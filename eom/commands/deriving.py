@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +11,9 @@ import click
 
 from eom.commands.keeping import PROGRAM, is_kept, kept
 from eom.commands.options import option, options, read_as
+from eom.commands.paging import style_of, write_page
 from eom.commands.shared import print_equations, scene_of, waiting_for
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, printable, unknown_name
 from eom.scenes import catalogue
 
 if TYPE_CHECKING:
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
 @click.argument("name", metavar="NAME")
 @option(
     "style",
-    help="Format; html for derivations and methods alone.",
+    default=None,
+    metavar="text|latex|markdown|html",
+    help="Format; html for derivations and methods alone.  [default: text]",
 )
 @click.option(
     "--explain/--no-explain",
@@ -41,6 +45,25 @@ if TYPE_CHECKING:
     "--steps/--no-steps",
     default=None,
     help="Derivations: every step, or the statements alone.  [default: steps]",
+)
+@click.option(
+    "--form",
+    default=None,
+    metavar="full|handout",
+    help="Derivations: everything, or one page with the results and the reasons of the key steps.  "
+    "[default: full]",
+)
+@click.option(
+    "--figures/--no-figures",
+    default=None,
+    help="Derivations, as LaTeX, HTML or Markdown: sketches of frames and bodies where they are "
+    "introduced.  [default: figures in LaTeX and HTML]",
+)
+@click.option(
+    "--out",
+    default=None,
+    metavar="FILE",
+    help="Derivations: write a file, .txt, .tex, .pdf (by LaTeX), .md or .html; its ending is the format.",
 )
 @click.option(
     "--lexicon/--no-lexicon",
@@ -95,10 +118,13 @@ if TYPE_CHECKING:
 @options("lenient", "floating")
 def derive(
     name: str,
-    style: str,
+    style: str | None,
     explain: bool | None,
     notation: str | None,
     steps: bool | None,
+    form: str | None,
+    figures: bool | None,
+    out: str | None,
     lexicon: bool | None,
     method: str | None,
     absolute: bool | None,
@@ -115,6 +141,8 @@ def derive(
     of your own (.py), by --run alone.
     """
     wishes = _wishes(named, attitude, independent, rates)
+    page: Options = {"--notation": notation, "--steps": steps, "--form": form, "--out": out}
+    page |= {"--figures": figures, "--lexicon": lexicon}
     own = is_kept(name)
     if not name.lower().endswith(PROGRAM):
         _refuse(name, "programs in Python", {"--run": running})
@@ -122,22 +150,19 @@ def derive(
         _refuse(name, _TREES, {**wishes, "--method": method, "--absolute": absolute})
         _refuse(name, "scenes", {"--explain": explain})
         _refuse(name, "robots from .urdf and .xml files", read_as())
-        if lexicon and style != "markdown":
-            raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
+        asked = _asked(name, style, page)
         made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
-        _print_derivation(made, style, notation or "arrow", steps is not False, bool(lexicon))
+        _give(_page(made, asked), out)
     else:
-        _refuse(
-            name, "derivations", {"--notation": notation, "--steps": steps, "--lexicon": lexicon}
-        )
+        _refuse(name, "derivations", page)
         if method is None:
             _refuse(name, "closed forms, by --method", {"--absolute": absolute, **wishes})
-            print_equations(scene_of(name), style, explain is not False)
+            print_equations(scene_of(name), style or "text", explain is not False)
         else:
             _refuse(name, "equations without --method", {"--explain": explain})
             with waiting_for("deriving"):
                 tree = tree_of(name, attitude, "--method")
-                shown = _closed_form(name, tree, method, style, bool(absolute), wishes)
+                shown = _closed_form(name, tree, method, style or "text", bool(absolute), wishes)
             click.echo(shown)
 
 
@@ -234,16 +259,90 @@ def _shipped(name: str) -> list[Derived]:
     return [derive(name)]
 
 
-def _print_derivation(
-    made: Callable[[], list[Derived]], style: str, notation: str, steps: bool, lexicon: bool
-) -> None:
-    from eom.checker.note.derived import front_matter
-    from eom.derivations.derived import check_choices, show_derivation
+@dataclass(frozen=True)
+class Asked:
+    """How a derivation is to be shown (`eom.derivations.forms`); ``lexicon``: with front matter."""
 
-    check_choices(style, notation)
+    style: str
+    notation: str
+    steps: bool
+    form: str = "full"
+    lexicon: bool = False
+    figures: bool = False
+
+
+Options = dict[str, Any]
+"""What is asked for of a page, by option; None where nothing is."""
+
+
+def _asked(name: str, style: str | None, page: Options) -> Asked:
+    """Return how a derivation is to be shown. Raises `InputError` for options that do not fit."""
+    asked = Asked(
+        _style(name, style, page["--out"]),
+        page["--notation"] or "arrow",
+        page["--steps"] is not False,
+        page["--form"] or "full",
+        bool(page["--lexicon"]),
+    )
+    if asked.lexicon and asked.style != "markdown":
+        raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
+    return replace(asked, figures=_with_figures(name, asked, page["--figures"]))
+
+
+def _with_figures(name: str, asked: Asked, figures: bool | None) -> bool:
+    """Return whether sketches are drawn. Raises `InputError` where a page has no place for them."""
+    if figures and (asked.style == "text" or asked.form == "handout"):
+        raise InputError(
+            "no place for figures here",
+            where=f"{name}: --figures",
+            expected="a full page as LaTeX, HTML or Markdown",
+        )
+    usual = asked.style in {"latex", "html"} and asked.form == "full"
+    return usual if figures is None else figures
+
+
+def _style(name: str, style: str | None, out: str | None) -> str:
+    """Return the format that is asked for. Raises `InputError` where a file's ending says another."""
+    if out is None:
+        return style or "text"
+    written = style_of(out)
+    if style not in {None, written}:
+        raise InputError(
+            "the ending of the file says another format",
+            where=f"{name}: --as {style}",
+            got=out,
+            hint="leave out --as, or take another ending",
+        )
+    return written
+
+
+def _page(made: Callable[[], list[Derived]], asked: Asked) -> str:
+    from eom.checker.note.derived import front_matter
+    from eom.derivations.forms import show_derivation
+    from eom.derivations.showing import check_choices
+
+    check_choices(asked.style, asked.notation)
     with waiting_for("deriving"):
         pages = []
         for derivation in made():
-            before = front_matter(derivation, notation) if lexicon else ""
-            pages.append(before + show_derivation(derivation, style, notation, steps))
-    click.echo("\n".join(pages))
+            before = front_matter(derivation, asked.notation) if asked.lexicon else ""
+            figures = _drawn(derivation, asked.notation) if asked.figures else ()
+            chosen = (asked.style, asked.notation, asked.steps)
+            shown = show_derivation(derivation, *chosen, form=asked.form, drawn=figures)
+            pages.append(before + shown)
+    return "\n".join(pages)
+
+
+def _drawn(derivation: Derived, notation: str) -> Sequence[Any]:
+    from eom.views.body.chapters import drawn
+
+    return drawn(derivation, notation)
+
+
+def _give(page: str, out: str | None) -> None:
+    """Print a page, or write it to a file."""
+    if out is None:
+        click.echo(page)
+        return
+    write_page(page, out)
+    click.echo(f"wrote {printable(out)}", err=True)

@@ -15,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derived import Derived, Step
+from eom.derivations.derived import Derived
 from eom.derivations.reached import (
     ASSUMPTION,
     KINDS,
@@ -26,6 +26,7 @@ from eom.derivations.reached import (
     smallest,
 )
 from eom.derivations.refuted import disagreement
+from eom.derivations.steps import Step
 from eom.derivations.verification import (
     FALSE,
     IDENTITY,

@@ -1,95 +1,22 @@
 """A finished derivation: verified steps and the result, and how they are shown.
 
 Some steps of a derivation, to be shown one question at a time.
-
-A derivation as text, LaTeX, Markdown or HTML, in any notation: symbols, steps, reasons, result.
-
-Steps that transform one left side stand as one chain. Each step says why it holds, which equations
-of the lectures it states, and how it was verified; assumptions are named where they are made.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import groupby
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from types import EllipsisType
 from typing import Any
 
-import sympy as sp
-
-from eom.derivations.corrections import CLAIMS, NOTES
+from eom.derivations.forms import show_derivation
+from eom.derivations.showing import show_steps
+from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
 from eom.errors import unknown_name
 from eom.system import System
 from eom.terms.own import Own
-from eom.terms.terms import (
-    DYADIC,
-    SCALAR,
-    VECTOR,
-    Equation,
-    Term,
-    add,
-    entries,
-    mul,
-    nodes,
-    zero,
-)
-from eom.terms.vocabulary import QUANTITIES, words
-from eom.typeset import pages, printing
-from eom.typeset.blocks import (
-    EQUALS,
-    Block,
-    Bullets,
-    Display,
-    Heading,
-    Line,
-    Note,
-    Paragraph,
-    Steps,
-    is_wide,
-)
-from eom.typeset.boxes import (
-    GREEK,
-    Box,
-    Fence,
-    Formula,
-    Operator,
-    Row,
-    Scripts,
-    Symbol,
-    Words,
-    nucleus,
-    row,
-    symbol,
-)
-from eom.typeset.letters import Notation
-from eom.typeset.markup import render, symbol_latex, width
-from eom.typeset.notation import equation_parts, notation_named, term_box, write
-from eom.typeset.writing import expression_pieces
-from eom.worlds.worlds import ASSUMPTIONS
-
-
-@dataclass(frozen=True)
-class Step:
-    """A verified statement: its reason, where the lectures state it, and what it rests on.
-
-    ``label``: by which `Derived` finds it. ``statement``: two sides and a relation. ``reason``: in
-    words. ``kind``: law, definition, assumption or result; ``states``: the equations of the lectures that
-    it states; ``assumptions``: a smallest set under which it holds; ``evidence``: how it was verified;
-    ``follows``: labels of the lines from which it was reached, ``by``: the names of the rules.
-    """
-
-    label: str
-    statement: Equation
-    reason: str
-    kind: str = "result"
-    states: tuple[str, ...] = ()
-    assumptions: tuple[str, ...] = ()
-    evidence: str = ""
-    follows: tuple[str, ...] = ()
-    by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -136,24 +63,27 @@ class Derived:
         """
         return Excerpt(self, chosen(self, labels), notation)
 
-    def page(self, style: str = "text", notation: str = "arrow", steps: bool = True) -> str:
+    def page(
+        self,
+        style: str = "text",
+        notation: str = "arrow",
+        steps: bool = True,
+        *,
+        form: str = "full",
+    ) -> str:
         """Return the derivation as one document.
 
         ``style``: "text", "latex", "markdown" or "html"; ``notation``: one of
         `eom.typeset.notation.NOTATIONS` or its aliases, by which frames and vectors are written; ``steps``:
-        whether every step is shown, or the last statement of each chain alone. Raises `InputError` for
-        other styles and notations.
+        whether every step is shown, or the last statement of each chain alone; ``form``: "full", or
+        "handout", one page with the results and the reasons of the key steps. Raises `InputError` for other
+        styles, notations and forms.
         """
-        return show_derivation(self, style, notation, steps)
+        return show_derivation(self, style, notation, steps, form=form)
 
     def _repr_markdown_(self) -> str:
 
         return show_derivation(self, "markdown")
-
-
-def meaning_of(assumption: str) -> str:
-    """Return an assumption in words."""
-    return ASSUMPTIONS[assumption].meaning
 
 
 Chosen = str | EllipsisType
@@ -213,401 +143,3 @@ def _places(labels: list[str], items: Sequence[Chosen]) -> Iterator[int]:
         start = labels.index(before[0]) if before and isinstance(before[0], str) else 0
         stop = labels.index(after[0]) if after and isinstance(after[0], str) else len(labels)
         yield from range(start, stop)
-
-
-Item = tuple[Box | str | None, str]
-
-
-def show_derivation(
-    derivation: Derived, style: str = "text", notation: str = "arrow", steps: bool = True
-) -> str:
-    """Return a derivation as one document; ``steps=False``: the last statement of each chain alone.
-
-    style: a row of `FORMATS`; notation: one of `eom.typeset.notation.NOTATIONS` or its aliases. Raises
-    `InputError` for others.
-    """
-    check_choices(style, notation)
-    return FORMATS[style](list(blocks(derivation, notation_named(notation), steps)))
-
-
-def show_steps(
-    derivation: Derived, labels: Collection[str], style: str = "text", notation: str = "arrow"
-) -> str:
-    """Return some steps of a derivation, numbered as in the whole; all else as `show_derivation`."""
-    check_choices(style, notation)
-    return FORMATS[style](list(_derived(derivation, notation_named(notation), labels)))
-
-
-def check_choices(style: str, notation: str) -> None:
-    """Raise `InputError` for unknown formats and notations."""
-    if style not in FORMATS:
-        raise unknown_name("format", style, FORMATS)
-    notation_named(notation)
-
-
-def blocks(derivation: Derived, notation: Notation, steps: bool = True) -> Iterator[Block]:
-    """Yield what there is to show, in reading order."""
-    yield Heading(derivation.title, 1)
-    yield Paragraph(_summary(derivation, notation))
-    assumptions = tuple((f"A{k}", meaning_of(a)) for a, k in _letters(derivation).items())
-    yield from _listed("Assumptions", assumptions)
-    yield from _listed("Symbols", tuple(symbols(derivation, notation)))
-    yield Heading("Derivation" if steps else "Statements")
-    yield from _derived(derivation, notation) if steps else [_statements(derivation, notation)]
-    yield from _results(derivation, notation)
-
-
-def _summary(derivation: Derived, notation: Notation) -> str:
-    count = len(derivation.steps)
-    return (
-        f"{derivation.group}; {count} step{'s' * (count != 1)}, each verified when it was made. "
-        f"Notation: {notation.title}."
-    )
-
-
-def _listed(heading: str, items: tuple[Item, ...]) -> list[Block]:
-    return [Heading(heading), Bullets(items)] if items else []
-
-
-# -- symbols ---------------------------------------------------------------------------------
-
-
-def symbols(derivation: Derived, notation: Notation) -> Iterator[Item]:
-    """Yield symbols with their meanings: quantities, SymPy symbols, then signs of operations."""
-    sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
-    found = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
-    seen: set[tuple[str, str]] = set()
-    own = {t for t in derivation.scalars.values() if t.data and t.data[0] in _ANY}
-    items = [_quantity(n, notation) for n in found if n.head == "atom" and n not in own]
-    items += [_scalar(s, t, derivation, notation) for s, t in derivation.scalars.items()]
-    shown = {render(box, "text") for box, _ in items}
-    letters = ((symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found))
-    items += [(box, meaning) for box, meaning in letters if render(box, "text") not in shown]
-    items += list(_operations(found, notation))
-    for box, meaning in items:
-        key = (render(box, "text"), meaning)
-        if key not in seen:
-            seen.add(key)
-            yield box, meaning
-
-
-_ANY = frozenset({"scalar", "coordinate"})
-"""Quantities that are any: of those with a symbol it is said what this is."""
-
-
-def _letters_of(derivation: Derived, found: Iterable[Term]) -> Iterator[tuple[Any, str]]:
-    """Yield the symbols that stand for no term, with what they are in words."""
-    systems = [r for r in derivation.result.values() if isinstance(r, System)]
-    told = {q.symbol: q.meaning for s in systems for q in (*s.parameters, *s.states, *s.inputs)}
-    told |= derivation.letters
-    used = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
-    for s in sorted(used - set(derivation.scalars), key=sp.default_sort_key):
-        if s in told:
-            yield s, told[s]
-
-
-def _quantity(term: Term, notation: Notation) -> tuple[Box, str]:
-    name, *labels = term.data
-    if name in _OF_FRAMES:  # a frame may be called C like the centre of mass
-        return term_box(term, notation), QUANTITIES[name].words.format(*labels)
-    return term_box(term, notation), words(term)
-
-
-_OF_FRAMES = frozenset({"angular_velocity", "rotation", "unit"})
-
-
-def _scalar(name: Any, meaning: Term, derivation: Derived, notation: Notation) -> tuple[Box, str]:
-    """Return a SymPy symbol, what it stands for, and the reason of the step that names it."""
-    reasons = [
-        s.reason
-        for s in derivation.steps
-        if s.kind == "definition" and s.statement.left == Term("expr", (), (name,))
-    ]
-    box = term_box(meaning, notation)
-    same = render(box, "latex") == symbol_latex(name.name)
-    shown = symbol(name.name) if same or is_wide(box) else Row((Formula(name), Operator(":="), box))
-    rate = _RATE if meaning.head == "der" and same else ""
-    return shown, reasons[0] if reasons else rate
-
-
-_RATE = "rate of change in time"
-"""What is said of a dotted scalar, as the scalar itself is listed."""
-
-_OPERATIONS: dict[str, Callable[[str, str], str]] = {
-    "der": lambda frame, of: f"rate of change of the {of} as seen from frame {frame}",
-    "column": lambda frame, of: f"components of the {of} in frame {frame}",
-    "tilde": lambda *_: "skew matrix of a column: that of the cross product with it",
-}
-
-
-def _operations(found: Iterable[Term], notation: Notation) -> Iterator[tuple[Box, str]]:
-    """Yield one example of each kind of derivative, column and tilde that occurs."""
-    seen = set()
-    for node in found:
-        key = (node.head, node.data, node.kind)
-        if node.head not in _OPERATIONS or key in seen or not _is_example(node):
-            continue
-        seen.add(key)
-        kind = node.args[0].kind
-        if node.head != "der" or kind in {VECTOR, DYADIC}:
-            frame = str(node.data[0]) if node.data else ""
-            yield term_box(node, notation), _OPERATIONS[node.head](frame, kind)
-
-
-def _is_example(node: Term) -> bool:
-    (inside,) = node.args
-    return inside.head == "atom" or (inside.head == "column" and inside.args[0].head == "atom")
-
-
-# -- steps -----------------------------------------------------------------------------------
-
-
-def _derived(
-    derivation: Derived, notation: Notation, chosen: Collection[str] | None = None
-) -> Iterator[Block]:
-    """Yield one block a chain, of the chosen steps; of all where none are chosen."""
-    notes_of = _Notes(derivation, numbers(derivation, notation))
-    spoken = (s for s in derivation.steps if not only_names(s, notation))
-    for chain in chains(spoken):
-        lines: list[tuple[Line, ...]] = []
-        notes: list[Note] = []
-        for step in chain:
-            if chosen is not None and step.label not in chosen:
-                continue
-            lines.append(_lines(step.statement, notation, first=not lines))
-            notes.append(notes_of(step))
-        if lines:
-            yield Steps(tuple(notes), tuple(lines))
-
-
-def numbers(derivation: Derived, notation: Notation) -> dict[str, int]:
-    """Return the number of each step that is shown, by its label; what only names has none."""
-    spoken = (s for s in derivation.steps if not only_names(s, notation))
-    return {step.label: k for k, step in enumerate(spoken, 1)}
-
-
-def separate(derivation: Derived, notation: Notation) -> Iterator[Steps]:
-    """Yield one block a step, each an equation of its own with its whole left side on one line."""
-    notes_of = _Notes(derivation, {s.label: k for k, s in enumerate(derivation.steps, 1)})
-    for step in derivation.steps:
-        left, relation, right = equation_parts(step.statement, notation)
-        lines = _lines(step.statement, notation)
-        if len(lines) == 1 and not is_wide(row(*left)):
-            lines = (Line(row(*left), relation, right),)
-        yield Steps((notes_of(step),), (lines,))
-
-
-def only_names(step: Step, notation: Notation) -> bool:
-    """Return whether a definition has the same letter on both sides; the symbols list it."""
-    sides = [write(t, notation) for t in (step.statement.left, step.statement.right)]
-    return step.statement.relation == ":=" and sides[0] == sides[1]
-
-
-def chains(steps: Iterable[Step]) -> list[list[Step]]:
-    """Group neighbouring steps that state the same left side by equations or definitions."""
-
-    def key(step: Step) -> tuple[Term, bool]:
-        return step.statement.left, step.statement.relation in {"=", ":="}
-
-    return [list(group) for _, group in groupby(steps, key)]
-
-
-def _lines(equation: Equation, notation: Notation, first: bool = True) -> tuple[Line, ...]:
-    """Return the lines of an equation; a matrix that is too wide is stated entry by entry."""
-    left, relation, right = equation_parts(equation, notation)
-    if width(Row((*left, *right))) > WIDEST and _parts(equation.right):
-        shown = tuple(_entry_lines(equation, notation, first))
-        if shown:
-            return shown
-    return (Line(row(*left) if first else None, relation, right, broken_left=left),)
-
-
-WIDEST = 105
-"""Letters up to which a matrix stands on one line."""
-
-
-def _parts(term: Term) -> list[Term]:
-    """Return the entries of an explicit matrix or column, of a multiple or a sum of them, or none."""
-    if term.head == "entries":
-        return list(term.args)
-    if term.head == "mul":
-        return [mul(*term.args[:-1], p) for p in _parts(term.args[-1])]
-    if term.head == "add":
-        found = [_parts(a) for a in term.args]
-        return [add(*parts) for parts in zip(*found, strict=True)] if all(found) else []
-    return []
-
-
-def _entry_lines(equation: Equation, notation: Notation, first: bool) -> Iterator[Line]:
-    """Yield a line for each entry that is not trivial; of equal ones, for the first."""
-    right, known = _parts(equation.right), _parts(equation.left)
-    matrix: Box = Fence(term_box(equation.left, notation))
-    if not known and is_wide(matrix):
-        if first:
-            left, _, _ = equation_parts(equation, notation)
-            yield Line(row(*left), EQUALS, (_DOTS,), broken_left=left)
-        matrix = _DOTS
-    seen = set()
-    for k, entry in enumerate(right):
-        old = known[k] if known else zero(SCALAR)
-        if (old, entry) in seen or old == entry:
-            continue
-        seen.add((old, entry))
-        left, relation, pieces = equation_parts(replace(equation, left=old, right=entry), notation)
-        shown = left if known else (Scripts(matrix, _place(k, len(right))),)
-        yield Line(row(*shown), relation, pieces, broken_left=shown)
-
-
-_DOTS = Fence(Words("..."))
-
-
-def _place(k: int, count: int) -> Symbol:
-    """Return row and column of an entry."""
-    size = count // 3
-    return Symbol(f"{k // size + 1}{k % size + 1}" if size > 1 else str(k + 1))
-
-
-_SAID = {**NOTES, **CLAIMS}
-"""What is said beside the tag of a display or claim."""
-
-MUNDANE = frozenset(
-    {
-        "the same on both sides",
-        "linearity",
-        "like terms",
-        "order of factors",
-        "algebra",
-        "substitution",
-    }
-)
-"""Rules that are named where no other one is applied."""
-
-
-@dataclass
-class _Notes:
-    """What stands beside each step; an assumption is put into words where it first counts.
-
-    ``numbers``: of the steps by label; ``told``: the assumptions that stand in words already.
-    """
-
-    derivation: Derived
-    numbers: Mapping[str, int]
-    told: set[str] = field(default_factory=set)
-
-    def __call__(self, step: Step) -> Note:
-        kind = step.kind if step.kind not in {"result", step.evidence} else ""
-        letters = _letters(self.derivation)
-        new = [a for a in letters if a in step.assumptions and a not in self.told]
-        self.told.update(new)
-        under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
-        evidence = "" if step.by and step.evidence.startswith("held") else step.evidence
-        states = (f"{s} ({_SAID[s]})" if s in _SAID else s for s in step.states)
-        parts = [kind, *states, self._origin(step), f"under {under}" if under else "", evidence]
-        remarks = "; ".join(p for p in parts if p)
-        assumed = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in new)
-        told = f"Assumed: {assumed}." if assumed else ""
-        return Note(self.numbers[step.label], _sentence(step.reason), remarks, told)
-
-    def _origin(self, step: Step) -> str:
-        """Say from which lines a step follows, and by which rules."""
-        lines = ", ".join(str(self.numbers[f]) for f in step.follows if f in self.numbers)
-        telling = [b for b in step.by if b not in MUNDANE]
-        by = ", ".join(telling or step.by[:1])
-        return " ".join(
-            p for p in (f"from {lines}" if lines else "", f"by {by}" if by else "") if p
-        )
-
-
-def _letters(derivation: Derived) -> dict[str, int]:
-    """Return the numbers by which assumptions are called."""
-    return {a: k for k, a in enumerate(derivation.assumptions, 1)}
-
-
-_FIRST_WORD = re.compile(r"(a )?([a-z]{2,})(?![\w/.(])")
-
-
-def _sentence(reason: str) -> str:
-    """Begin with a capital letter unless the first word is a symbol."""
-    found = _FIRST_WORD.match(reason)
-    starts = found is not None and found[2] not in GREEK
-    return reason[:1].upper() + reason[1:] if starts else reason or "Statement"
-
-
-def _statements(derivation: Derived, notation: Notation) -> Block:
-    """Return the last statement of every chain, with its equations of the lectures."""
-    spoken = (s for s in derivation.steps if not only_names(s, notation))
-    finals = [chain[-1] for chain in chains(spoken)]
-    return Display(tuple(line for s in finals for line in _lines(s.statement, notation)))
-
-
-# -- results ---------------------------------------------------------------------------------
-
-
-def _results(derivation: Derived, notation: Notation) -> Iterator[Block]:
-    if derivation.result:
-        yield Heading("Result")
-    for name, value in derivation.result.items():
-        yield from _result(name, value, notation)
-
-
-def _result(name: str, value: Any, notation: Notation) -> Iterator[Block]:
-    """Yield a system, a statement, an expression, a collection of them, or any other value."""
-    if isinstance(value, System):
-        yield Heading(value.title or value.name, 3)
-        for block in printing.blocks(value):
-            yield Heading(block.words, 4) if isinstance(block, Heading) else block
-    elif isinstance(value, Mapping):
-        for key, part in value.items():
-            yield from _result(f"{name}: {key}", part, notation)
-    elif isinstance(value, tuple | list) and any(map(_is_formula, value)):
-        for k, part in enumerate(value, 1):
-            yield from _result(f"{name}_{k}", part, notation)
-    elif isinstance(value, Equation):
-        yield Display(_lines(value, notation))
-    elif isinstance(value, sp.MatrixBase) and value.shape in {(3, 1), (3, 3)}:
-        named = Equation(Term("expr", (), (sp.Symbol(name),)), entries(value))
-        yield Display(_named_matrix(name, named, notation))
-    elif _is_formula(value):
-        yield Display((Line(_name(name), EQUALS, _pieces(value, notation)),))
-    else:
-        yield Paragraph(f"{name.replace('_', ' ')}: {value}")
-
-
-def _named_matrix(name: str, equation: Equation, notation: Notation) -> tuple[Line, ...]:
-    """Return a matrix with its name, entry by entry if it is wide."""
-    lines = _lines(equation, notation)
-    return (replace(lines[0], left=_name(name), broken_left=()),) if len(lines) == 1 else lines
-
-
-def _is_formula(value: Any) -> bool:
-    return isinstance(value, Equation | Term | sp.Basic | sp.MatrixBase)
-
-
-def _pieces(value: Any, notation: Notation) -> tuple[Box, ...]:
-    if isinstance(value, Term):
-        return (term_box(value, notation),)
-    return expression_pieces(value) if isinstance(value, sp.Expr) else (Formula(value),)
-
-
-def _name(name: str) -> Box:
-    """Return a letter with its indices, or words."""
-    letter = name.partition("_")[0].rstrip("0123456789")
-    return symbol(name) if nucleus(letter).style == "italic" else Words(name.replace("_", " "))
-
-
-def _latex(shown: list[Block]) -> str:
-    return pages.LATEX_DOCUMENT % pages.latex_page(shown)
-
-
-def _html(shown: list[Block]) -> str:
-    title = next((b.words for b in shown if isinstance(b, Heading)), "Derivation")
-    return pages.html_page(shown, title)
-
-
-FORMATS: dict[str, Callable[[list[Block]], str]] = {
-    "text": pages.text_page,
-    "latex": _latex,
-    "markdown": pages.markdown_page,
-    "html": _html,
-}
-"""How a derivation can be shown."""

@@ -61,7 +61,7 @@ J_BODY = add(J, -SPHERE)
 T_ROT = quantity("rotational_energy", "body", "C")
 STATES = (*OMEGA.components, *model.SIGMA.components)
 RATES = tuple(sp.Symbol(f"{s}_dot", real=True) for s in STATES)
-E, S = sp.Symbol("E", real=True), sp.Symbol("S", real=True)
+E, S = sp.Symbol("E", real=True), sp.Symbol("Q", real=True)
 COEFFICIENTS = sp.symbols("p_0:5", real=True)
 NUTATION_RATE = sp.Symbol("theta_dot", real=True)
 EFFECTIVE, EFFECTIVE_RATE = sp.symbols("I_e I_e_dot", real=True)
@@ -87,6 +87,10 @@ def energy_dissipation() -> Derived:
 
 def _balance(d: Derivation) -> None:
     d.only("viscous_slug")
+    d.name_scalar(model.SLUG, J_S, "moment of inertia of the spherical slug")
+    d.name_scalar(
+        model.DAMPING, DAMPING, "viscous torque on the slug for each unit of relative rate"
+    )
     d.law(Equation(der(H_C), zero("vector")), "no torque acts from outside", label="H-constant")
     d.law(Equation(der(H_SLUG), -(DAMPING * SIGMA)), "the viscous torque on the slug", label="slug")
     turning = d.law(Equation(W_SLUG, add(SIGMA, W)), "angular velocities add", label="slug-omega")

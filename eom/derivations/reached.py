@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from eom.derivations.derived import Derived, Step
+from eom.derivations.derived import Derived
+from eom.derivations.steps import Step
 from eom.derivations.verification import DerivationError, plain
 from eom.errors import InputError
 from eom.exact.identity import vanishes

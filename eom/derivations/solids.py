@@ -9,6 +9,7 @@ import sympy as sp
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.verification import carried_out
+from eom.exact.identity import vanishes
 from eom.expressions import as_expression, free_symbols
 from eom.mass.properties import MassProperties
 from eom.mass.regions import Region, X, properties
@@ -92,7 +93,8 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
         _name(d, FIRST[k], integral, value, f"first moment of the mass: integral of {x} dm")
     for i, j in PAIRS:
         integral = density * _integral(region, X[i] * X[j])
-        words = f"second moment of the mass: integral of {X[i]} {X[j]} dm"
+        factors = f"{X[i]}^2" if i == j else f"{X[i]} {X[j]}"
+        words = f"second moment of the mass: integral of {factors} dm"
         _name(d, SECOND[i, j], integral, whole.second_moments[i, j], words)
     return whole
 
@@ -124,19 +126,31 @@ def _element(d: Derivation, region: Region) -> None:
         label="coordinates",
     )
     slopes = place.jacobian([in_letters(p) for p in region.parameters])
-    gram = (slopes.T * slopes).applyfunc(lambda e: sp.trigsimp(sp.expand(e)))
+    content = CONTENT[region.dimension]
+    if region.dimension == 3:
+        shown = _volume_element(region)
+        matrix = _right_handed(slopes, shown)
+        words = f"the element of {content}: the determinant of the slopes of the coordinates"
+    else:
+        shown = _volume_element(region) ** 2
+        matrix = (slopes.T * slopes).applyfunc(lambda e: sp.trigsimp(sp.expand(e)))
+        words = f"the element of {content}, squared: Gram's determinant of the coordinates"
     d.show(
-        Equation(
-            expr(_volume_element(region) ** 2), expr(sp.Determinant(sp.ImmutableMatrix(gram)))
-        ),
-        f"the element of {CONTENT[region.dimension]}, squared: Gram's determinant of the coordinates",
+        Equation(expr(shown), expr(sp.Determinant(sp.ImmutableMatrix(matrix)))),
+        words,
         determinants,
         label="element",
     )
 
 
+def _right_handed(slopes: Expr, element: Expr) -> Expr:
+    """Return the slopes with the parameters in an order in which their determinant is the element."""
+    same = vanishes(slopes.det(method="berkowitz") - element)
+    return slopes if same else slopes.extract([0, 1, 2], [1, 0, 2])
+
+
 def _range(bound: tuple[Expr, Expr, Expr]) -> str:
-    parameter, start, end = (str(in_letters(e)).replace("*", " ") for e in bound)
+    parameter, start, end = (_spelt(in_letters(e)) for e in bound)
     return f"{parameter} from {start} to {end}"
 
 
@@ -161,7 +175,12 @@ def _values(d: Derivation) -> Rule:
 
 
 def _place(r: Expr) -> str:
-    return "(" + ", ".join(str(c).replace("*", " ") for c in r) + ")"
+    return "(" + ", ".join(map(_spelt, r)) + ")"
+
+
+def _spelt(value: Expr) -> str:
+    """Return an expression as words spell it."""
+    return str(value).replace("**", "^").replace("*", " ")
 
 
 def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str, Expr]:

@@ -16,7 +16,6 @@ from eom.mechanics.spinning import (
     PSI,
     PSI_DDOT,
     PSI_DOT,
-    SPIN,
     THETA,
     THETA_DDOT,
     THETA_DOT,
@@ -41,6 +40,8 @@ H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
 J = quantity("inertia", "C")
 B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
 A3 = unit("A", 3)
+AXLE = sp.Symbol("n", real=True)
+"""The angular velocity about the axle; the scene's state C, a letter that frame and centre have here."""
 ONE_FRACTION = entrywise(lambda e: sp.together(sp.expand(e)))
 
 
@@ -215,7 +216,7 @@ def _momentum_rate(d: Derivation, body: SpinningSymmetricBody) -> None:
 
 def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
     d.name_scalar(
-        SPIN, expr(body.spin), "angular velocity of the body about its axle", label="spin"
+        AXLE, expr(body.spin), "angular velocity of the body about its axle", label="spin"
     )
     d.only("spin_312", "newton_2", "third_law_strong")
     law = d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
@@ -231,14 +232,14 @@ def _motion(d: Derivation, body: SpinningSymmetricBody) -> None:
 
 def _axle(d: Derivation, row: Chain) -> None:
     """Derive that the axle's own angular velocity is constant without torque about it."""
-    own = d.start(der(expr(SPIN))).then(
+    own = d.start(der(expr(AXLE))).then(
         "the rate of the axle's own angular velocity",
         put_in(d.recall("spin").equation),
         compute(spinning.RATES),
         label="spin-rate",
     )
     along = d.show(
-        Equation(dot(B2, TORQUE), expr(I2) * der(expr(SPIN))),
+        Equation(dot(B2, TORQUE), expr(I2) * der(expr(AXLE))),
         "row 2: only the axle's own angular velocity counts",
         use(row.equation),
         use(own.equation),
@@ -248,7 +249,7 @@ def _axle(d: Derivation, row: Chain) -> None:
     quiet = d.given(Equation(dot(B2, TORQUE), number(0)), "no torque about the axle")
     along.both("no torque about the axle", use(quiet.equation), label="row-2-free").infer(
         "divided by the moment: Omega + psi' sin theta is constant",
-        solved(der(expr(SPIN))),
+        solved(der(expr(AXLE))),
         label="first-integral",
     )
 
@@ -257,7 +258,7 @@ def _solved(d: Derivation, body: SpinningSymmetricBody, rows: list[Chain]) -> No
     """Solve both other rows for the accelerations of the angles."""
     M1 = body.parameters[0].symbol
     d.name_scalar(M1, -dot(B1, TORQUE), "torque about -b1", label="M1")
-    theta, psi = body.accelerations
+    theta, psi = (a.xreplace({spinning.SPIN: AXLE}) for a in body.accelerations)
     own_spin = d.recall("spin").infer("solved for Omega", solved(expr(OMEGA)), label="Omega")
     with_spin = put_in(own_spin.equation)
     torque = d.recall("M1").infer("the torque about b1", solved(dot(B1, TORQUE)), label="torque-1")

@@ -19,7 +19,9 @@ from eom.checker.mean.solid_models import COORDINATES, SPELLINGS
 from eom.checker.note.derived import front_matter
 from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
-from eom.derivations.derived import Derived, Item, Step, meaning_of, only_names, separate, symbols
+from eom.derivations.derived import Derived
+from eom.derivations.showing import Item, meaning_of, only_names, separate, symbols
+from eom.derivations.steps import Step
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
@@ -30,8 +32,9 @@ from eom.typeset import pages
 from eom.typeset.blocks import Block, Bullets, Heading, Paragraph, Steps
 from eom.typeset.boxes import Formula
 from eom.typeset.letters import Notation
-from eom.typeset.markup import symbol_latex
+from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import NOTATIONS, notation_named, write
+from eom.typeset.sentences import Prose
 
 RELATIONS = ("=", ":=")
 
@@ -339,6 +342,12 @@ Said = tuple[Part, ...]
 def said(*texts: str | Part) -> Said:
     """Return a paragraph; plain texts are words."""
     return tuple(t if isinstance(t, Part) else Part(WORDS, t) for t in texts)
+
+
+def spoken(words: Prose) -> Said:
+    """Return words with formulas among them."""
+    parts = (words,) if isinstance(words, str) else words
+    return said(*(p if isinstance(p, str) else inline(render(p, "latex")) for p in parts))
 
 
 def inline(latex: str) -> Part:

@@ -15,8 +15,9 @@ from itertools import islice
 
 import eom.checker.note.checking as checker
 from eom.checker.report.findings import FAULTS, Finding
-from eom.derivations.derived import Derived, Step
+from eom.derivations.derived import Derived
 from eom.derivations.reached import same
+from eom.derivations.steps import Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises import lessons, slips

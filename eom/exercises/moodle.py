@@ -34,12 +34,14 @@ from eom.exercises.lessons import (
     line_latex,
     marker,
     said,
+    spoken,
     steps,
     student,
     task,
 )
 from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import notation_named, write
+from eom.typeset.sentences import sentence
 
 CATEGORY = "$course$/top/Mechanics: find the false line"
 STACK_VERSION = "2023010400"
@@ -229,7 +231,7 @@ def _symbols(exercise: Exercise) -> Iterator[Said]:
     parts: list[Any] = ["Symbols: "]
     for box, words in exercise.legend:
         shown = box if isinstance(box, str) else inline(render(box, "latex")) if box else ""
-        parts += [shown, f" {words}; " if words else "; "]
+        parts += [shown, " ", *spoken(words), "; "] if words else [shown, "; "]
     if len(parts) > 1:
         yield said(*parts[:-1], parts[-1].rstrip("; ") + ".")
 
@@ -242,9 +244,9 @@ def _lines(exercise: Exercise) -> Iterator[Said]:
     ):
         (note,) = block.notes
         if note.assumed:
-            yield said(note.assumed)
+            yield spoken(note.assumed)
         latex = line_latex(wrong, step, notation_named(exercise.asked.notation))
-        yield said(f"({note.number}) {note.reason}:", display(latex))
+        yield said(f"({note.number}) ", *spoken(note.reason), ":", display(latex))
 
 
 # -- STACK --------------------------------------------------------------------------------------------
@@ -430,7 +432,7 @@ def _numbered(lines: Derived, notation: str) -> list[dict[str, Any]]:
     return [
         {
             "number": number,
-            "reason": block.notes[0].reason,
+            "reason": sentence(block.notes[0].reason, lambda b: render(b, "text")),
             "assumptions": list(step.assumptions),
             "latex": line_latex(lines, step, chosen),
         }

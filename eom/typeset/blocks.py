@@ -7,13 +7,14 @@ What objects show of themselves: each kind is registered by the module that writ
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
 
 from eom.typeset.boxes import Box, Operator, Row
+from eom.typeset.breaking import Measure, chunks
 from eom.typeset.markup import width
+from eom.typeset.sentences import Prose
 
 
 @dataclass(frozen=True)
@@ -28,14 +29,14 @@ class Heading:
 class Paragraph:
     """Words."""
 
-    words: str
+    words: Prose
 
 
 @dataclass(frozen=True)
 class Bullets:
     """A list of a name or formula (or none) and words."""
 
-    items: tuple[tuple[Box | str | None, str], ...]
+    items: tuple[tuple[Box | str | None, Prose], ...]
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,9 @@ class Note:
     """Why a step holds: its number, the reason, what else there is to say, what is assumed anew."""
 
     number: int
-    reason: str
-    remarks: str = ""
-    assumed: str = ""
+    reason: Prose
+    remarks: Prose = ""
+    assumed: Prose = ""
 
 
 @dataclass(frozen=True)
@@ -98,41 +99,54 @@ class Table:
     rows: tuple[tuple[tuple[Box, ...], tuple[Cell, ...]], ...]
 
 
-Block = Heading | Paragraph | Bullets | Display | Steps | Table
+@dataclass(frozen=True)
+class Drawing:
+    """A picture: as an element of SVG, as LaTeX, and what it shows in words."""
+
+    svg: str
+    latex: str
+    words: Prose
+
+
+Block = Heading | Paragraph | Bullets | Display | Steps | Table | Drawing
 
 WIDTH = 78
 """Letters that fit on a line of a formula."""
 EQUALS = Operator("=")
 
 
-def is_wide(left: Box) -> bool:
+def is_wide(left: Box, limit: int = WIDTH, measure: Measure = width) -> bool:
     """Return whether a left side stands on lines of its own."""
-    return width(left) > WIDTH // 2
+    return width(left) > WIDTH // 2 or measure(left) > 6 * limit // 10
 
 
-def broken(line: Line, limit: int = WIDTH) -> list[Line]:
-    """Return a line as lines of at most ``limit`` letters, broken between pieces."""
-    if line.left is not None and is_wide(line.left):
-        left = _chunks(line.broken_left or (line.left,), limit)
-        right = broken(Line(None, line.relation, line.right), limit)
-        return [*(Line(None, Row(()), chunk) for chunk in left), *right]
-    used = width(line.left) if line.left else 0
-    first, *others = _chunks(line.right, limit - used)
+def broken(line: Line, limit: int = WIDTH, measure: Measure = width, indent: int = 0) -> list[Line]:
+    """Return a line as lines of at most ``limit`` letters, broken between pieces, then within them.
+
+    ``measure``: how long a box is; ``indent``: letters that left sides take at least.
+    """
+    if line.left is None:
+        return _lines(line, chunks(line.right, limit - indent, measure))
+    length = measure(line.left)
+    seen = max(indent, min(width(line.left) * limit // WIDTH, length))
+    right = chunks(line.right, limit - seen, measure, used=max(0, length - seen))
+    fits = length + sum(map(measure, right[0])) <= limit
+    if fits and (len(right) == 1 or not is_wide(line.left, limit, measure)):
+        return _lines(line, right)
+    left = chunks(line.broken_left or (line.left,), limit - indent, measure)
+    begins = [Line(Row(()), Row(()), chunk) for chunk in left[:1]]
+    rest = chunks(line.right, limit - indent, measure)
+    return [
+        *begins,
+        *(Line(None, Row(()), chunk) for chunk in left[1:]),
+        *_lines(Line(None, line.relation, line.right), rest),
+    ]
+
+
+def _lines(line: Line, right: list[tuple[Box, ...]]) -> list[Line]:
+    first, *others = right
     start = Line(line.left, line.relation, first, line.words)
     return [start, *(Line(None, Row(()), more) for more in others)]
-
-
-def _chunks(boxes: Iterable[Box], limit: int) -> list[tuple[Box, ...]]:
-    found: list[tuple[Box, ...]] = [()]
-    length = 0
-    for box in boxes:
-        needed = width(box)
-        if found[-1] and length + needed > limit:
-            found.append(())
-            length = 0
-        found[-1] += (box,)
-        length += needed
-    return found
 
 
 @singledispatch

@@ -69,12 +69,14 @@ class Row:
 class Fence:
     """The box ``inner`` in brackets, rows of `eom.typeset.markup.DELIMITERS` or as they stand.
 
-    Without ``closing`` in the bracket that belongs to ``opening``; "." is none.
+    Without ``closing`` in the bracket that belongs to ``opening``; "." is none. ``flat``: brackets as
+    high as letters.
     """
 
     inner: Box
     opening: str = "("
     closing: str = ""
+    flat: bool = False
 
 
 @dataclass(frozen=True)
@@ -183,6 +185,15 @@ def accented(mark: str, box: Box) -> Box | None:
     if isinstance(box, Accent) and box.mark in {"dot", "ddot"} and mark in {"dot", "ddot"}:
         return Accent("ddot", box.base) if (box.mark, mark) == ("dot", "dot") else None
     return Accent(mark, box) if isinstance(box, Symbol | Accent) else None
+
+
+def raised(box: Box, sup: Box) -> Box:
+    """Return a box with a superscript; a box that already has one is bracketed."""
+    if isinstance(box, Scripts) and box.sup is None and box.left is None:
+        return replace(box, sup=sup)
+    if isinstance(box, Scripts):
+        return Scripts(Fence(box), sup=sup)
+    return Scripts(box, sup=sup)
 
 
 _NAME = re.compile(r"([A-Za-z_]+?)(\d*)")

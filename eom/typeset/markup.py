@@ -37,6 +37,7 @@ from eom.typeset.boxes import (
     Words,
     symbol,
 )
+from eom.typeset.expressions import expression_box
 
 Expr = Any
 Render = Callable[[Any], str]
@@ -96,6 +97,11 @@ FORMS: dict[str, tuple[str, str, str]] = {
     "braces": ("{{{0}}}", "{0}", "<mrow>{0}</mrow>"),
     "blamed": ("{0}", "{0}", '<mrow class="blamed">{0}</mrow>'),
     "root": (r"\sqrt{{{0}}}", "sqrt({0})", "<msqrt>{0}</msqrt>"),
+    "applied": (
+        "{0} {1}",
+        "{0}({1})",
+        '<mrow><mspace width="0.17em"/>{0}<mo>\u2061</mo><mspace width="0.17em"/>{1}</mrow>',
+    ),
     "degree": (r"\sqrt[{1}]{{{0}}}", "root({0}, {1})", "<mroot>{0}{1}</mroot>"),
     "over": (r"\overset{{{1}}}{{{0}}}", "{0}^({1})", "<mover>{0}{1}</mover>"),
     "under": (r"\underset{{{1}}}{{{0}}}", "{0}_({1})", "<munder>{0}{1}</munder>"),
@@ -159,7 +165,7 @@ def render(box: Box, markup: str) -> str:
 def width(box: Box) -> int:
     """Return about how many letters wide a box is: the larger part of a fraction counts."""
     if isinstance(box, Formula):
-        return _formula_width(box.value)
+        return _formula_width(box)
     if isinstance(box, Fraction):
         return max(width(box.above), width(box.below))
     if isinstance(box, Row):
@@ -167,11 +173,17 @@ def width(box: Box) -> int:
     if isinstance(box, Fence):
         return 2 + width(box.inner)
     if isinstance(box, Grid):
-        return sum(4 + max(width(b) for b in c) for c in zip(*box.rows, strict=True))
+        return sum(2 + max(width(b) for b in c) for c in zip(*box.rows, strict=True))
+    if isinstance(box, Form) and box.name == "applied":
+        return sum(map(width, box.parts))
     return len([c for c in render(box, "text") if not unicodedata.combining(c)])
 
 
-def _formula_width(value: Expr) -> int:
+def _formula_width(box: Formula) -> int:
+    opened = expression_box(box.value)
+    if not isinstance(opened, Formula):
+        return width(opened)
+    value = box.value
     above, below = sp.fraction(value) if isinstance(value, sp.Expr) else (value, sp.S.One)
     return max(len(_plain_text(v).replace("*", "")) for v in (above, below))
 
@@ -273,7 +285,9 @@ def _joined(box: Row, inner: Render) -> str:
 def _latex_grid(box: Grid, inner: Render) -> str:
     name, aligned = box.environment, box.environment in ALIGNED
     lines = ([inner(b) for b in line] for line in box.rows)
-    rows = r" \\ ".join(" ".join(filter(None, c)) if aligned else " & ".join(c) for c in lines)
+    cells = [" ".join(filter(None, c)) if aligned else " & ".join(c) for c in lines]
+    tall = not aligned and name != "" and any(r"\frac" in row for row in cells)
+    rows = (r" \\[1ex] " if tall else r" \\ ").join(cells)
     columns = f"{{{box.columns}}}" if box.columns else ""
     return f"\\begin{{{name}}}{columns} {rows} \\end{{{name}}}" if name else rows
 
@@ -292,7 +306,19 @@ class _Latex(_PositiveFirst, LatexPrinter):  # type: ignore[misc]
     """SymPy's LaTeX."""
 
 
-def _latex_formula(box: Formula, _: Render) -> str:
+def _opened(write: Render) -> Callable[[Formula, Render], str]:
+    """Return what writes a formula as its boxes, and by ``write`` what has none but itself."""
+
+    def rule(box: Formula, inner: Render) -> str:
+        if box.names and isinstance(box.value, sp.Symbol) and box.value in box.names:
+            return write(box)
+        boxes = expression_box(box.value, box.names)
+        return write(boxes) if isinstance(boxes, Formula) else inner(boxes)
+
+    return rule
+
+
+def _latex_formula(box: Formula) -> str:
     symbols: set[Expr] = box.value.atoms(sp.Symbol)
     names = {s: box.names.get(s) or symbol_latex(s.name) for s in symbols}
     words = any(names[s].startswith(r"\mathrm") for s in symbols)
@@ -308,13 +334,13 @@ _LATEX: dict[type, Callable[[Any, Render], str]] = {
     Accent: lambda b, inner: f"{ACCENTS[b.mark][0]}{{{inner(b.base)}}}",
     Scripts: _latex_scripts,
     Row: _joined,
-    Fence: lambda b, inner: "\\left{1} {0} \\right{2}".format(
+    Fence: lambda b, inner: ("{1}{0}{2}" if b.flat else "\\left{1} {0} \\right{2}").format(
         inner(b.inner).strip(), *_brackets(b, 0)
     ),
     Fraction: lambda b, inner: f"\\frac{{{inner(b.above)}}}{{{inner(b.below)}}}",
     Grid: _latex_grid,
     Operator: lambda b, _: OPERATORS[b.name][0],
-    Formula: _latex_formula,
+    Formula: _opened(_latex_formula),
     Words: lambda b, _: f"\\text{{{escape_latex(b.text)}}}",
     Unseen: lambda b, inner: f"\\phantom{{{inner(b.inner)}}}",
 }
@@ -388,9 +414,20 @@ def _text_grid(box: Grid, inner: Render) -> str:
     return f"[{', '.join('[' + ', '.join(inner(b) for b in line) + ']' for line in box.rows)}]"
 
 
+_GROUP = re.compile(r"[(\[|][^()\[\]|]*[)\]|]")
+
+
+def _is_sum(words: str) -> bool:
+    """Return whether a sign stands between terms outside of brackets."""
+    while (inside := _GROUP.sub("", words)) != words:
+        words = inside
+    return any(sign in words for sign in (" + ", " \u2212 ", " - "))
+
+
 def _text_fraction(box: Fraction, inner: Render) -> str:
-    parts = [inner(b) for b in (box.above, box.below)]
-    return "/".join(p if " " not in p else f"({p})" for p in parts)
+    above, below = inner(box.above), inner(box.below)
+    above = f"({above})" if _is_sum(above) else above
+    return f"{above}/({below})" if " " in _GROUP.sub("", below) else f"{above}/{below}"
 
 
 class _Text(_PositiveFirst, StrPrinter):  # type: ignore[misc]
@@ -406,7 +443,7 @@ class _Text(_PositiveFirst, StrPrinter):  # type: ignore[misc]
         return render(symbol(expr.name), "text")
 
 
-def _text_formula(box: Formula, _: Render) -> str:
+def _text_formula(box: Formula) -> str:
     value = box.value.tolist() if isinstance(box.value, sp.MatrixBase) else box.value
     words = str(_Text().doprint(value))
     words = re.sub(r"\*\*(\d)(?![\d.])", lambda m: _RAISED[m[1]], words)
@@ -425,7 +462,7 @@ _TEXT: dict[type, Callable[[Any, Render], str]] = {
     Fraction: _text_fraction,
     Grid: _text_grid,
     Operator: lambda b, _: OPERATORS[b.name][1],
-    Formula: _text_formula,
+    Formula: _opened(_text_formula),
     Words: lambda b, _: b.text,
     Unseen: lambda b, inner: " " * width(b.inner),
 }
@@ -480,7 +517,7 @@ class _MathML(_PositiveFirst, MathMLPresentationPrinter):  # type: ignore[misc]
 _ENTITY = re.compile(r"&(?!(?:lt|gt|amp|quot);)(\w+);")
 
 
-def _mathml_formula(box: Formula, _: Render) -> str:
+def _mathml_formula(box: Formula) -> str:
     words = str(_MathML().doprint(box.value)).replace("<mo>-</mo>", "<mo>\u2212</mo>")
     return f"<mrow>{_ENTITY.sub(lambda m: html.unescape(m[0]), words)}</mrow>"
 
@@ -547,6 +584,7 @@ def _mathml_operator(box: Operator, _: Render) -> str:
     words = html.escape(OPERATORS[box.name][1].strip())
     words = {"times": "\u2062", "thin": "\u2062", ":=": "≜", "sum": "∑"}.get(box.name, words)
     form = _MATHML_FORMS.get(box.name, "")
+    form = ' lspace="0" rspace="0.17em"' if box.name == "thin" else form
     return f"<mo{form}>{words}</mo>"
 
 
@@ -561,7 +599,7 @@ _MATHML: dict[type, Callable[[Any, Render], str]] = {
     Fraction: lambda b, inner: f"<mfrac>{inner(b.above)}{inner(b.below)}</mfrac>",
     Grid: _mathml_grid,
     Operator: _mathml_operator,
-    Formula: _mathml_formula,
+    Formula: _opened(_mathml_formula),
     Words: lambda b, _: f"<mtext>{html.escape(b.text)}</mtext>",
     Unseen: lambda b, inner: f"<mphantom>{inner(b.inner)}</mphantom>",
 }

@@ -26,6 +26,7 @@ from eom.typeset.boxes import (
     accented,
     joined,
     nucleus,
+    raised,
     row,
     symbol,
 )
@@ -37,7 +38,6 @@ from eom.typeset.writing import (
     equation_parts,
     is_inertial,
     peel,
-    raised,
     rate,
     term_box,
     write,
@@ -102,7 +102,7 @@ LETTERS: dict[str, str] = {
     "rotor_torque": "tau_a M_a tau_a M_a tau_a",
     "slug_momentum": "H_s h_s h_s H_s h_s",
     "slug_inertia": "J_s J_s J_s J_s J_s",
-    "slug_damping": "c_s c_s c_s c_s c_s",
+    "slug_damping": "c c c c c",
     "total_mass": "M m m m m",
     "linear_momentum": "p p p L p",
     "external_force": "F_ext F_ext f_ext R f_ext",
@@ -141,6 +141,13 @@ def _points(special: Mapping[str, Box]) -> Callable[[str], Box]:
         return Scripts(Symbol("O"), Symbol(label[1])) if split else symbol(label)
 
     return point
+
+
+def _frames(special: Mapping[str, str], style: str = "") -> Callable[[str], Box]:
+    """Return how frames are written, some by other letters than their label."""
+    if style:
+        return lambda label: Symbol(special.get(label, label), style)
+    return lambda label: symbol(special.get(label, label))
 
 
 def _marked(mark: str, style: str = "italic") -> Nucleus:
@@ -400,12 +407,12 @@ NOTATIONS: dict[str, Notation] = {
         letters=_letters(0),
         nuclei=_nuclei(_marked("vec"), _bracketed, _bracketed),
         point=_points({}),
-        frame=symbol,
+        frame=_frames({"C": "W", "E": "U"}),
         atoms={
             "position": _short_position({"OI": "R", "C": "r", "O": "rho"}),
             "angular_velocity": _frames_below,
             "rotation": _rotation_below,
-            "unit": _unit({}, _marked("hat")),
+            "unit": _unit({"C": "w", "E": "u"}, _marked("hat")),
             "rotor_axis": lambda _, k: Scripts(Accent("hat", Symbol("a")), symbol(k)),
             "absolute_angular_momentum": _absolute(
                 _generic("absolute_angular_momentum", VECTOR), _generic("angular_momentum", VECTOR)
@@ -424,12 +431,12 @@ NOTATIONS: dict[str, Notation] = {
         letters=_letters(1),
         nuclei=_nuclei(_in("bold"), _in("blackboard"), _in("bold")),
         point=_points({"C": Symbol("G")}),
-        frame=_in("calligraphic"),
+        frame=_frames({"E": "U"}, "calligraphic"),
         atoms={
             "position": lambda n, of, origin: letter_box(n, "r", VECTOR, [_over(n, of, origin)]),
             "angular_velocity": _frames_around,
             "rotation": _rotation_around,
-            "unit": _unit({"I": "e"}, _in("bold")),
+            "unit": _unit({"I": "e", "E": "u"}, _in("bold")),
             "linear_momentum": _momentum_in("linear_momentum"),
             "angular_momentum": _momentum_in("angular_momentum"),
             "absolute_angular_momentum": _absolute(
@@ -450,12 +457,12 @@ NOTATIONS: dict[str, Notation] = {
             _marked("underline"), lambda n: Accent("underline", Symbol(n, "bold")), _in("bold")
         ),
         point=_points({"C": Operator("bullet")}),
-        frame=symbol,
+        frame=_frames({"E": "U"}),
         atoms={
             "position": _short_position({"OI": "r", "O": "rho"}),
             "angular_velocity": _frames_below,
             "rotation": _rotation_below,
-            "unit": _unit({}, _marked("underline")),
+            "unit": _unit({"E": "u"}, _marked("underline")),
             "inertia": _hughes_inertia,
         },
         derivative=_bullets,
@@ -475,12 +482,12 @@ NOTATIONS: dict[str, Notation] = {
                 **{i: Scripts(Symbol("P"), Symbol(i)) for i in "ijk"},
             }
         ),
-        frame=lambda label: Symbol({"I": "N"}.get(label, label)),
+        frame=_frames({"I": "N", "E": "U"}),
         atoms={
             "position": _kane_position,
             "angular_velocity": _frames_around,
             "rotation": _rotation_around,
-            "unit": _unit({"I": "n"}, _marked("hat", "bold")),
+            "unit": _unit({"I": "n", "E": "u"}, _marked("hat", "bold")),
             "linear_momentum": _kane("linear_momentum"),
             "angular_momentum": _kane("angular_momentum"),
             "absolute_angular_momentum": _absolute(

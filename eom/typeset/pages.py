@@ -9,7 +9,9 @@ How four formats write a table whose cells hold formulas with words in front.
 
 from __future__ import annotations
 
+import base64
 import html
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
@@ -20,6 +22,7 @@ from eom.typeset.blocks import (
     Bullets,
     Cell,
     Display,
+    Drawing,
     Heading,
     Line,
     Note,
@@ -31,7 +34,7 @@ from eom.typeset.blocks import (
 )
 from eom.typeset.boxes import Box, Row, Unseen
 from eom.typeset.markup import escape_latex, render, width
-from eom.typeset.sentences import sentence
+from eom.typeset.sentences import Prose, sentence
 
 Part = Callable[[str, tuple[Box, ...]], str]
 """Writes words and the formula after them."""
@@ -122,12 +125,14 @@ def _text_side(value: Box | str | None, letters: str) -> str:
 
 def _text_bullets(block: Bullets, letters: str) -> list[str]:
     names = [_text_side(name, letters) for name, _ in block.items]
-    size = max(map(_length, names))
+    lengths = [n for n in map(_length, names) if letters != "text" or n <= WIDTH // 2]
+    size = max(lengths, default=0)
     gap = "  " if size else ""
-    return [
-        f"  {_padded(name, size)}{gap}{_text_words(words, letters)}".rstrip()
-        for name, (_, words) in zip(names, block.items, strict=True)
-    ]
+    lines = []
+    for name, (_, words) in zip(names, block.items, strict=True):
+        line = f"  {_padded(name, size)}{gap}{_text_words(words, letters)}".rstrip()
+        lines += _wrapped(line, " " * (2 + size + len(gap))) if letters == "text" else [line]
+    return lines
 
 
 def _length(words: str) -> int:
@@ -139,13 +144,69 @@ def _padded(words: str, size: int) -> str:
     return words + " " * (size - _length(words))
 
 
+COLUMNS = 100
+"""Letters on a line of a page of Unicode text."""
+
+
 def _text_display(block: Display, letters: str) -> list[str]:
     lefts = [_text_side(line.left, letters) for line in block.lines]
-    size = max(map(_length, lefts))
-    return [
-        _text_line(line, letters, size) + (f"  # {line.words}" if line.words else "")
-        for line in block.lines
-    ]
+    if letters != "text":
+        size = max(map(_length, lefts))
+        return [
+            _text_line(line, letters, size) + (f"  # {line.words}" if line.words else "")
+            for line in block.lines
+        ]
+    size = max((n for n in map(_length, lefts) if n <= WIDTH // 2), default=0)
+    return [row for line in block.lines for row in _text_rows(line, size)]
+
+
+def _text_rows(line: Line, size: int) -> list[str]:
+    """Return the lines of an equation, what it means behind or under it."""
+    parts = broken(line, COLUMNS - 6, _text_measure, size)
+    rows = [row for p in parts for row in _wrapped(_text_line(p, "text", size), "      ")]
+    if not line.words:
+        return rows
+    words = f"# {line.words}"
+    if _length(rows[-1]) + 2 + _length(words) <= COLUMNS:
+        return [*rows[:-1], f"{rows[-1]}  {words}"]
+    return [*rows, *_wrapped(f"      {words}", "      # ")]
+
+
+def _text_measure(box: Box) -> int:
+    return _length(render(box, "text"))
+
+
+def _wrapped(words: str, indent: str) -> list[str]:
+    """Return words, or what cannot be broken elsewhere, on lines of `COLUMNS` letters."""
+    if _length(words) <= COLUMNS:
+        return [words]
+    start = words[: len(words) - len(words.lstrip())]
+    if stacked := _stacked_rows(words.strip(), start, indent):
+        return stacked
+    return textwrap.wrap(
+        words.strip(),
+        COLUMNS,
+        initial_indent=start,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _stacked_rows(words: str, start: str, indent: str) -> list[str]:
+    """Return the rows of a matrix below each other, or nothing where they do not fit."""
+    rows = words.split("], [")
+    below = len(rows[0]) - rows[0].rfind("[[") - 1
+    for first, before in (
+        (start, " " * (len(start) + len(rows[0]) - below)),
+        (start, indent),
+        (indent, indent),
+    ):
+        found = [f"{before if k else first}{'[' * bool(k)}{row}" for k, row in enumerate(rows)]
+        found = [f"{row}]," for row in found[:-1]] + found[-1:]
+        if len(rows) > 1 and max(map(_length, found)) <= COLUMNS:
+            return found
+    return []
 
 
 def _text_line(line: Line, letters: str, size: int) -> str:
@@ -154,36 +215,45 @@ def _text_line(line: Line, letters: str, size: int) -> str:
     return f"  {left} {relation} {render(Row(line.right), letters).strip()}".rstrip()
 
 
-_RAISED = {"": "", **dict(zip("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))}
-
-
-def _text_words(words: str, letters: str) -> str:
+def _text_words(words: Prose, letters: str) -> str:
     """Set letters that are spelt out as letters; ASCII leaves words as they are."""
-    if letters != "text":
+    if letters != "text" and isinstance(words, str):
         return words
-    return sentence(words, lambda b, marks, n: f"{render(b, 'text')}{marks}{_RAISED[n]}")
+    return sentence(words, lambda b: render(b, letters).strip())
+
+
+def _text_paragraph(block: Paragraph, letters: str) -> list[str]:
+    words = _text_words(block.words, letters)
+    return _wrapped(words, "") if letters == "text" else [words]
 
 
 def _text_steps(block: Steps, letters: str) -> list[str]:
-    size = _length(_text_side(block.indent, letters))
+    left = block.lines[0][0].left
+    wide = left is None or is_wide(left, COLUMNS - 9, _text_measure)
+    size = 0 if wide else _length(_text_side(left, letters))
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):
-        lines += [f"     {note.assumed}"] if note.assumed else []
-        remarks = f"  [{note.remarks}]" if note.remarks else ""
-        lines += [f"{note.number:>3}. {_text_words(note.reason, letters)}{remarks}"]
-        parts = [p for line in group for p in broken(line, WIDTH + 12)]
-        lines += [f"   {_text_line(p, letters, size)}" for p in parts]
+        assumed, remarks = (_text_words(w, letters) for w in (note.assumed, note.remarks))
+        lines += _wrapped(f"     {assumed}", "     ") if assumed else []
+        remarks = f"  [{remarks}]" if remarks else ""
+        why = f"{note.number:>3}. {_text_words(note.reason, letters)}{remarks}"
+        lines += _wrapped(why, "     ")
+        for line in group:
+            parts = broken(line, COLUMNS - 9, _text_measure, size)
+            rows = [f"   {_text_line(p, letters, size)}" for p in parts]
+            lines += [w for row in rows for w in _wrapped(row, "         ")]
     return [*lines, ""]
 
 
 def _text_table(letters: str) -> dict[type, Callable[[Any], list[str]]]:
     return {
         Heading: lambda b: [b.words] if b.level == 1 else ["", b.words],
-        Paragraph: lambda b: [b.words],
+        Paragraph: lambda b: _text_paragraph(b, letters),
         Bullets: lambda b: _text_bullets(b, letters),
         Display: lambda b: _text_display(b, letters),
         Steps: lambda b: _text_steps(b, letters),
         Table: lambda b: text(b, letters),
+        Drawing: lambda b: ["", *_wrapped(f"[Figure: {_text_words(b.words, letters)}]", " "), ""],
     }
 
 
@@ -193,11 +263,32 @@ _SMALLER = ((115, r"\tiny"), (98, r"\scriptsize"), (82, r"\footnotesize"))
 """Sizes for what cannot be broken and is wider than so many letters."""
 
 
+LATEX_LINE = 180
+"""Letters of LaTeX on a line of a formula, but for what cannot be broken."""
+
+
+def _latex_measure(box: Box) -> int:
+    """Return the length of a box in letters of LaTeX, of a matrix as it is seen; more if it is wide."""
+    latex = render(box, "latex")
+    return max(width(box) * LATEX_LINE // WIDTH, 0 if "matrix}" in latex else len(latex))
+
+
+def latex_lines(line: Line) -> list[Line]:
+    """Return a line as the lines that it takes on paper."""
+    return broken(line, LATEX_LINE, _latex_measure)
+
+
+def _latex_relation(part: Line) -> str:
+    """Return the relation of a line; what continues one stands to its right."""
+    begins = part.left is not None
+    return render(part.relation, "latex") or ("" if begins else r"\quad{}")
+
+
 def _latex_line(line: Line) -> str:
     rows = []
-    for part in broken(line):
+    for part in latex_lines(line):
         left = render(part.left, "latex") if part.left else ""
-        relation = render(part.relation, "latex") or r"\quad{}"
+        relation = _latex_relation(part)
         rows.append(f"{left} &{relation} {_latex_fitted(part)}")
     return " \\\\\n".join(rows)
 
@@ -232,17 +323,18 @@ def _latex_display(block: Display) -> list[str]:
 
 
 def _latex_note(note: Note) -> str:
-    remarks = f" {{\\small [{escape_latex(note.remarks)}]}}" if note.remarks else ""
-    assumed = f"\\emph{{{escape_latex(note.assumed)}}}\\endgraf\\noindent\n" if note.assumed else ""
+    assumed, remarks = map(_latex_words, (note.assumed, note.remarks))
+    remarks = f" {{\\small [{remarks}]}}" if remarks else ""
+    assumed = f"\\emph{{{assumed}}}\\endgraf\\noindent\n" if assumed else ""
     return f"\\noindent {assumed}\\textbf{{{note.number}.}} {_latex_words(note.reason)}{remarks}"
 
 
-def _latex_words(words: str) -> str:
-    return sentence(words, _in_dollars, lambda w: escape_latex(w).replace("\u00d7", r"$\times$"))
+def _latex_words(words: Prose) -> str:
+    return sentence(words, _in_dollars, escape_latex)
 
 
-def _in_dollars(box: Box, marks: str, power: str) -> str:
-    return f"${render(box, 'latex')}{marks}{f'^{{{power}}}' * bool(power)}$"
+def _in_dollars(box: Box) -> str:
+    return f"${render(box, 'latex')}$"
 
 
 def _latex_noted(block: Steps) -> Iterator[tuple[str, Line]]:
@@ -253,14 +345,14 @@ def _latex_noted(block: Steps) -> Iterator[tuple[str, Line]]:
 
 def _latex_bullets(block: Bullets) -> list[str]:
     items = [f"\\item {_named(name, words, _latex_name)}" for name, words in block.items]
-    return ["\\begin{itemize}", *items, "\\end{itemize}"]
+    return ["\\begin{itemize}\\itemsep0pt\\parskip0pt", *items, "\\end{itemize}"]
 
 
 def _latex_name(value: Box | str) -> str:
     return escape_latex(value) if isinstance(value, str) else f"${render(value, 'latex')}$"
 
 
-def _named(name: Box | str | None, words: str, show: Callable[[Box | str], str]) -> str:
+def _named(name: Box | str | None, words: Prose, show: Callable[[Box | str], str]) -> str:
     """Return a name and what it means, as an item of a list."""
     escaped = _latex_words(words) if show is _latex_name else sentence(words, _in_dollars)
     if name is None:
@@ -272,11 +364,17 @@ _SECTIONS = {1: "section*", 2: "subsection*", 3: "subsubsection*", 4: "paragraph
 
 _LATEX: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: [f"\\{_SECTIONS[b.level]}{{{escape_latex(b.words)}}}"],
-    Paragraph: lambda b: [f"\\noindent {escape_latex(b.words)}", ""],
+    Paragraph: lambda b: [f"\\noindent {_latex_words(b.words)}", ""],
     Bullets: _latex_bullets,
     Display: _latex_display,
     Steps: lambda b: _latex_aligned(_latex_noted(b)),
     Table: latex,
+    Drawing: lambda b: [
+        "\\begin{center}",
+        f"{b.latex}\\\\[1ex]",
+        f"{{\\small {_latex_words(b.words)}}}",
+        "\\end{center}",
+    ],
 }
 
 LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
@@ -288,6 +386,22 @@ LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
 %s
 \end{document}
 """
+
+HANDOUT = r"""\documentclass[10pt,fleqn]{article}
+\usepackage{amsmath,amssymb}
+\usepackage[a4paper,margin=15mm]{geometry}
+\pagestyle{empty}
+\setlength{\parindent}{0pt}
+\setlength{\mathindent}{8mm}
+\allowdisplaybreaks
+\AtBeginDocument{\small
+  \abovedisplayskip=2pt plus 2pt \belowdisplayskip=3pt plus 2pt
+  \abovedisplayshortskip=1pt plus 2pt \belowdisplayshortskip=3pt plus 2pt}
+\begin{document}
+%s
+\end{document}
+"""
+"""A page that is to hold much."""
 
 # -- Markdown --------------------------------------------------------------------------------
 
@@ -313,12 +427,12 @@ def display_latex(lines: Iterable[tuple[Line, str]]) -> str:
 
 def _markdown_sides(line: Line) -> tuple[str, str]:
     left = render(line.left, "latex") if line.left else ""
-    relation = render(line.relation, "latex") or r"\quad{}"
+    relation = _latex_relation(line)
     return left, f"{relation} {render(Row(line.right), 'latex')}"
 
 
 def _numbered(line: Line, number: str) -> list[tuple[Line, str]]:
-    parts = broken(line)
+    parts = latex_lines(line)
     return [(p, number if p is parts[-1] else "") for p in parts]
 
 
@@ -333,8 +447,9 @@ def _markdown_display(block: Display) -> list[str]:
 def _markdown_steps(block: Steps) -> list[str]:
     found = []
     for note in block.notes:
-        found += [f"*{note.assumed}*", ""] if note.assumed else []
-        remarks = f" — <small>{note.remarks}</small>" if note.remarks else ""
+        assumed, remarks = (sentence(w, _in_dollars) for w in (note.assumed, note.remarks))
+        found += [f"*{assumed}*", ""] if assumed else []
+        remarks = f" — <small>{remarks}</small>" if remarks else ""
         found += [f"**{note.number}.** {sentence(note.reason, _in_dollars)}{remarks}", ""]
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):
@@ -343,13 +458,22 @@ def _markdown_steps(block: Steps) -> list[str]:
     return [*found, _markdown_formula(lines), ""]
 
 
+def _markdown_drawing(block: Drawing) -> list[str]:
+    """Return a picture that stands in the page itself."""
+    held = base64.b64encode(block.svg.encode()).decode("ascii")
+    words = sentence(block.words, lambda b: render(b, "text").strip())
+    shown = f"![{words}](data:image/svg+xml;base64,{held})"
+    return ["", shown, "", f"*{sentence(block.words, _in_dollars)}*", ""]
+
+
 _MARKDOWN: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: ["", f"{'#' * b.level} {b.words}", ""],
-    Paragraph: lambda b: [b.words, ""],
+    Paragraph: lambda b: [sentence(b.words, _in_dollars), ""],
     Bullets: lambda b: [*(f"- {_named(n, w, _markdown_name)}" for n, w in b.items), ""],
     Display: _markdown_display,
     Steps: _markdown_steps,
     Table: markdown,
+    Drawing: _markdown_drawing,
 }
 
 # -- HTML ------------------------------------------------------------------------------------
@@ -394,19 +518,20 @@ def _html_display(block: Display) -> list[str]:
     return found
 
 
-def _html_words(words: str) -> str:
-    def setting(box: Box, marks: str, power: str) -> str:
-        return f"{_math(box)}{html.escape(marks)}{f'<sup>{power}</sup>' * bool(power)}"
+def _html_words(words: Prose) -> str:
+    return sentence(words, _inline, html.escape)
 
-    return sentence(words, setting, html.escape)
+
+def _inline(box: Box) -> str:
+    return f"<math>{render(box, 'mathml')}</math>"
 
 
 def _html_steps(block: Steps) -> list[str]:
     found = ['<div class="chain">']
     for note, group in zip(block.notes, block.lines, strict=True):
-        found += [f'<p class="assumed">{html.escape(note.assumed)}</p>'] if note.assumed else []
-        remarks = f" <small>{html.escape(note.remarks)}</small>" if note.remarks else ""
-        reason = _html_words(note.reason)
+        assumed, remarks, reason = map(_html_words, (note.assumed, note.remarks, note.reason))
+        found += [f'<p class="assumed">{assumed}</p>'] if assumed else []
+        remarks = f" <small>{remarks}</small>" if remarks else ""
         found.append(f'<p class="why"><b>{note.number}.</b> {reason}{remarks}</p>')
         found += [_html_line(line, block.indent) for line in group]
     return [*found, "</div>"]
@@ -414,11 +539,12 @@ def _html_steps(block: Steps) -> list[str]:
 
 _HTML: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: [f"<h{b.level}>{html.escape(b.words)}</h{b.level}>"],
-    Paragraph: lambda b: [f"<p>{html.escape(b.words)}</p>"],
+    Paragraph: lambda b: [f"<p>{_html_words(b.words)}</p>"],
     Bullets: _html_bullets,
     Display: _html_display,
     Steps: _html_steps,
     Table: html_table,
+    Drawing: lambda b: [f"<figure>{b.svg}<figcaption>{_html_words(b.words)}</figcaption></figure>"],
 }
 
 HTML_DOCUMENT = """<!DOCTYPE html>
@@ -441,7 +567,8 @@ th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }
 .assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}
 .formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; overflow-y: hidden; padding: .3rem 0; }}
 math {{ font-size: 1.1rem; }}
-small {{ color: var(--soft); }}
+small, figcaption {{ color: var(--soft); }}
+figure {{ margin: 1rem 0; }}
 </style>
 </head>
 <body>

@@ -1,30 +1,133 @@
 """Sentences with mathematics in them: letters that words spell out are set as letters.
 
-``omega_1``, ``theta'``, ``I_t``, ``b1`` and ``lambda^2`` stand for letters; a lone letter may be a word.
+``omega_1``, ``theta'``, ``I_t``, ``b1``, ``lambda^2``, ``dh/dt`` stand for letters; a lone letter is one
+where it is known to be. Between letters ``x`` is a cross product, a full stop a dot, a hyphen a minus.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
 
-from eom.typeset.boxes import GREEK, Box, symbol
-
-_GREEK = "|".join(sorted((*GREEK, *(g.capitalize() for g in GREEK)), key=len, reverse=True))
-_LETTERS = re.compile(
-    rf"(?<![\w\\])((?:{_GREEK})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[bI][123]|[A-Za-z](?=\^\d))('*)(?:\^(\d))?(?![\w(])"
+from eom.typeset.boxes import (
+    GREEK,
+    GREEK_NAMES,
+    Box,
+    Form,
+    Operator,
+    Row,
+    Scripts,
+    Sign,
+    Symbol,
+    raised,
+    symbol,
 )
-_CROSS = re.compile(rf"((?<![\w\\])(?:{_GREEK})'*) x (?=[\w(])")
 
-Setting = Callable[[Box, str, str], str]
-"""Writes a letter, its primes and its power."""
+Prose = str | tuple["str | Box", ...]
+"""Words, or words and formulas in turn."""
+
+_SPELT = "|".join(sorted(GREEK_NAMES, key=len, reverse=True))
+_TOKEN = re.compile(
+    r"(?<![\w\\])"
+    rf"(?:d(?P<above>[A-Za-z]|{_SPELT})/d(?P<below>[A-Za-z]|{_SPELT})(?![\w(])"
+    r"|(?P<mass>dm)(?!\w)"
+    rf"|(?P<name>(?:{_SPELT})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[A-Za-z]\d?)"
+    r"(?P<marks>'*)(?:\^(?P<power>\d|T\b))?(?![\w(]))"
+)
+_AXES = re.compile(r"[bI][123]")
+_BETWEEN = re.compile(r"[\s().,=+\-/0-9<>|]*")
+_PRIME = Sign("'", "'", "mo")
+
+Setting = Callable[[Box], str]
+"""Writes a formula within words."""
 
 
-def sentence(words: str, setting: Setting, plain: Callable[[str], str] = str) -> str:
+def sentence(
+    words: Prose,
+    setting: Setting,
+    plain: Callable[[str], str] = str,
+    known: Mapping[str, Box] | None = None,
+) -> str:
     """Return ``words`` with letters written by ``setting``, and all else by ``plain``."""
-    crossed = _CROSS.sub(lambda m: f"{m[1]} \u00d7 ", words)
-    found, end = [], 0
-    for m in _LETTERS.finditer(crossed):
-        found += [plain(crossed[end : m.start()]), setting(symbol(m[1]), m[2], m[3] or "")]
-        end = m.end()
-    return "".join([*found, plain(crossed[end:])])
+    parts = phrases(words, known or {}) if isinstance(words, str) else words
+    return "".join(plain(p) if isinstance(p, str) else setting(p) for p in parts)
+
+
+def phrases(words: str, known: Mapping[str, Box]) -> tuple[str | Box, ...]:
+    """Return words and formulas in turn; ``known``: the boxes of names, also of lone letters."""
+    found: list[tuple[int, int, Box]] = []
+    for m in _TOKEN.finditer(words):
+        box = None if _is_cross(words, m, found) else _box(words, m, known)
+        if box is not None:
+            found.append((m.start(), m.end(), box))
+    return _joined(words, found)
+
+
+def _is_cross(words: str, m: re.Match[str], found: list[tuple[int, int, Box]]) -> bool:
+    """Return whether a token is the sign of a cross product: x after a letter or a bracket."""
+    if m[0] != "x" or words[m.start() - 1 : m.start()] != " " or words[m.end() :][:1] != " ":
+        return False
+    before = words[: m.start() - 1]
+    return before.endswith(")") or (bool(found) and found[-1][1] == len(before))
+
+
+def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
+    if m["above"]:
+        parts = (symbol(m["above"]), Operator("slash"), Operator("d"), symbol(m["below"]))
+        of = known.get(m["above"], parts[0])
+        return Row((Operator("d"), of, *parts[1:]))
+    if m["mass"]:
+        return Row((Operator("d"), symbol("m")))
+    name, marks, power = m["name"], m["marks"], m["power"]
+    if _is_word(words, m, known):
+        return None
+    lettered = "_" in name or name in GREEK_NAMES or _AXES.fullmatch(name) or power or marks
+    lettered = lettered or (bool(known) and _is_capital(words, m))
+    if name not in known and not lettered and name.partition("_")[0] not in GREEK:
+        return None
+    box = known.get(name, symbol(name))
+    if marks:
+        held = Form("braces", (box,)) if isinstance(box, Scripts) and box.sup is not None else box
+        box = Row((held, *[_PRIME] * len(marks)))
+    return raised(box, Symbol(power, "roman" if power == "T" else "italic")) if power else box
+
+
+def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
+    """Return whether a lone letter is an article, or stands behind an apostrophe."""
+    if words[m.start() - 1 : m.start()] == "'" and m.start():
+        return True
+    if m["name"] == "a":
+        around = words[max(0, m.start() - 3) : m.start()], words[m.end() : m.end() + 3]
+        near = around[0].rstrip().endswith(("=", "(", " x")) or around[1] == " x "
+        return "a" not in known or not (near or around[1][:1] in {".", ","})
+    return m["name"] == "A" and words[: m.start()].endswith(". ")
+
+
+def _is_capital(words: str, m: re.Match[str]) -> bool:
+    """Return whether a lone capital is a letter: no word, and no unit in brackets."""
+    before = words[: m.start()]
+    inside = before.rfind("[") > before.rfind("]")
+    return m["name"] in set("BCDEFGHJKLMNOPQRSTUVWXYZ") and not inside
+
+
+def _joined(words: str, found: Iterable[tuple[int, int, Box]]) -> tuple[str | Box, ...]:
+    """Return words and formulas in turn; signs between letters are set as such."""
+    marks = [(0, 0, None), *found, (len(words), len(words), None)]
+    parts: list[str | Box] = []
+    for (_, end, before), (start, _, after) in pairwise(marks):
+        parts += [_signs(words[end:start], before is not None, after is not None)]
+        parts += [after] if after is not None else []
+    return tuple(p for p in parts if p != "")
+
+
+def _signs(gap: str, before: bool, after: bool) -> str:
+    if before and after and _BETWEEN.fullmatch(gap.replace(" x ", " ")):
+        gap = re.sub(r"(?<! )\.(?! )", " \u00b7 ", gap).replace(" x ", " \u00d7 ")
+        return gap.replace("-", "\u2212")
+    if after:
+        gap = re.sub(r"(?<![\w)])-(?=\(?$)|(?<= )-(?= $)", "\u2212", gap)
+        gap = re.sub(r"(?<=\)) x (?=\(?$)", " \u00d7 ", gap)
+    if before:
+        gap = re.sub(r"^ x (?=\()", " \u00d7 ", gap)
+    return gap

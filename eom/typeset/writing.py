@@ -9,13 +9,14 @@ spans products and ends at the next plus; an integral ends at its own dm.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from decimal import Decimal, Inexact, localcontext
 from typing import Any
 
 import sympy as sp
 
 from eom.terms.terms import DYADIC, INERTIAL, SCALAR, VECTOR, Equation, Term, nodes
+from eom.typeset import expressions
 from eom.typeset.boxes import (
     Box,
     Fence,
@@ -26,11 +27,13 @@ from eom.typeset.boxes import (
     Row,
     Scripts,
     Symbol,
+    raised,
     row,
     symbol,
 )
+from eom.typeset.expressions import with_signs
 from eom.typeset.letters import Notation, Written, letter_box, quantity_box
-from eom.typeset.markup import render, width
+from eom.typeset.markup import render
 
 ADD, OPEN, PRODUCT, SCALED, JUXTAPOSED, ATOM = range(6)
 """How firmly a box holds together. OPEN: a sum, integral or d/dt reaches to the right."""
@@ -99,15 +102,12 @@ def pieces(writer: Writer, term: Term) -> tuple[Box, ...]:
     if term.head == "expr":
         return expression_pieces(term.data[0])
     signed = [s for a in (term.args if term.head == "add" else (term,)) for s in _signed(writer, a)]
-    return _with_signs(signed)
+    return with_signs(signed)
 
 
 def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tuple[Box, ...]:
-    """Return the terms of a SymPy sum with their signs; a long product opens its longest sum."""
-    parts = _with_signs(_signed_expression(value, names or {}))
-    if len(parts) > 1 or width(parts[0]) <= LONG:
-        return parts
-    return _opened(value, names or {}) or parts
+    """Return the terms of a SymPy sum with their signs."""
+    return with_signs(_signed_expression(value, names or {}))
 
 
 class Names(dict[Any, Any]):
@@ -158,34 +158,6 @@ def _in_decimals(number: Any) -> Any:
     return number if max(abs(number.p), number.q) < _SHORT else sp.Float(number, 15)
 
 
-LONG = 90
-"""Letters from which on a product with a sum is broken within the sum."""
-
-
-def _opened(value: Any, names: Mapping[Any, str]) -> tuple[Box, ...]:
-    """Return c (a + b + ...) in pieces, or none for what is no such product."""
-    numerator, denominator = sp.fraction(value)
-    factors = sp.Mul.make_args(numerator)
-    sums = [f for f in factors if isinstance(f, sp.Add)]
-    if not sums:
-        return ()
-    longest = max(sums, key=lambda f: len(f.args))
-    rest = sp.Mul(*(f for f in factors if f is not longest)) / denominator
-    first, *others = _with_signs(_signed_expression(longest, names))
-    before = expression_pieces(rest, names) if rest != 1 else ()
-    *inner, last = [*others] or [Row(())]
-    return (Row((*before, Operator("open"), first)), *inner, Row((last, Operator("close"))))
-
-
-def _with_signs(signed: list[tuple[bool, Box]]) -> tuple[Box, ...]:
-    if len(signed) == 1 and not signed[0][0]:
-        return (signed[0][1],)
-    first = (Operator("negative"),) if signed[0][0] else ()
-    found: list[Box] = [row(*first, signed[0][1])]
-    found += [Row((Operator("minus" if minus else "plus"), box)) for minus, box in signed[1:]]
-    return tuple(found)
-
-
 def _signed(writer: Writer, term: Term) -> list[tuple[bool, Box]]:
     """Return the terms within ``term``, each with whether it is subtracted."""
     if term.head == "expr":
@@ -200,12 +172,7 @@ def _is_negative(term: Term) -> bool:
 
 
 def _signed_expression(value: Any, names: Mapping[Any, str]) -> list[tuple[bool, Box]]:
-    terms = value.as_ordered_terms() if isinstance(value, sp.Add) else [value]
-    found = []
-    for t in terms:
-        minus = bool(isinstance(t, sp.Expr) and t.as_coeff_Mul()[0].is_negative)
-        found.append((minus, _plain(-t if minus else t, names)))
-    return found
+    return [(minus, _plain(rest, names)) for minus, rest in expressions.signed(value)]
 
 
 def _plain(value: Any, names: Mapping[Any, str] | None = None) -> Box:
@@ -223,7 +190,7 @@ def _expression(_: Writer, term: Term) -> Written:
     value = term.data[0]
     signed = _signed_expression(value, {})
     if len(signed) > 1 or signed[0][0]:
-        return row(*_with_signs(signed)), ADD
+        return row(*with_signs(signed)), ADD
     if isinstance(value, sp.Integral):
         return signed[0][1], OPEN
     return signed[0][1], ATOM if value.is_Symbol or value.is_Rational else SCALED
@@ -291,15 +258,6 @@ def _juxtapose(boxes: list[Box]) -> Box:
         scripted = isinstance(b, Scripts) and b.left is not None
         parts += [Operator("thin" if scripted else "times"), b]
     return row(*parts[1:])
-
-
-def raised(box: Box, sup: Box) -> Box:
-    """Return a box with a superscript; a box that already has one is bracketed."""
-    if isinstance(box, Scripts) and box.sup is None and box.left is None:
-        return replace(box, sup=sup)
-    if isinstance(box, Scripts):
-        return Scripts(Fence(box), sup=sup)
-    return Scripts(box, sup=sup)
 
 
 def _binary(operator: str) -> Callable[[Writer, Term], Written]:

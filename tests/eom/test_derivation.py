@@ -5,7 +5,8 @@ import sympy as sp
 
 from eom.derivations import derive, titles
 from eom.derivations.derivation import Derivation
-from eom.derivations.derived import Derived, meaning_of
+from eom.derivations.derived import Derived
+from eom.derivations.showing import meaning_of
 from eom.derivations.verification import DerivationError, decide, is_plain, not_negative, verify
 from eom.errors import InputError
 from eom.terms import rules

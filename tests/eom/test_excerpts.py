@@ -42,7 +42,7 @@ def test_steps_keep_their_numbers_reasons_and_assumptions(euler):
     for line in shown.splitlines():
         assert line in whole or line.startswith("*Assumed from here on")
     assert "**4.** Momentum of a rigid body" in shown
-    assert "the frame B is fixed in the body" in shown  # said, though step 1 said so before
+    assert "the frame $B$ is fixed in the body" in shown  # said, though step 1 said so before
     assert "**3.**" not in shown
     assert "**8.**" not in shown
 

@@ -45,16 +45,19 @@ from eom.terms.terms import (
     zero,
 )
 from eom.terms.vocabulary import QUANTITIES, definition, mass, omega, position, quantity, unit
+from eom.typeset.blocks import Line
 from eom.typeset.letters import ROLES
 from eom.typeset.notation import (
     ALIASES,
     LETTERS,
     NOTATIONS,
     PLAIN,
+    equation_parts,
     notation_named,
     write,
     write_equation,
 )
+from eom.typeset.pages import display_latex
 from eom.typeset.writing import RULES
 
 W = omega()
@@ -258,9 +261,11 @@ def test_symbols_of_sympy_join_a_sum():
 def test_a_long_product_breaks_within_its_sum():
     squares = sp.Add(*(x**2 for x in sp.symbols("x_1:30")))
     statement = Equation(S, expr(squares / sp.Symbol("m")))
-    written = write_equation(statement, NOTATIONS["arrow"])
-    assert written.startswith(r"s = \frac{1}{m}\bigl( x_{1}^{2} + ")
-    assert written.endswith(r"x_{9}^{2} \bigr)")
+    left, relation, right = equation_parts(statement, NOTATIONS["arrow"])
+    written = display_latex([(Line(left[0], relation, right), "")])
+    assert written.startswith("\\begin{aligned}\ns &= \\frac{1}{m} \\bigl( x_{1}^{2}")
+    assert written.endswith("x_{9}^{2} \\bigr)\n\\end{aligned}")
+    assert max(map(len, written.splitlines())) < 200
 
 
 def test_derivatives_distinguish_columns_from_vectors():

@@ -8,7 +8,8 @@ import pytest
 import sympy as sp
 
 import eom
-from eom.derivations.derived import FORMATS, show_derivation
+from eom.derivations.forms import show_derivation
+from eom.derivations.showing import FORMATS
 from eom.derivations.verification import DerivationError, plain
 from eom.terms.terms import Equation, add, cross, der, dot, expr, mul, partial
 from eom.terms.vocabulary import omega, position, quantity, unit, velocity

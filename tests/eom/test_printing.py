@@ -60,7 +60,7 @@ def test_a_mass_matrix_is_printed():
     )
     assert "mass matrix = [[2, 1], [1, 2]]" in show(system)
     assert "times the rates of x, y = right sides" in show(system)
-    assert r"\begin{matrix}2 & 1" in show(system, "latex")
+    assert r"\begin{bmatrix} 2 & 1" in show(system, "latex")
 
 
 def test_own_latex_is_used_unless_it_is_a_bare_word():

@@ -539,6 +539,11 @@ def _blocks(e: Elaborator, given: list[list[Value]], span: Span) -> Value:
 
 
 def _square(e: Elaborator, cells: list[list[Value]], span: Span) -> Value:
+    """Return a square of scalars; rows and columns of coefficients may have dimensions of their own."""
+    grid = [[None if v.is_zero else v.dimension for v in row] for row in cells]
+    known = {d for row in grid for d in row if d is not None}
+    if len(known) > 1 and dimensions.by_rows_and_columns(grid):
+        cells = [[replace(v, dimension=None) for v in row] for row in cells]
     common = _common(e, [v for row in cells for v in row])
     if common.shape != SCALAR:
         raise refuse(UNDECIDED, "a table without a meaning", span)

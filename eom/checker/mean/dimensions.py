@@ -5,13 +5,14 @@ Angles have none. What has no known dimension is ``None``, which agrees with eve
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 from eom.units import NONE, Dimension, dimension
 
 __all__ = (
     "LENGTH", "MASS", "NONE", "QUANTITY_DIMENSIONS", "RATE", "TIME", "UNITS",
-    "Dimension", "dimension", "of_quantity", "power", "product",
+    "Dimension", "by_rows_and_columns", "dimension", "of_quantity", "power", "product",
 )  # fmt: skip
 
 MASS, LENGTH, TIME = dimension("kg"), dimension("m"), dimension("s")
@@ -62,3 +63,24 @@ def of_quantity(name: str) -> Dimension | None:
     """Return the dimension of a quantity of the vocabulary, or None where it may have any."""
     unit = QUANTITY_DIMENSIONS.get(name)
     return None if unit is None else dimension(unit)
+
+
+def by_rows_and_columns(grid: Sequence[Sequence[Dimension | None]]) -> bool:
+    """Return whether each entry can be a product of one dimension of its row and one of its column.
+
+    So are the coefficients of linear equations, and those in a determinant. None: any dimension.
+    """
+    sizes: dict[tuple[str, int], Dimension] = {}
+    cells = [(i, j, d) for i, row in enumerate(grid) for j, d in enumerate(row) if d is not None]
+    while cells:
+        place = next(
+            (c for c in cells if ("row", c[0]) in sizes or ("column", c[1]) in sizes), None
+        )
+        i, j, d = place or cells[0]
+        cells.remove((i, j, d))
+        row, column = sizes.get(("row", i)), sizes.get(("column", j))
+        if row is not None and column is not None and row.times(column) != d:
+            return False
+        row = row or (NONE if column is None else d.times(column.power(-1)))
+        sizes["row", i], sizes["column", j] = row, d.times(row.power(-1))
+    return True

@@ -25,7 +25,8 @@ from eom.checker.note.derived import front_matter
 from eom.checker.read.documents import Document, Piece, note_of
 from eom.checker.report.findings import GIVEN, Settings
 from eom.derivations.derivation import Derivation
-from eom.derivations.derived import Derived, show_derivation
+from eom.derivations.derived import Derived
+from eom.derivations.forms import show_derivation
 from eom.derivations.reached import is_tautology
 from eom.errors import InputError, typed
 from eom.terms.rules import entrywise

@@ -11,7 +11,8 @@ Rows of alignments, before parsing: what continues a row is joined to it.
 
 In an alignment ``&`` says where things stand and not what they are, and is left out. A row continues
 the one above if a bracket is open, if it begins with ``+`` or a product sign, if it begins with
-``-`` and holds no relation, or if ``\right.`` and ``\left.`` stand on both sides of the break.
+``-``, or is indented by ``\quad``, and holds no relation, or if ``\right.`` and ``\left.`` stand on both
+sides of the break.
 
 Relations and arrows at the cursor, single or made of several characters, with what is above.
 
@@ -583,7 +584,9 @@ class _Joiner:
         after = self.next_of_row(k)
         token = self.tokens[after]
         split = self.null_pair(k, after)
-        if split or self.levels[-1][1] > 0 or self.continues(after, token):
+        indented = any(self.tokens[j].kind == "quad" for j in range(k + 1, after))
+        joined = self.continues(after, token) or (indented and self.is_formula(after))
+        if split or self.levels[-1][1] > 0 or joined:
             self.dropped.update(range(k, after))
             self.dropped.update(split)
         else:
@@ -596,10 +599,14 @@ class _Joiner:
             token, after = self.tokens[k], self.tokens[min(k + 1, len(self.tokens) - 1)]
             if token.is_char("&") or token.kind in {"quad", "row"}:
                 k += 1
-            elif token.is_char("{") and after.is_char("}"):
+            elif token.is_char("{") and after.is_char("}") and not self.is_raised(k + 2):
                 k += 2
             else:
                 return k
+
+    def is_raised(self, k: int) -> bool:
+        """Whether a script stands there: empty braces before it are what it belongs to."""
+        return k < len(self.tokens) and (self.tokens[k].is_char("^") or self.tokens[k].is_char("_"))
 
     def null_pair(self, k: int, after: int) -> set[int]:
         r"""Return the places of ``\right.`` and ``\left.`` around a break, also behind an operator."""
@@ -622,6 +629,11 @@ class _Joiner:
         if token.is_char("-"):
             return not self.has_relation(after)
         return token.is_char("+") or token.is_char("*") or token.is_char("/")
+
+    def is_formula(self, k: int) -> bool:
+        """Whether the row begins with a formula, and holds no relation."""
+        first = self.tokens[k].kind
+        return first not in {"words", "row", "end", "stop"} and not self.has_relation(k)
 
     def has_relation(self, k: int) -> bool:
         """Whether the row holds a relation outside of braces."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derived import FORMATS
+from eom.derivations.showing import FORMATS
 from eom.errors import InputError, typed, unknown_name
 from eom.expressions import as_expression
 from eom.multibody.analysis.conserved import check_degrees, conserved_quantities
@@ -47,7 +47,7 @@ def analysis_page(
 ) -> str:
     """Return what analysis finds of a tree or Lagrangian, the ``source``, as a page.
 
-    ``style``: a format of `eom.derivations.derived.FORMATS`. ``names``: as of `closed_form`. ``values``:
+    ``style``: a format of `eom.derivations.showing.FORMATS`. ``names``: as of `closed_form`. ``values``:
     of a steady motion, as of `steady_motion`; ``solve``: symbols that its conditions are solved for.
     ``order``: of the equations for small changes (0: left out); ``rates``, ``harmonics``: of the ansatz
     for conserved quantities, as of `conserved_quantities`. ``positive``: names of parameters that are

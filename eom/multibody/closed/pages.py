@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivations.derived import FORMATS
+from eom.derivations.showing import FORMATS
 from eom.errors import typed, unknown_name
 from eom.multibody.closed.forms import (
     EQUATIONS,
@@ -58,7 +58,7 @@ Expr = Any
 @shown.register(ClosedForm)
 @shown.register(Comparison)
 def show(given: ClosedForm | Comparison, style: str = "text") -> str:
-    """Return a page in a format of `eom.derivations.derived.FORMATS`. Raises `InputError` for others."""
+    """Return a page in a format of `eom.derivations.showing.FORMATS`. Raises `InputError` for others."""
     if style == EQUATIONS and isinstance(given, ClosedForm):
         return equations_latex(given)
     if style not in FORMATS:
@@ -79,7 +79,7 @@ def tree_page(
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
-    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.derived.FORMATS`:
+    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.showing.FORMATS`:
     text, latex, markdown or html. ``coordinates``, ``names``, ``independent``, ``rates``: as of
     `closed_form`, as are units, frames, signs and sources. Raises `InputError` for unknown methods and
     formats, else as `compare`.

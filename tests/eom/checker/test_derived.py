@@ -8,7 +8,7 @@ from eom.__main__ import main
 from eom.checker.mean.lexicon_files import lexicon_for
 from eom.checker.note.derived import PRESETS, front_matter
 from eom.derivations import derive
-from eom.derivations.derived import show_derivation
+from eom.derivations.forms import show_derivation
 from eom.typeset.notation import NOTATIONS
 from tests.eom.rows import only
 

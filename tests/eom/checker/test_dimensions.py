@@ -2,6 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import NONE, QUANTITY_DIMENSIONS, Dimension, dimension, of_quantity
 from eom.errors import InputError
 from eom.terms.vocabulary import QUANTITIES
@@ -42,3 +43,22 @@ def test_powers_of_a_half():
 
     half = dimension("m^2/s^2").power(Fraction(1, 2))
     assert half == Dimension(*dimension("m/s"))
+
+
+KG, S, N1 = (dimensions.dimension(u) for u in ("kg", "s", "1"))
+
+
+@pytest.mark.parametrize(
+    ("grid", "fits"),
+    [
+        ([[KG, S], [KG, S]], True),
+        ([[KG, KG.times(S)], [N1, S]], True),
+        ([[KG, KG], [KG, S]], False),
+        ([[None, KG], [S, None]], True),
+        ([[KG, None, S], [None, KG, S], [KG, KG, None]], True),
+        ([[KG, S, None], [None, KG, S], [KG, None, KG]], False),
+        ([[KG, S], [S, KG]], False),
+    ],
+)
+def test_coefficients_have_dimensions_by_rows_and_columns(grid, fits):
+    assert dimensions.by_rows_and_columns(grid) is fits

@@ -5,7 +5,7 @@ import pytest
 from eom.checker.mean.solid_models import SPELLINGS
 from eom.derivations import derive, names
 from eom.derivations.derivation import Derivation
-from eom.derivations.derived import Derived, Step
+from eom.derivations.derived import Derived
 from eom.derivations.reached import (
     KINDS,
     RESULT,
@@ -16,6 +16,7 @@ from eom.derivations.reached import (
     smallest,
 )
 from eom.derivations.solids import LETTERS
+from eom.derivations.steps import Step
 from eom.derivations.verification import (
     IDENTITY,
     DerivationError,

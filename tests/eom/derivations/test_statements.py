@@ -7,9 +7,10 @@ import pytest
 
 from eom.derivations import derive
 from eom.derivations.corrections import CLAIMS, NOTES
-from eom.derivations.derived import show_derivation
+from eom.derivations.forms import show_derivation
 from eom.derivations.lectures import DISPLAYS, NO_EQUATION, equation_map
 from eom.terms.terms import Term, add, mul, number
+from eom.typeset.boxes import GREEK_NAMES
 from tests.eom.derivations.statements import is_stated, links, same, sides_of
 
 LECTURES = list(DISPLAYS)
@@ -92,5 +93,6 @@ def test_reasons_of_corrections_are_printed(what):
 
 def _in(note, page):
     """Whether the words of a note stand on a page; letters are set as mathematics there."""
-    words = [w for w in note.replace(",", " ").split() if w.isalpha() and len(w) > 3]
+    spoken = (w for w in note.replace(",", " ").split() if w not in GREEK_NAMES)
+    words = [w for w in spoken if w.isalpha() and len(w) > 3]
     return sum(w in page for w in words) > 0.9 * len(words) and " ".join(words[-2:-1]) in page

@@ -1,0 +1,143 @@
+"""The letters of a derivation in a notation: of frames, points, quantities and symbols, and in its words.
+
+Reasons are written in plain letters: h the angular momentum, J the inertia. A page has those of its
+notation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from eom.terms.terms import Term, nodes
+from eom.terms.vocabulary import QUANTITIES, unit
+from eom.typeset.boxes import GREEK_NAMES, Box, symbol
+from eom.typeset.letters import ROLES, Notation, letter_box
+from eom.typeset.notation import term_box
+
+FRAME_LABELS: dict[str, tuple[int, ...]] = {
+    "angular_velocity": (1, 2),
+    "rotation": (1, 2),
+    "unit": (1,),
+}
+"""Where the labels of a quantity are frames."""
+POINT_LABELS: dict[str, tuple[int, ...]] = {"position": (1, 2)}
+"""Where they are points, besides those by `eom.typeset.letters.ROLES`."""
+PLAIN_LETTERS = {
+    "J": "inertia",
+    "h": "angular_momentum",
+    "p": "linear_momentum",
+    "c": "first_moment",
+}
+"""The letters of reasons."""
+_INDICES = frozenset("ijk")
+_POINTS = frozenset({"O", "C", "P", "OI", "OA", "OB"})
+
+
+@dataclass(frozen=True)
+class Named:
+    """What a page calls by a ``box``: the ``thing``, its kind and name."""
+
+    box: Box
+    thing: tuple[str, ...]
+
+
+def terms_of(derivation: Any) -> list[Term]:
+    """Return every term within the steps and the meanings of the symbols of a derivation."""
+    sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
+    return [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
+
+
+def frames_of(found: list[Term]) -> list[str]:
+    """Return the labels of frames, in the order of their first use."""
+    labels = [f for n in found if n.head in {"der", "column"} for f in n.data if f]
+    for n in found:
+        if n.head == "atom":
+            labels += [n.data[k] for k in FRAME_LABELS.get(n.data[0], ())]
+    return list(dict.fromkeys(labels))
+
+
+def points_of(found: list[Term]) -> list[str]:
+    """Return the labels of points, in the order of their first use."""
+    labels: list[str] = []
+    for n in found:
+        if n.head == "atom":
+            roles = enumerate(ROLES.get(n.data[0], ()), 1)
+            places = [k for k, role in roles if role == "point"]
+            labels += [n.data[k] for k in (*places, *POINT_LABELS.get(n.data[0], ()))]
+    return [p for p in dict.fromkeys(labels) if p in _POINTS]
+
+
+def named(derivation: Any, notation: Notation) -> Iterator[Named]:
+    """Yield every letter of a page with what it names: frames, points, quantities, symbols."""
+    found = terms_of(derivation)
+    for frame in frames_of(found):
+        yield Named(notation.frame(frame), ("frame", frame))
+    for point in points_of(found):
+        yield Named(notation.point(point), ("point", point))
+    meanings = derivation.scalars
+    for n in dict.fromkeys(n for n in found if n.head == "atom" and n not in meanings.values()):
+        yield Named(term_box(n, notation), tuple(map(str, n.data)))
+    for s, meaning in meanings.items():
+        yield Named(symbol(s.name), ("scalar", s.name) if meaning.head != "atom" else meaning.data)
+    used = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
+    for name in sorted(s.name for s in used - set(meanings)):
+        yield Named(symbol(name), ("symbol", name))
+
+
+def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
+    """Return the boxes of letters that reasons spell, in a notation."""
+    found = terms_of(derivation)
+    known: dict[str, Box] = {"t": symbol("t")}
+    for letter, name in PLAIN_LETTERS.items():
+        known |= _plain_letter(letter, name, found, notation)
+    known |= _places(found, notation)
+    known |= {p: notation.point(p) for p in points_of(found)}
+    for frame in frames_of(found):
+        known |= {frame: notation.frame(frame), **_axes(frame, notation)}
+    for n in found:
+        if n.head == "atom" and ROLES.get(n.data[0], ())[:1] == ("letter",):
+            known[n.data[1]] = term_box(n, notation)
+        if n.head == "atom":
+            known |= {k: symbol(k) for k in n.data[1:] if k in _INDICES}
+    symbols = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
+    names = {s.name for s in (*symbols, *derivation.scalars)} - GREEK_NAMES
+    return known | {name: symbol(name) for name in names}
+
+
+def _axes(frame: str, notation: Notation) -> dict[str, Box]:
+    """Return the axes of a frame as reasons spell them: b1."""
+    numbers = "123" if len(frame) == 1 else ""
+    return {f"{frame.lower()}{k}": term_box(unit(frame, int(k)), notation) for k in numbers}
+
+
+def _places(found: list[Term], notation: Notation) -> dict[str, Box]:
+    """Return the boxes of positions as reasons spell them: r, R, rho, r_i; and of omega.
+
+    r is from the centre of mass where an element has such a position, else from the inertial origin.
+    """
+    atoms = [n for n in dict.fromkeys(found) if n.head == "atom"]
+    places = [a for a in atoms if a.data[0] == "position"]
+    own = any(a.data[1] in {"dm", "P"} and a.data[2] == "C" for a in places)
+    letters = {"R": "OI", "r": "C" if own else "OI", "rho": "O"}
+    known: dict[str, Box] = {}
+    for letter, origin in letters.items():
+        for a in places:
+            if a.data[2] == origin:
+                of = a.data[1]
+                known[letter if of in {"dm", "P"} else f"{letter}_{of}"] = term_box(a, notation)
+    turning = next((a for a in atoms if a.data == ("angular_velocity", "B", "I")), None)
+    return known if turning is None else known | {"omega": term_box(turning, notation)}
+
+
+def _plain_letter(letter: str, name: str, found: list[Term], notation: Notation) -> dict[str, Box]:
+    """Return the box of a plain letter, bare and with a point, where a derivation has the quantity."""
+    atoms = [n for n in found if n.head == "atom" and n.data[0] == name]
+    if not atoms:
+        return {}
+    boxes = {letter: letter_box(notation, notation.letters[name], QUANTITIES[name].kind)}
+    for n in atoms:
+        if "point" in ROLES[name] and n.data[-1] in _POINTS:
+            boxes[f"{letter}_{n.data[-1]}"] = term_box(n, notation)
+    return boxes

@@ -1,0 +1,391 @@
+r"""SymPy expressions as boxes, in the order of the field: ``(I_3 - I_2)\,\omega_2\omega_3``.
+
+A product has its number first, then sizes (symbols that are positive), sums, letters of either sign,
+functions, integrals. A minus before a difference is taken up by it.
+What is no sum, product, power, known function, integral, derivative or matrix stays a formula for SymPy's
+own printers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+from sympy.printing.conventions import requires_partial
+
+from eom.typeset.boxes import (
+    Box,
+    Fence,
+    Form,
+    Formula,
+    Fraction,
+    Grid,
+    Operator,
+    Row,
+    Scripts,
+    Sign,
+    Symbol,
+    raised,
+    row,
+    symbol,
+)
+
+Expr = Any
+Names = Mapping[Expr, str]
+
+FUNCTIONS = ("sin", "cos", "tan", "cot", "sec", "csc", "sinh", "cosh", "tanh", "log")
+"""Functions whose argument stands without brackets where it is one letter."""
+_COMMANDS = {name: Sign(f"\\{name}", name, "mi") for name in FUNCTIONS}
+
+
+def expression_box(value: Expr, names: Names | None = None) -> Box:
+    """Return a SymPy expression or matrix as boxes; what is not known stays a `Formula`.
+
+    ``names``: LaTeX of symbols by themselves; others are called by `eom.typeset.boxes.symbol`.
+    """
+    known = names or {}
+    if isinstance(value, sp.MatrixBase):
+        return _grid(value, known, "bmatrix")
+    if isinstance(value, sp.Add):
+        return _sum(_added_first(value.as_ordered_terms()), known)
+    if isinstance(value, sp.Mul | sp.Rational | sp.Float):
+        minus, rest = _one_signed(value)
+        box = _unsigned(list(sp.Mul.make_args(rest)), known)
+        return row(Operator("negative"), box) if minus else box
+    rule = next((r for kind, r in _RULES if isinstance(value, kind)), None)
+    return Formula(value, known) if rule is None else rule(value, known)
+
+
+# -- sums ------------------------------------------------------------------------------------
+
+
+def signed(value: Expr) -> list[tuple[bool, Expr]]:
+    """Return the terms of a sum, each with whether it is subtracted, and without its sign."""
+    terms = value.as_ordered_terms() if isinstance(value, sp.Add) else [value]
+    return [_one_signed(t) for t in terms]
+
+
+def with_signs(parts: Sequence[tuple[bool, Box]]) -> tuple[Box, ...]:
+    """Return terms with their signs, each a box."""
+    if len(parts) == 1 and not parts[0][0]:
+        return (parts[0][1],)
+    first = (Operator("negative"),) if parts[0][0] else ()
+    rest = [Row((Operator("minus" if minus else "plus"), box)) for minus, box in parts[1:]]
+    return (row(*first, parts[0][1]), *rest)
+
+
+def _one_signed(term: Expr) -> tuple[bool, Expr]:
+    """Return whether a term is subtracted, and the rest; a difference in it takes the sign up."""
+    single = not isinstance(term, sp.Expr) or isinstance(term, sp.Add | sp.MatrixBase)
+    if single or not _is_negative(term):
+        return False, term
+    coefficient, rest = term.as_coeff_Mul()
+    factors = list(sp.Mul.make_args(rest))
+    place = next((k for k, f in enumerate(factors) if _is_difference(f)), None)
+    if place is None or len(factors) == 1:
+        return True, -term
+    factors[place] = -factors[place]
+    return False, sp.Mul(-coefficient, *factors)
+
+
+def _sum(terms: Sequence[Expr], names: Names) -> Box:
+    parts = map(_one_signed, terms)
+    return row(*with_signs([(minus, expression_box(rest, names)) for minus, rest in parts]))
+
+
+def _is_difference(factor: Expr) -> bool:
+    """Return whether a factor is a - b."""
+    if not isinstance(factor, sp.Add) or len(factor.args) != 2:
+        return False
+    return sum(_is_negative(t) for t in factor.args) == 1
+
+
+def _is_negative(term: Expr) -> bool:
+    return bool(term.as_coeff_Mul()[0].is_negative)
+
+
+def _added_first(terms: Sequence[Expr]) -> list[Expr]:
+    """Return terms of a sum in brackets: one that is added begins, if there is one."""
+    found = list(terms)
+    first = next((t for t in found if not _is_negative(t)), found[0])
+    found.remove(first)
+    return [first, *found]
+
+
+def _bracketed(total: Expr, names: Names) -> Box:
+    inside = _sum(_added_first(total.as_ordered_terms()), names)
+    return Fence(inside, flat=not is_tall(inside))
+
+
+# -- products --------------------------------------------------------------------------------
+
+
+def _unsigned(factors: list[Expr], names: Names) -> Box:
+    """Return a product that is not negative: a fraction if some factor is below the line.
+
+    Sums and integrals above stand beside the fraction where they are long.
+    """
+    above, below = _divided(factors)
+    if not below:
+        return _product(above, names, alone=True)
+    denominator = _product(below, names, alone=True)
+    behind = [f for f in above if f.has(sp.Integral, sp.Determinant)]
+    if behind:
+        front = [f for f in above if f not in behind]
+        return Row((Fraction(_product(front, names), denominator), THIN, _product(behind, names)))
+    return Fraction(_product(above, names, alone=True), denominator)
+
+
+def _divided(factors: Sequence[Expr]) -> tuple[list[Expr], list[Expr]]:
+    """Return the factors above and below the line; ones are left out."""
+    above, below = [], []
+    for f in factors:
+        if f.is_Float and f == 1:
+            continue
+        if f.is_Rational:
+            above += [sp.Integer(f.p)] if f.p != 1 else []
+            below += [sp.Integer(f.q)] if f.q != 1 else []
+        elif isinstance(f, sp.Pow) and f.base != sp.E and _is_negative(f.exp):
+            below.append(sp.Pow(f.base, -f.exp))
+        else:
+            above.append(f)
+    return above, below
+
+
+_NUMBER, _SIZE, _SUM, _LETTER, _FUNCTION, _LAST = range(6)
+"""What stands before what in a product."""
+_MASSES = re.compile(r"[mM](_\w+|\d+)?")
+"""Masses stand before other sizes."""
+
+
+def _rank(factor: Expr) -> int:
+    base = factor.base if isinstance(factor, sp.Pow) else factor
+    if _is_mass(base):
+        return _SIZE
+    if factor.is_number:
+        return _NUMBER
+    if isinstance(base, sp.Symbol):
+        return _SIZE if base.is_positive else _LETTER
+    if isinstance(base, sp.Add):
+        return _SUM if factor is base or factor.exp.is_Integer else _FUNCTION
+    return _LAST if isinstance(base, sp.Integral | sp.Derivative) else _FUNCTION
+
+
+def _in_order(factors: Sequence[Expr]) -> list[Expr]:
+    """Return factors in the order of a product; those of one rank keep SymPy's, masses go first."""
+    found = sorted(sp.Mul(*factors, evaluate=False).as_ordered_factors(), key=_place)
+    return _cyclic(found)
+
+
+def _place(factor: Expr) -> tuple[int, bool]:
+    base = factor.base if isinstance(factor, sp.Pow) else factor
+    return _rank(factor), not _is_mass(base)
+
+
+def _is_mass(base: Expr) -> bool:
+    """Return whether a factor is a mass, or a sum of masses."""
+    single = base.is_Symbol or isinstance(base, sp.Add)
+    return single and all(_MASSES.fullmatch(s.name) for s in base.free_symbols)
+
+
+_INDEXED = re.compile(r"(.*?_?)([123])((?:_d+ot)?)")
+
+
+def _cyclic(factors: list[Expr]) -> list[Expr]:
+    """Return factors with components 3 and 1 of one letter, side by side, in cyclic order."""
+    found = list(factors)
+    for k, (a, b) in enumerate(pairwise(factors)):
+        if _LETTER == _rank(a) == _rank(b) and a.is_Symbol and b.is_Symbol:
+            first, second = (_INDEXED.fullmatch(f.name) for f in (a, b))
+            if first and second and first.group(1, 3) == second.group(1, 3):
+                turn = first[2], second[2]
+                found[k : k + 2] = [b, a] if turn == ("1", "3") else [a, b]
+    return found
+
+
+THIN = Operator("thin")
+
+
+def _product(factors: Sequence[Expr], names: Names, *, alone: bool = False) -> Box:
+    """Return factors side by side; ``alone``: a single sum needs no brackets."""
+    if not factors:
+        return Symbol("1")
+    if len(factors) == 1:
+        (one,) = factors
+        if one.is_Integer or one.is_Float:
+            return _digits(one, names)
+        bare = alone or not isinstance(one, sp.Add)
+        return expression_box(one, names) if bare else _bracketed(one, names)
+    ordered = _in_order(factors)
+    boxes = [_factor(f, names) for f in ordered]
+    upright = any(map(_is_word, boxes))
+    parts: list[Box] = [boxes[0]]
+    for before, f, box in zip(ordered, ordered[1:], boxes[1:], strict=False):
+        apart = upright or (isinstance(before, sp.Add) and _rank(f) > _SUM)
+        numbers = before.is_Number and f.is_Number
+        parts += [Operator("dot") if numbers else THIN if apart else Operator("times"), box]
+    return Row(tuple(parts))
+
+
+def _is_word(box: Box) -> bool:
+    base = box.base if isinstance(box, Scripts) else box
+    if isinstance(base, Formula):
+        return str(base.names.get(base.value, "")).startswith(r"\mathrm")
+    return isinstance(base, Symbol) and base.style == "roman" and len(base.name) > 1
+
+
+def _factor(factor: Expr, names: Names) -> Box:
+    if isinstance(factor, sp.Add):
+        return _bracketed(factor, names)
+    if factor.is_Integer or factor.is_Float:
+        return _digits(factor, names)
+    box = expression_box(factor, names)
+    return Fence(box) if _is_loose(factor) else box
+
+
+def _is_loose(factor: Expr) -> bool:
+    """Return whether a factor needs brackets: no atom, power or function."""
+    return isinstance(factor, sp.Piecewise | sp.core.relational.Relational)
+
+
+# -- powers, functions -----------------------------------------------------------------------
+
+
+def _power(value: Expr, names: Names) -> Box:
+    base, exponent = value.base, value.exp
+    if base == sp.E:
+        return Scripts(Symbol("e"), sup=expression_box(exponent, names))
+    if _is_negative(exponent):
+        return _unsigned([value], names)
+    if exponent.is_Rational and not exponent.is_Integer and exponent.p == 1:
+        inside = expression_box(base, names)
+        degree = Symbol(str(exponent.q))
+        return Form("root", (inside,)) if exponent.q == 2 else Form("degree", (inside, degree))
+    upper = _exponent(exponent, names)
+    if isinstance(base, sp.Function) and _name(base) in _COMMANDS and exponent.is_Integer:
+        return _applied(Scripts(_COMMANDS[_name(base)], sup=upper), base.args[0], names)
+    return raised(_base(base, names), upper)
+
+
+def _exponent(exponent: Expr, names: Names) -> Box:
+    if exponent.is_Rational and not exponent.is_Integer:
+        return Row((Symbol(str(exponent.p)), Operator("slash"), Symbol(str(exponent.q))))
+    return expression_box(exponent, names)
+
+
+def _base(base: Expr, names: Names) -> Box:
+    box = _bracketed(base, names) if isinstance(base, sp.Add) else expression_box(base, names)
+    single = isinstance(base, sp.Symbol | sp.Add | sp.NumberSymbol)
+    single = single or bool(base.is_Integer and base >= 0)
+    return box if single else Fence(box)
+
+
+def _name(function: Expr) -> str:
+    return str(function.func.__name__)
+
+
+def _function(value: Expr, names: Names) -> Box:
+    if _name(value) not in _COMMANDS or len(value.args) != 1:
+        return Formula(value, names)
+    return _applied(_COMMANDS[_name(value)], value.args[0], names)
+
+
+def _applied(name: Box, argument: Expr, names: Names) -> Box:
+    inside = expression_box(argument, names)
+    if argument.is_Symbol or argument.is_Integer:
+        return Form("applied", (name, inside))
+    return Row((name, Fence(inside, flat=not is_tall(inside))))
+
+
+def _exponential(value: Expr, names: Names) -> Box:
+    return Scripts(Symbol("e"), sup=expression_box(value.args[0], names))
+
+
+def _absolute(value: Expr, names: Names) -> Box:
+    return Fence(expression_box(value.args[0], names), "|", "|")
+
+
+# -- integrals, derivatives, matrices --------------------------------------------------------
+
+
+def _integral(value: Expr, names: Names) -> Box:
+    """Return signs from the outermost, what is integrated, and its differentials from the innermost."""
+    if any(len(limit) != 3 for limit in value.limits):
+        return Formula(value, names)
+    signs = [
+        _limited(*(expression_box(end, names) for end in limit[1:]))
+        for limit in reversed(value.limits)
+    ]
+    ends = [Row((THIN, Operator("d"), expression_box(limit[0], names))) for limit in value.limits]
+    inside = _factor(value.function, names)
+    return Row((*signs, Row((inside, *ends))), " ")
+
+
+def _limited(lower: Box, upper: Box) -> Box:
+    return Scripts(Operator("integral"), lower, upper)
+
+
+def _derivative(value: Expr, names: Names) -> Box:
+    if len(value.variable_count) != 1 or value.variable_count[0][1] != 1:
+        return Formula(value, names)
+    d = Operator("partial" if requires_partial(value) else "d")
+    inside = expression_box(value.expr, names)
+    below = Row((d, expression_box(value.variables[0], names)))
+    shown = inside if value.expr.is_Symbol else Fence(inside, flat=not is_tall(inside))
+    return Row((Fraction(d, below), Operator("times"), shown))
+
+
+def _grid(value: Expr, names: Names, environment: str) -> Box:
+    rows = tuple(tuple(expression_box(e, names) for e in line) for line in value.tolist())
+    return Grid(rows, environment)
+
+
+def _determinant(value: Expr, names: Names) -> Box:
+    if not isinstance(value.arg, sp.MatrixBase):
+        return Formula(value, names)
+    return Fence(_grid(value.arg, names, "matrix"), "|", "|")
+
+
+def is_tall(box: Box) -> bool:
+    """Return whether a box is higher than a line."""
+    if isinstance(box, Fraction | Grid | Form):
+        return not isinstance(box, Form) or box.name != "applied"
+    if isinstance(box, Row):
+        return any(map(is_tall, box.items))
+    if isinstance(box, Scripts):
+        return is_tall(box.base) or box.stacked
+    if isinstance(box, Fence):
+        return is_tall(box.inner)
+    return isinstance(box, Operator) and box.name in {"integral", "sum"}
+
+
+def _letter(value: Expr, names: Names) -> Box:
+    return Formula(value, names) if value in names else symbol(value.name)
+
+
+def _number(value: Expr, names: Names) -> Box:
+    return symbol("pi") if value == sp.pi else Formula(value, names)
+
+
+def _digits(value: Expr, names: Names) -> Box:
+    """Return a number that is not negative; one with an exponent stays a formula."""
+    if value.is_Float and "e" in str(value):
+        return Formula(value, names)
+    return Symbol(str(value).rstrip("0").rstrip(".") if value.is_Float else str(value))
+
+
+_RULES: tuple[tuple[Any, Callable[[Expr, Names], Box]], ...] = (
+    (sp.Symbol, _letter),
+    (sp.NumberSymbol, _number),
+    (sp.exp, _exponential),
+    (sp.Pow, _power),
+    (sp.Abs, _absolute),
+    (sp.Function, _function),
+    (sp.Integral, _integral),
+    (sp.Derivative, _derivative),
+    (sp.Determinant, _determinant),
+)
+"""How each kind is written, the first that fits."""
