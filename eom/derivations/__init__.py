@@ -176,12 +176,12 @@ def _derived(name: str) -> Derived:
 def _made(name: str) -> Derived:
     solids = _solid_names()
     if name in solids:
-        module = importlib.import_module("eom.derivations.solids")
+        module = importlib.import_module("eom.derivations.chapters.solids")
         made: Derived = module.solid_inertia(solids[name])
         return made
     if name not in _MAKERS:
         raise unknown_name("derivation", name, names())
     module_name, function, _, _ = _MAKERS[name]
-    module = importlib.import_module(f"eom.derivations.{module_name}")
+    module = importlib.import_module(f"eom.derivations.chapters.{module_name}")
     result: Derived = getattr(module, function)()
     return result

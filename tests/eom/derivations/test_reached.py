@@ -4,6 +4,7 @@ import pytest
 
 from eom.checker.mean.solid_models import SPELLINGS
 from eom.derivations import derive, names
+from eom.derivations.chapters.solids import LETTERS
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.reached import (
@@ -15,7 +16,6 @@ from eom.derivations.reached import (
     same,
     smallest,
 )
-from eom.derivations.solids import LETTERS
 from eom.derivations.steps import Step
 from eom.derivations.verification import (
     IDENTITY,

@@ -6,10 +6,10 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.chapters.particles import differentiate_constant, mean_position
+from eom.derivations.chapters.rotation import explicit
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.particles import differentiate_constant, mean_position
-from eom.derivations.rotation import explicit
 from eom.mass.inertia import inertia_of_second_moments
 from eom.terms.rules import (
     associate,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from eom.derivations.chapters.rigid import BODY_MASS, FORCE, RHO, R, W
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.rigid import BODY_MASS, FORCE, RHO, R, W
 from eom.terms.rules import (
     bac_cab,
     combine,

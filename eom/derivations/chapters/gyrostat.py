@@ -6,10 +6,10 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.chapters.rotation import name_spin
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.rotation import name_spin
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import OMEGA

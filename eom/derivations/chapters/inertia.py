@@ -6,10 +6,10 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.chapters.rigid import inertia_by_definition, inertia_by_tildes
+from eom.derivations.chapters.rotation import principal_matrix, turned_tilde
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.rigid import inertia_by_definition, inertia_by_tildes
-from eom.derivations.rotation import principal_matrix, turned_tilde
 from eom.terms.rules import (
     associate,
     at,

@@ -6,10 +6,10 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.chapters.rotation import explicit, name_spin, principal_matrix
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.rotation import explicit, name_spin, principal_matrix
 from eom.exact.algebra import gather
 from eom.mechanics import freebody, steady
 from eom.mechanics.freebody import MOMENTS, herpolhode_rate

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
+from eom.derivations.chapters.rotation import explicit, principal_matrix
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.rotation import explicit, principal_matrix
 from eom.exact.algebra import gather
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
+from eom.derivations.chapters.pointmass import SPLIT
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.pointmass import SPLIT
 from eom.terms.rules import (
     combine,
     differentiate,
