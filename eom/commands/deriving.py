@@ -160,10 +160,7 @@ def derive(
             print_equations(scene_of(name), style or "text", explain is not False)
         else:
             _refuse(name, "equations without --method", {"--explain": explain})
-            with waiting_for("deriving"):
-                tree = tree_of(name, attitude, "--method")
-                shown = _closed_form(name, tree, method, style or "text", bool(absolute), wishes)
-            click.echo(shown)
+            click.echo(_closed_form(name, method, style or "text", bool(absolute), wishes))
 
 
 _TREES = "scenes of many bodies"
@@ -214,16 +211,18 @@ def _angles(name: str, tree: Tree) -> dict[Any, Any]:
 
 
 def _closed_form(
-    name: str, tree: Tree, method: str, style: str, absolute: bool, wishes: Mapping[str, Any]
+    name: str, method: str, style: str, absolute: bool, wishes: Mapping[str, Any]
 ) -> str:
     """Return the page of a tree's closed form; ``wishes``: by option."""
     from eom.multibody import tree_page
 
-    return tree_page(
-        tree, method, style, coordinates=_angles(name, tree) if absolute else None,
-        names=named_pairs(name, wishes["--name"] or ()),
-        independent=wishes["--independent"] or (), rates=bool(wishes["--rates"]),
-    )  # fmt: skip
+    with waiting_for("deriving"):
+        tree = tree_of(name, wishes["--attitude"], "--method")
+        return tree_page(
+            tree, method, style, coordinates=_angles(name, tree) if absolute else None,
+            names=named_pairs(name, wishes["--name"] or ()),
+            independent=wishes["--independent"] or (), rates=bool(wishes["--rates"]),
+        )  # fmt: skip
 
 
 def named_pairs(name: str, named: Sequence[str]) -> dict[str, str]:
