@@ -10,6 +10,8 @@ Rules, for everything that `tests/public.py` finds:
   or by its type where that is a class under these rules;
 - an array that is returned or held has its shape in words in brackets, as (3,) or (n, N);
 - an error that the function raises, or what it calls directly, is named behind "Raises";
+- a docstring in sections has those of numpydoc in their order, its arguments in the order in which they
+  are taken, each with a text; what users call most (`IN_SECTIONS`) is written so;
 - each public function has an example that runs, but for what takes seconds (`SLOW`).
 """
 
@@ -28,6 +30,7 @@ from codegen.compiling.checked import Array
 from eom.errors import InputError
 from tests.facts import COLUMNS, FACTS, INNER, NEVER, NONE
 from tests.public import (
+    SECTIONS,
     classes_in,
     doc_of_class,
     doc_of_constant,
@@ -41,6 +44,8 @@ from tests.public import (
     public,
     reached,
     returned,
+    rows_of,
+    sections,
     texts_of_fields,
 )
 
@@ -52,6 +57,16 @@ FUNCTIONS = {n: inspect.unwrap(o) for n, o in PUBLIC.items() if function_of(o)}
 MEMBERS = {f"{n}.{m}": (c, m, f) for n, c in CLASSES.items() for m, f in members(c).items()}
 CALLABLE = FUNCTIONS | {n: f for n, (_, _, f) in MEMBERS.items()}
 ARRAY = re.compile(r"\b(Array|NDArray|ndarray|Counts|Floats)\b")
+IN_SECTIONS = {
+    "eom.System.from_rates",
+    "eom.check",
+    "eom.derive",
+    "codegen.compile",
+    "codegen.ensemble",
+    "codegen.integrator",
+    "codegen.linearise",
+    "codegen.simulate",
+}
 SLOW = {"eom.derivations.lectures.equation_map"}
 NUMBERS = re.compile(r"\b(float|Array|ArrayLike|NDArray|Expr|Value)\b")
 SHAPE = re.compile(
@@ -98,6 +113,9 @@ def says_itself(name, annotation):
 def not_named(taken, words):
     """Return what of the parameters or fields ``taken`` the docstrings do not name."""
     texts = [words, *named_in(words)]
+    taken = {
+        n: a for n, a in taken.items() if n not in rows_of(sections(words).get("Parameters", ""))
+    }
     return [n for n, annotation in taken.items() if not says_itself(n, str(annotation))
             and not any(f"``{n}``" in t or f"``{n}(" in t for t in texts)]  # fmt: skip
 
@@ -154,7 +172,7 @@ def shapeless_fields(words, cls):
 
 def unreported_errors(words, obj):
     functions = makers(obj) if inspect.isclass(obj) else [obj]
-    raised = set().union(*map(errors, functions))
+    raised = set().union(*map(errors, functions)) - set(rows_of(sections(words).get("Raises", "")))
     reported = {e for t in [words, *named_in(words)] for e in re.findall(r"`(\w+Error)`", t)}
     yield from sorted(raised - reported)
     if raised and not re.search(r"[Rr]aise|[Ee]rrors", words):
@@ -164,6 +182,18 @@ def unreported_errors(words, obj):
 def no_example(words, _):
     if ">>> " not in words:
         yield "no example"
+
+
+def wrong_sections(words, function):
+    found = sections(words)
+    if list(found) != [s for s in SECTIONS if s in found]:
+        yield f"sections are {list(found)}"
+    rows = rows_of(found.get("Parameters", ""))
+    if "Parameters" in found and list(rows) != list(parameters(function)):
+        yield f"arguments are {list(parameters(function))}"
+    for heading in ("Parameters", "Returns", "Raises"):
+        below = rows_of(found.get(heading, ""))
+        yield from (f"{n} has no text" for n, text in below.items() if not text.endswith("."))
 
 
 METHODS = {n: f for n, f in CALLABLE.items() if n in FUNCTIONS or not is_property(*MEMBERS[n][:2])}
@@ -176,6 +206,7 @@ RULES = {
     shapeless_fields: CLASSES,
     unreported_errors: {n: obj for n, obj in (CALLABLE | CLASSES).items() if n not in NEVER},
     no_example: {n: f for n, f in FUNCTIONS.items() if n not in SLOW},
+    wrong_sections: CALLABLE,
 }
 """Each rule, and what it holds for."""
 
@@ -186,8 +217,27 @@ def test_docstrings_are_complete(rule):
     assert {n: found for n, found in wrong.items() if found} == {}
 
 
+@pytest.mark.parametrize("name", sorted(IN_SECTIONS))
+def test_what_is_called_most_says_all_in_sections(name):
+    assert {"Parameters", "Returns", "Raises", "Examples"} <= set(sections(doc_of(name)))
+
+
 def refused(x: float) -> float:
     raise InputError("not that", got=x)
+
+
+IN_ORDER = """Do it.
+
+Parameters
+----------
+x : float
+    A number.
+
+Raises
+------
+InputError
+    Always.
+"""
 
 
 def calls(x: float) -> Array:
@@ -220,6 +270,12 @@ def test_the_rules_see_what_is_missing():
     assert "InputError" in unreported_errors("Do it.", calls)
     assert "InputError" in unreported_errors("Do it.", Vague)
     assert not list(unreported_errors("Do it. Raises `InputError`.", refused))
+    assert not list(wrong_sections(IN_ORDER, refused))
+    assert not list(unnamed_parameters(IN_ORDER, refused))
+    assert not list(unreported_errors(IN_ORDER, refused))
+    assert list(wrong_sections(IN_ORDER.replace("x : float", "y : float"), refused))
+    assert list(wrong_sections(IN_ORDER.replace("    A number.", ""), refused)) == ["x has no text"]
+    assert list(wrong_sections(IN_ORDER.replace("Raises", "Errors"), refused))
 
 
 # -- the facts ------------------------------------------------------------------------------------

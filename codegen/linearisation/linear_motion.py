@@ -104,14 +104,42 @@ def linearise(
 ) -> Linear:
     """Return A, B, C, D at a point, or with a last axis of N at N points, such as a trajectory.
 
-    Shapes: ``x`` (n,) or (n, N), and so for ``p``, ``u``, ``t``: the ``y``, ``t`` and parameters
-    of a `codegen.Result` fit as they are; values by name, each a number or (N,), fit as well. All four
-    come from one call of one function, which is
-    compiled at the first use and kept by ``compiled``. They are the linear part about any point;
-    that dx' = A dx + B du alone describes the motion holds about points at rest. ``x``: states, ``p``:
-    parameters, ``u``: inputs, ``t``: time, in the units of the system.
-    Raises `InputError` as the compiled functions do. Source: as of `compiled_jacobian`.
+    Parameters
+    ----------
+    compiled : Compiled
+        The system; it keeps the function of the four matrices, which is compiled at the first use.
+    x : mapping or array
+        States, (n,) or (n, N); by name each a number or (N,). ``y`` of a `codegen.Result` fits as it
+        is.
+    p : mapping or array, optional
+        Parameters, in the same shapes.
+    u : mapping or array, optional
+        Inputs, in the same shapes.
+    t : float or array, default 0
+        Time, a number or (N,). All are in the units of the system.
 
+    Returns
+    -------
+    Linear
+        The matrices of dx' = A dx + B du, dy = C dx + D du, and the names of their rows and columns.
+
+    Raises
+    ------
+    InputError
+        As the compiled functions do.
+
+    Notes
+    -----
+    The matrices are the linear part about any point; that dx' = A dx + B du alone describes the motion
+    holds about points at rest, see `equilibrium` and `linearise_about`. All four come from one call of
+    one function.
+
+    References
+    ----------
+    The derivatives are those as of `compiled_jacobian`.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> y, v, F = sp.symbols("y v F", real=True)
     >>> cart = eom.System.from_rates("cart", {y: v, v: F - sp.sin(y)}, inputs=[F])
