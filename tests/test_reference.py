@@ -17,6 +17,7 @@ Rules, for everything that `tests/public.py` finds:
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
 from dataclasses import dataclass
@@ -321,6 +322,21 @@ def test_each_public_name_states_its_facts():
 def test_what_is_inner_is_reached():
     """A class that users come to follows the rules, or is listed as one that they need not know."""
     assert set(INNER) <= set(reached(INNER))
+
+
+def test_names_of_trees_and_of_types_stand_on_their_pages():
+    reference = Path(__file__).parents[1] / "docs" / "reference"
+    page = (reference / "many-bodies.md").read_text("utf-8")
+    listed = re.findall(r"^\.\. auto\w+:: eom\.multibody\.(\w+)$", page, re.MULTILINE)
+    assert sorted(listed) == sorted(set(eom.multibody.__all__) - {"GROUND"})
+    told = re.findall(r"^\.\. py:data:: (\w+)$", (reference / "types.md").read_text("utf-8"), re.M)
+    conf = ast.parse((reference.parent / "conf.py").read_text("utf-8"))
+    (names,) = (
+        ast.literal_eval(n.value.generators[0].iter)
+        for n in conf.body
+        if isinstance(n, ast.Assign) and n.targets[0].id == "autodoc_type_aliases"
+    )
+    assert sorted(told) == sorted(names)
 
 
 def test_one_page_lists_the_names_of_both_packages():

@@ -236,7 +236,7 @@ def compile(  # noqa: A001 - the word that users expect
 
     Parameters
     ----------
-    system : System, or a method or equations of SymPy
+    system : System or what SymPy has
         An `eom.System`, or what `codegen.frontend.from_sympy_mechanics.as_system` accepts: SymPy's
         KanesMethod, LagrangesMethod, SymbolicSystem or mechanics System, (states, rates), (states, mass
         matrix, forces).

@@ -8,15 +8,19 @@ as numpydoc writes them, which Sphinx's napoleon reads.
 import re
 from typing import Any
 
-from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.ext.napoleon import Config, NumpyDocstring
+from sphinx.util.inspect import TypeAliasForwardRef
+
+import codegen
+import eom
 
 _SPANS = re.compile(r"(``.+?``|`[^`]+`)")
-_ALIAS = re.compile(r"TypeAliasForwardRef\('(\w+)'\)")
 _SIGNS = re.compile(r"(\*|\||(?<=\w)_(?!\w))")
-
-
+_TYPE = re.compile(r"^(:type \w+: )(.+)$")
+_NAMES = re.compile(
+    rf"\b({'|'.join(n for n in {*eom.__all__, *codegen.__all__} if n[0].isupper())})\b"
+)
 _HEADING = re.compile(r"^(Parameters|Returns)\n-+$", re.MULTILINE)
 _SECTIONS = Config(napoleon_google_docstring=False, napoleon_use_rtype=True)
 
@@ -39,22 +43,22 @@ def as_written(
             lines[k] = _escaped(line)
 
 
+def _in_words(found: re.Match[str]) -> str:
+    """Return a type as it is told: names of the packages lead to them, other words to nothing."""
+    words = _NAMES.sub(r"`\1`", found[2])
+    return found[1] + (words if words != found[2] else f"*{words}*")
+
+
 def in_fields(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """Make fields of the sections of a docstring, in place; others are left as they are."""
     if _HEADING.search("\n".join(lines)):
-        lines[:] = NumpyDocstring(lines, _SECTIONS, app, what, name, obj, options).lines()
-
-
-def bare_aliases(_app: Sphinx, tree: nodes.document) -> None:
-    """Show names of types that stand for others as names, in place."""
-    for text in list(tree.findall(nodes.Text)):
-        if "TypeAliasForwardRef" in text:
-            text.parent.replace(text, nodes.Text(_ALIAS.sub(r"\1", text)))
+        made = NumpyDocstring(lines, _SECTIONS, app, what, name, obj, options).lines()
+        lines[:] = [_TYPE.sub(_in_words, line) for line in made]
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Listen to autodoc."""
+    """Listen to autodoc, and let it write names of types that stand for others as names."""
+    TypeAliasForwardRef.__repr__ = lambda alias: str(alias.name)
     app.connect("autodoc-process-docstring", as_written)
     app.connect("autodoc-process-docstring", in_fields)
-    app.connect("doctree-read", bare_aliases)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
