@@ -95,17 +95,17 @@ _MAKERS = {
         "Spinning bodies",
         "The heavy symmetric top",
     ),
-    "gravity-gradient-stability": (
-        "gravitygradient",
-        "gravity_gradient_stability",
-        "Spacecraft",
-        "Stability under the gravity gradient",
-    ),
     "gyrostat": (
         "gyrostat",
         "gyrostat_momentum",
         "Spinning bodies",
         "A gyrostat: a body with any number of rotors",
+    ),
+    "gravity-gradient-stability": (
+        "gravitygradient",
+        "gravity_gradient_stability",
+        "Spacecraft",
+        "Stability under the gravity gradient",
     ),
 }
 """Name: module, function, group, title."""
