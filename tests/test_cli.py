@@ -223,7 +223,10 @@ BAD = {
     "no such scene": (["derive", "bycicle-wheel"], "did you mean bicycle-wheel"),
     "no such file": (["derive", "missing.toml"], "no such scene file"),
     "no such format": (["derive", "t-handle", "--as", "html"], "html is for derivations"),
-    "misspelt derivation": (["derive", "euler-equation"], "did you mean euler-equations?"),
+    "misspelt derivation": (
+        ["derive", "euler-equation"],
+        "did you mean euler-equations or rocket-equation?",
+    ),
     "no such notation": (
         ["derive", "point-mass", "--notation", "underlined"],
         "did you mean underline?",

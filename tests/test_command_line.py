@@ -128,7 +128,7 @@ def test_the_longest_step_is_that_of_the_option_and_of_the_scene():
     assert 100 <= steps[1] <= 103
     refused = run(*words, "--max-step", "0")
     assert refused.exit_code == 2
-    assert "integration.max_step" in refused.stderr
+    assert "--max-step" in refused.stderr
 
 
 def test_a_run_that_stops_early_says_so_in_json():

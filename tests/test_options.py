@@ -36,6 +36,7 @@ OTHERS = {
     ("checking", "--seconds"): "processor time",
     ("checking", "--as"): "what a text is",
     ("deriving", "--method"): "of a closed form",
+    ("deriving", "--out"): "a page, whose form its ending names",
     ("stressing", "--method"): "several",
     ("ensembling", "--out"): "a store that a broken run goes on with",
     ("ensembling", "--seed"): "by default the file's",

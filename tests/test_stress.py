@@ -323,7 +323,7 @@ def test_a_folder_that_cannot_be_written_is_found_before_anything_runs(run, tmp_
     (tmp_path / "file").write_text("in the way")
     done = run("stress", "--quick", "--out", tmp_path / "file" / "below")
     assert done.exit_code == 2
-    assert "cannot be written" in done.stderr
+    assert "a folder is needed, and this is a file" in done.stderr
     assert done.stdout == ""
 
 

@@ -248,7 +248,7 @@ def test_speeds_may_be_the_rates_of_coordinates(run):
         "derive", "rolling-disc", "--method", "kane", "--attitude", "3-1-2", "--rates", *names
     )
     assert done.exit_code == 0
-    assert "(5 sin(θ)² + 1) ψ̈ + 6 sin(θ) φ̈" in done.output
+    assert "(5 sin²(θ) + 1) ψ̈ + 6 sin(θ) φ̈" in done.output
     assert "3 sin(θ) ψ̈ + 3 φ̈ + 5 cos(θ) ψ̇ θ̇" in done.output
     refused = run("derive", "double-pendulum", "--rates")
     assert "--rates is for closed forms" in refused.stderr

@@ -138,10 +138,12 @@ def simulate(
     Examples
     --------
     >>> import sympy as sp
+    >>> import codegen
+    >>> from eom import System
     >>> y, v, k = sp.symbols("y v k", real=True)
     >>> energy = {"energy": (v**2 + k * y**2) / 2}
     >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y}, invariants=energy)
-    >>> compiled = compile_system(oscillator, "numpy")
+    >>> compiled = codegen.compile(oscillator, "numpy")
     >>> run = simulate(compiled, {"y": 1, "v": 0}, (0, sp.pi), {"k": 4}, "scipy:DOP853")
     >>> run.status, round(float(run["y"][-1]), 6), run.drift["energy"].relative < 1e-8
     (0, 1.0, True)

@@ -143,16 +143,14 @@ def derive(
     wishes = _wishes(named, attitude, independent, rates)
     page: Options = {"--notation": notation, "--steps": steps, "--form": form, "--out": out}
     page |= {"--figures": figures, "--lexicon": lexicon}
-    own = is_kept(name)
     if not name.lower().endswith(PROGRAM):
         _refuse(name, "programs in Python", {"--run": running})
-    if own or _is_derivation(name):
+    if (own := is_kept(name)) or _is_derivation(name):
         _refuse(name, _TREES, {**wishes, "--method": method, "--absolute": absolute})
         _refuse(name, "scenes", {"--explain": explain})
         _refuse(name, "robots from .urdf and .xml files", read_as())
-        asked = _asked(name, style, page)
         made = partial(kept, name, bool(running)) if own else partial(_shipped, name)
-        _give(_page(made, asked), out)
+        _give(_page(made, _asked(name, style, page)), out)
     else:
         _refuse(name, "derivations", page)
         if method is None:

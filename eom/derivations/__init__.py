@@ -3,9 +3,8 @@
 Titles are read without SymPy; a derivation is made, and each of its steps verified, when it is asked
 for.
 
-Imports: `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.kinematics`, `eom.mass`,
-`eom.mechanics`, `eom.quantities`, `eom.system`, `eom.terms`, `eom.terms.rules`, `eom.typeset`,
-`eom.worlds`.
+Imports: `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.system`, `eom.terms`,
+`eom.terms.rules`, `eom.typeset`, `eom.worlds`.
 """
 
 from __future__ import annotations
@@ -96,17 +95,17 @@ _MAKERS = {
         "Spinning bodies",
         "The heavy symmetric top",
     ),
-    "gravity-gradient-stability": (
-        "gravitygradient",
-        "gravity_gradient_stability",
-        "Spacecraft",
-        "Stability under the gravity gradient",
-    ),
     "gyrostat": (
         "gyrostat",
         "gyrostat_momentum",
         "Spinning bodies",
         "A gyrostat: a body with any number of rotors",
+    ),
+    "gravity-gradient-stability": (
+        "gravitygradient",
+        "gravity_gradient_stability",
+        "Spacecraft",
+        "Stability under the gravity gradient",
     ),
 }
 """Name: module, function, group, title."""

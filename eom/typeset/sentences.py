@@ -36,6 +36,8 @@ _TOKEN = re.compile(
     r"(?P<marks>'*)(?:\^(?P<power>\d|T\b))?(?![\w(]))"
 )
 _AXES = re.compile(r"[bI][123]")
+_NOUN = re.compile(r" (?!(?:turns|is|and|or|to|in|as|has|moves|stays|follows|with)\b)[a-z]{2,}")
+"""What follows an A that begins a sentence and is its article, and no frame that does something."""
 _BETWEEN = re.compile(r"[\s().,=+\-/0-9<>|]*")
 _PRIME = Sign("'", "'", "mo")
 
@@ -101,7 +103,8 @@ def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
         around = words[max(0, m.start() - 3) : m.start()], words[m.end() : m.end() + 3]
         near = around[0].rstrip().endswith(("=", "(", " x")) or around[1] == " x "
         return "a" not in known or not (near or around[1][:1] in {".", ","})
-    return m["name"] == "A" and words[: m.start()].endswith(". ")
+    begins = not m.start() and _NOUN.match(words, m.end()) is not None
+    return m["name"] == "A" and (begins or words[: m.start()].endswith(". "))
 
 
 def _is_capital(words: str, m: re.Match[str]) -> bool:

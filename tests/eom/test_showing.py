@@ -69,7 +69,7 @@ def test_text_of_a_small_derivation(small):
         "Newton's second law holds",
         "Assumed: (A1) there is one point mass, P; (A2)",
         "[law; under A1, A2; held in 3 random worlds]",
-        "ω × ω, a vector",
+        "ω̲ × ω̲, a vector",
         "rate of change of the vector as seen from frame B",
         "spin axis: 3",
         "energy = mass₁/2",

@@ -41,7 +41,11 @@ def says(where: str, sentence: str, *, slow: bool = False) -> Callable[..., Call
     """Return a decorator that enters a function into the table as the test of a sentence."""
 
     def entered(test: Callable[[], None]) -> Callable[[], None]:
-        ROWS.append(Statement(where, plain(sentence), test, slow))
+        row = Statement(where, plain(sentence), test, slow)
+        ROWS[:] = [
+            r for r in ROWS if (r.name, r.where, r.sentence) != (row.name, where, row.sentence)
+        ]
+        ROWS.append(row)
         return test
 
     return entered

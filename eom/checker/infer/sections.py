@@ -67,10 +67,15 @@ def sections(
             o.latex: o for o in _turned(part, body, whose, lexicon) if reads(o.latex, o.means)
         }
         every = {**turned, **earlier, **spoken}
-        earlier = {k: o for k, o in every.items() if o.means != _known(lexicon, k)}
+        earlier = {k: o for k, o in every.items() if _differs(o, _known(lexicon, k))}
         own = tuple(o for o in earlier.values() if _stands(o, part))
         if own:
             yield part.headings[0], own
+
+
+def _differs(own: Own, known: str) -> bool:
+    """Return whether a part says something else; a quantity of the note's system stays what it is."""
+    return own.means != known and not known.startswith("system ")
 
 
 def _whose(title: str) -> str:

@@ -182,12 +182,11 @@ def _understood(
         titles = tuple(h[1] for h in headings)
         here = levels.known(scoped.at(titles, piece.source, piece.span.start))
         known, earlier = dict(definitions), previous if display else ()
-        formula = read_piece(piece, earlier)
         new_names = brings(document.pieces, number, role, new_names)
         known |= named_here.at(titles)
         scalars = Scalars(letters, relations.at(titles), new_names)
         context = _Context(here, known, before if display else (), scalars)
-        general = _timely(formula, earlier, context, seconds)
+        general = _timely(read_piece(piece, earlier), earlier, context, seconds)
         new = _of_solid(solids.get(number, ()), general, earlier, context, seconds, taken, titles)
         new = levels.counted(new, titles)
         if display:

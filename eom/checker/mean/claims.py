@@ -45,14 +45,12 @@ from eom.checker.read.statements import Statement, says_constant, single_stateme
 from eom.checker.read.symbol_shape import Look, bracket_of, called_symbol, labels, seen
 from eom.checker.read.syntax import (
     Addition,
-    Fraction,
     Group,
     Marks,
     Matrix,
     Node,
     Number,
     Product,
-    Quotient,
     Scripts,
     Sequence,
     Sign,
@@ -534,7 +532,7 @@ def _starts(s: Statement, e: Elaborator) -> bool:
         found = seen(other)
         entry = e.lexicon.find(found.look, e.indices) if found is not None else None
         named = found is not None and (entry is None or entry.meaning.quantity == "scalar")
-        if seen(factors[0]) is not None and (named or _is_number(other)):
+        if seen(factors[0]) is not None and (named or numbers.is_number(other)):
             return True
     return False
 
@@ -560,56 +558,18 @@ def given_number(s: Statement, e: Elaborator) -> bool:
     if len(s.members) != 2 or s.continues or s.signs[0].name not in {"=", "equiv", "approx"}:
         return False
     symbol, number = s.members
-    if _is_number(symbol):
+    if numbers.is_number(symbol):
         symbol, number = number, symbol
     found = seen(symbol)
-    if found is None or found.raised or not _is_number(number) or _is_zero(number):
+    if found is None or found.raised or not numbers.is_number(number) or numbers.is_zero(number):
         return False
-    if _in_degrees(number) or any(w.startswith("[") for w in s.words):
+    if numbers.in_degrees(number) or any(w.startswith("[") for w in s.words):
         return True
     try:
         value = e.value(symbol)
     except Refusal:
         return False
     return value.dimension not in {None, NONE, ANY}
-
-
-def _is_number(node: Node) -> bool:
-    if isinstance(node, Number):
-        return True
-    if isinstance(node, Symbol):
-        return node.name == "pi"
-    if isinstance(node, Group):
-        return _is_number(node.body)
-    if isinstance(node, Addition):
-        return all(map(_is_number, node.terms))
-    if isinstance(node, Fraction | Quotient):
-        return all(map(_is_number, _both(node)))
-    if isinstance(node, Product):
-        return all(map(_is_number, node.factors)) or numbers.number_only(node)
-    if isinstance(node, Scripts) and node.sub is None:
-        return _is_number(node.base) and (_degrees(node.sup) or _power(node.sup))
-    return False
-
-
-def _both(node: Fraction | Quotient) -> tuple[Node, Node]:
-    return (node.above, node.below) if isinstance(node, Fraction) else (node.left, node.right)
-
-
-def _power(node: Node | None) -> bool:
-    return node is not None and _is_number(node)
-
-
-def _degrees(node: Node | None) -> bool:
-    return isinstance(node, Marks) and node.names == ("circ",)
-
-
-def _in_degrees(node: Node) -> bool:
-    return isinstance(node, Scripts) and _degrees(node.sup)
-
-
-def _is_zero(node: Node) -> bool:
-    return isinstance(node, Number) and float(node.text) == 0
 
 
 @dataclass(frozen=True)

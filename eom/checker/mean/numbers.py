@@ -343,3 +343,44 @@ def last_digit(node: Node) -> Expr | None:
         half = last_digit(node.factors[0])
         return half * scale.value if scale is not None and half is not None and powers else None
     return None
+
+
+def is_number(node: Node) -> bool:
+    """Return whether a node is made of numbers alone, with units or degrees."""
+    if isinstance(node, Number):
+        return True
+    if isinstance(node, Symbol):
+        return node.name == "pi"
+    if isinstance(node, Group):
+        return is_number(node.body)
+    if isinstance(node, Addition):
+        return all(map(is_number, node.terms))
+    if isinstance(node, Fraction | Quotient):
+        return all(map(is_number, _both(node)))
+    if isinstance(node, Product):
+        return all(map(is_number, node.factors)) or number_only(node)
+    if isinstance(node, Scripts) and node.sub is None:
+        return is_number(node.base) and (_degrees(node.sup) or _of_numbers(node.sup))
+    return False
+
+
+def _both(node: Fraction | Quotient) -> tuple[Node, Node]:
+    return (node.above, node.below) if isinstance(node, Fraction) else (node.left, node.right)
+
+
+def _of_numbers(node: Node | None) -> bool:
+    return node is not None and is_number(node)
+
+
+def _degrees(node: Node | None) -> bool:
+    return isinstance(node, Marks) and node.names == ("circ",)
+
+
+def in_degrees(node: Node) -> bool:
+    """Return whether a number is in degrees."""
+    return isinstance(node, Scripts) and _degrees(node.sup)
+
+
+def is_zero(node: Node) -> bool:
+    """Return whether a node is the number zero."""
+    return isinstance(node, Number) and float(node.text) == 0

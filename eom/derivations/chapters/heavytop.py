@@ -32,7 +32,7 @@ from eom.terms.terms import Equation, add, cross, der, dot, expr, mul, number, p
 from eom.terms.vocabulary import omega, position, quantity, unit, velocity
 
 Expr = Any
-AXIS = unit("E", 3)
+AXIS = unit("F", 3)
 KINETIC = quantity("kinetic_energy", "top")
 
 
@@ -93,18 +93,18 @@ class Top:
         """Define the angles, and derive how the top turns and where its centre goes."""
         d = self.d
         d.frame("D", self.phi)
-        d.frame("E", self.theta, axis=1, base="D")
-        d.frame("F", self.psi, base="E")
+        d.frame("F", self.theta, axis=1, base="D")
+        d.frame("G", self.psi, base="F")
         across = self.I1 - self.m * self.l**2
-        d.body("top", self.m, self.l * AXIS, "F", (across, across, self.I3))
+        d.body("top", self.m, self.l * AXIS, "G", (across, across, self.I3))
         self._velocity(self._rate())
 
     def _rate(self) -> Chain:
         """Derive the angular velocity along the axes of E."""
         d = self.d
-        turns = [omega("D", "I"), omega("E", "D"), omega("F", "E")]
+        turns = [omega("D", "I"), omega("F", "D"), omega("G", "F")]
         return (
-            d.law(Equation(omega("F"), add(*turns)), "angular velocities add", label="turns")
+            d.law(Equation(omega("G"), add(*turns)), "angular velocities add", label="turns")
             .then(
                 "precession about the vertical, nutation about the line of nodes, spin about the axis",
                 *(use(d.definition_of(t)) for t in turns),
@@ -112,7 +112,7 @@ class Top:
             )
             .then(
                 "the vertical lies in the plane of e2 and e3",
-                along_turned(d.own, "E"),
+                along_turned(d.own, "F"),
                 chain(d.scalars),
                 distribute,
                 label="omega",
@@ -123,7 +123,7 @@ class Top:
         """Derive the velocity of the centre of mass."""
         d = self.d
         turning = d.law(
-            Equation(der(AXIS), cross(omega("F"), AXIS)),
+            Equation(der(AXIS), cross(omega("G"), AXIS)),
             "the axis is fixed in the top and turns with it",
             label="axis-turns",
         )
@@ -136,7 +136,7 @@ class Top:
             use(turning.equation),
             use(rate.equation),
             distribute,
-            orthonormal("E"),
+            orthonormal("F"),
             distribute,
             label="velocity",
         )
@@ -152,11 +152,11 @@ class Top:
             "in the axes of the top; m l^2 and the moment about the centre of mass add up to I_1",
             use(energy.equation),
             *map(use, self.known("velocity", "omega")),
-            along_turned(d.own, "F"),
+            along_turned(d.own, "G"),
             distribute,
             dyads,
             distribute,
-            orthonormal("F"),
+            orthonormal("G"),
             compute(),
             label="T-angles",
         )
@@ -166,9 +166,9 @@ class Top:
             "the height of the centre of mass is l cos theta",
             use(d.definition_of(self.V)),
             use(d.definition_of(position("top"))),
-            along_turned(d.own, "E"),
+            along_turned(d.own, "F"),
             distribute,
-            orthonormal("E"),
+            orthonormal("F"),
             compute(),
             label="V",
         )

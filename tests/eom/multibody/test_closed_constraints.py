@@ -153,7 +153,7 @@ def test_the_bead_by_lagrange_with_its_normal_forces():
 def test_a_prescribed_rate_is_written_as_such():
     motion = Motion((A * sp.sin(w * t),))
     text = tree_page(bead(motion), "lagrange", names={"q_swing": "theta", "u_hoop": "Omega"})
-    assert "Ω(t)     = A w cos(t w)" in text
+    assert "Ω(t)     = A w cos(w t)" in text
     assert "R θ̈ − R sin(θ) cos(θ) Ω² + g sin(θ)" in text
     assert "q̇_hoop" not in text
     spun = Motion((Omega * t,))

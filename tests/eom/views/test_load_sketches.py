@@ -63,7 +63,7 @@ def test_a_component_of_torque_has_its_sense_at_the_start():
     first, third = arrows(picture, TORQUE)
     np.testing.assert_allclose(way(first), b[0], atol=1e-12)
     np.testing.assert_allclose(way(third), -b[2], atol=1e-12)
-    assert first.words == r"$M \cos{\left(t \right)}\,\mathbf{b}_1$"
+    assert first.words == r"$M \cos t\,\mathbf{b}_1$"
     assert third.words == r"$-k \omega_{3}\,\mathbf{b}_3$"
 
 
