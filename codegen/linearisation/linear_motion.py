@@ -241,15 +241,44 @@ def linearise_about(
 ) -> LinearMotion:
     """Return the linear motion about a point that `codegen.equilibrium` found, by independent states.
 
-    ``point``: of the same system. ``constraints``: invariants or outputs that keep their values, beside
-    the constraints that the system maintains; what follows from them along the motion is kept, too. Unit
-    quaternions lose one state, or with ``attitude="angles"`` become three small angles about the body's
-    axes, ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``:
-    whether `agreement` is computed. Units are those of the system, eigenvalues are in 1/s. ``attitude``:
-    ``states`` or ``angles`` (rad). Raises `InputError` for unknown names, and a point of another system.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), app. A, on the stability of linear systems; the
-    check: Squire and Trapp, SIAM Review 40 (1998) 110.
+    Parameters
+    ----------
+    compiled : Compiled
+        The system.
+    point : Equilibrium
+        Of the same system.
+    constraints : iterable of str, optional
+        Invariants or outputs that keep their values, beside the constraints that the system maintains;
+        what follows from them along the motion is kept, too.
+    independent_states : iterable of str, optional
+        States to be kept.
+    attitude : str, default "states"
+        How unit quaternions are told: ``states``, of which one is lost, or ``angles``, three small ones
+        (rad) about the body's axes, ``angle_<state>``.
+    check : bool, default True
+        Whether `agreement` is computed.
 
+    Returns
+    -------
+    LinearMotion
+        Matrices, eigenvalues and stability. Cyclic states are left out.
+
+    Raises
+    ------
+    InputError
+        For unknown names, and a point of another system.
+
+    Notes
+    -----
+    Units are those of the system, eigenvalues are in 1/s.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), app. A, on the stability of linear systems; the check:
+    Squire and Trapp, SIAM Review 40 (1998) 110.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> q, u = sp.symbols("q u", real=True)
     >>> arm = codegen.compile(eom.System.from_rates("arm", {q: u, u: -sp.sin(q) - 2 * u}), "numpy")
