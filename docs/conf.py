@@ -43,10 +43,16 @@ autodoc_class_signature = "mixed"
 autodoc_type_aliases = {
     name: name
     for name in (
-        "AnyScene", "Array", "ArrayLike", "Domain", "Expr", "Given", "Many", "Matrix", "Names",
-        "Quaternion", "Range", "Row", "Signal", "TorqueLaw", "Values",
+        "AnyScene",
+        "Array",
+        "ArrayLike",
+        "Expr",
+        "InputsGiven",
+        "Many",
+        "Matrix",
+        "Values",
     )
-}  # fmt: skip
+}  # each is explained in reference/types.md; others are written out
 python_use_unqualified_type_names = True
 toc_object_entries_show_parents = "hide"
 nitpick_ignore_regex = [("py:.*", ".*")]  # types of other packages have no page here

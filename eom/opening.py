@@ -20,13 +20,34 @@ AnyScene = Scene | TreeScene
 def load_scene(name: str | Path, *, strict: bool = True, floating: bool = False) -> AnyScene:
     """Return a ready scene by its name, or one from a file.
 
-    Files: ``.toml``, ``.urdf`` (extra ``urdf``), and ``.xml`` of MuJoCo (extra ``mujoco``). A word that is
-    no file is a ``name`` of a ready scene. A `Scene` has one body, a `TreeScene` many; both answer the
-    same. Of a robot's file: unless ``strict``, what no body or tree is gets mended, and the scene's
-    ``repairs`` say how, and what was left out; ``floating`` frees the root link. SI units, angles in
-    radians; frames are those of the ground, the bodies and the joints. Raises `InputError` for other names,
-    with the file's name for whatever is wrong in it, and for these words on other scenes than robots.
+    Parameters
+    ----------
+    name : str or Path
+        A file: ``.toml``, ``.urdf`` (extra ``urdf``), or ``.xml`` of MuJoCo (extra ``mujoco``). A word
+        that is no file is the name of a ready scene.
+    strict : bool, default True
+        Of a robot's file: unless it is set, what no body or tree is gets mended, and the scene's
+        ``repairs`` say how, and what was left out.
+    floating : bool, default False
+        Of a robot's file: whether the root link is freed.
 
+    Returns
+    -------
+    Scene or TreeScene
+        A `Scene` has one body, a `TreeScene` many; both answer the same.
+
+    Raises
+    ------
+    InputError
+        For other names, with the file's name for whatever is wrong in it, and for ``strict`` and
+        ``floating`` on other scenes than robots.
+
+    Notes
+    -----
+    SI units, angles in radians; frames are those of the ground, the bodies and the joints.
+
+    Examples
+    --------
     >>> load_scene("double-pendulum").derive().state_names
     ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
     """

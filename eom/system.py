@@ -123,13 +123,40 @@ class System:
     ) -> System:
         """Return a system of ``{state symbol: rate}``; what else is free becomes a parameter.
 
-        ``rates``: one expression a state, in the order of the states. ``inputs``: symbols of inputs.
-        ``time``: the symbol of time, SymPy's real ``t``. ``outputs``, ``invariants``: expressions by name;
-        that an invariant is constant is not tested. ``attitudes``: bodies among the states, which closed
-        forms, methods on the group of rotations and unit quaternions need; nobody looks for them.
-        Parameters are in the order of their names. Any consistent units. Raises `InputError` for text in
-        place of expressions, and as `System` does.
+        Parameters
+        ----------
+        name : str
+            What it is called, also in generated code.
+        rates : mapping of symbols to expressions
+            One a state, in the order of the states.
+        inputs : iterable of symbols, optional
+            Which free symbols are inputs, and not parameters.
+        time : symbol, optional
+            The symbol of time, SymPy's real ``t`` unless given.
+        outputs : mapping of str to expressions, optional
+            What else is wanted, by name.
+        invariants : mapping of str to expressions, optional
+            What is constant along every solution, by name; that it is so is not tested.
+        attitudes : sequence of BodyAttitude, optional
+            Bodies among the states, which closed forms, methods on the group of rotations and unit
+            quaternions need; nobody looks for them.
 
+        Returns
+        -------
+        System
+            Its parameters are in the order of their names.
+
+        Raises
+        ------
+        InputError
+            For text in place of expressions, and as `System` does.
+
+        Notes
+        -----
+        Any consistent units.
+
+        Examples
+        --------
         >>> y1, y2, k = sp.symbols("y1 y2 k")
         >>> System.from_rates("oscillator", {y1: y2, y2: -k * y1}).parameter_names
         ('k',)

@@ -4,13 +4,15 @@
 ``eom``, called through the command line in this process, or of a shell; a block ``text`` or ``json``
 that follows is what they must have printed, where ``...`` stands for anything, and numbers agree if they
 are as near as their digits say; a block with a caption is a file of that name. A block ``console`` is not
-run: `NOT_RUN` says what may stand there. With several pages each runs in a process and a folder of its own,
-and what was wrong with each is printed as JSON.
+run: `NOT_RUN` says what may stand there. A block of the class ``with-NAME``, and the text that it prints,
+is passed over where the module NAME is not installed: it shows another program. With several pages each
+runs in a process and a folder of its own, and what was wrong with each is printed as JSON.
 """
 
 import contextlib
 import difflib
 import importlib
+import importlib.util
 import io
 import json
 import logging
@@ -29,6 +31,7 @@ FENCE = re.compile(
     r"^(?P<mark>`{3,}|:{3,})(?P<kind>[^\n`]*)\n(?P<body>.*?)^(?P=mark)$", re.MULTILINE | re.DOTALL
 )
 CAPTION = re.compile(r"\A(?::\w+:.*\n)*:caption: (?P<name>\S+)\n(?::\w+:.*\n)*\n*")
+WITH = re.compile(r"\A(?::\w+:.*\n)*:class: with-(?P<name>\w+)\n\n*")
 NUMBER = re.compile(
     r"(?<![\w.])[-+]?(?:\d{1,3}(?:,\d{3})+|\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?![\w.]*[A-Za-z_])"
 )
@@ -43,12 +46,16 @@ SHELL = ("cc ", "make ", "./", "cat ", "cp ", "ls", "mkdir ")
 
 @dataclass(frozen=True)
 class Block:
-    """What stands between fences: its language, the file it is (or nothing), its text, and its line."""
+    """What stands between fences: its language, the file it is (or nothing), its text, its line.
+
+    ``needs``: the module without which it is passed over, if there is one.
+    """
 
     language: str
     file: str
     text: str
     line: int
+    needs: str = ""
 
 
 def blocks(page: str) -> Iterator[Block]:
@@ -58,9 +65,29 @@ def blocks(page: str) -> Iterator[Block]:
         if not language or language.startswith("{"):
             continue
         caption = CAPTION.match(found["body"])
-        text = found["body"][caption.end() :] if caption else found["body"]
+        needs = WITH.match(found["body"])
+        options = caption or needs
+        text = found["body"][options.end() :] if options else found["body"]
         line = page.count("\n", 0, found.start()) + 1
-        yield Block(language, caption["name"] if caption else "", text, line)
+        yield Block(
+            language,
+            caption["name"] if caption else "",
+            text,
+            line,
+            needs["name"] if needs else "",
+        )
+
+
+def there(found: Iterator[Block]) -> Iterator[Block]:
+    """Yield the blocks but those of programs that are absent, and the texts that these would print."""
+    absent = False
+    for block in found:
+        answer = block.language in {"text", "json"} and not block.file
+        absent = (
+            absent if answer else bool(block.needs) and not importlib.util.find_spec(block.needs)
+        )
+        if not absent:
+            yield block
 
 
 def agrees(shown: str, printed: str) -> bool:
@@ -133,7 +160,7 @@ def run(path: Path) -> int:
     python = _python(path.name, names)
     runs: dict[str, Callable[[Block], None]] = {"python": python, "bash": lambda b: _bash(b.text)}
     printed, count = "", 0
-    for block in blocks(path.read_text(encoding="utf-8")):
+    for block in there(blocks(path.read_text(encoding="utf-8"))):
         place = f"{path.name}, line {block.line}"
         if block.file:
             Path(block.file).write_text(block.text, encoding="utf-8")

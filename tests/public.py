@@ -149,6 +149,29 @@ def doc_of_class(cls):
     return "\n\n".join(inspect.cleandoc(c.__doc__ or "") for c in lineage(cls))
 
 
+SECTIONS = ("Parameters", "Returns", "Raises", "Notes", "References", "Examples")
+"""Sections of a docstring that has any, in this order, as numpydoc writes them."""
+HEADING = re.compile(r"^(\w+)\n-{3,}$", re.MULTILINE)
+
+
+def sections(words):
+    """The text of each section of a docstring by its heading, in order."""
+    _, *parts = HEADING.split(words)
+    return {name: text.strip("\n") for name, text in zip(parts[::2], parts[1::2], strict=True)}
+
+
+def rows_of(section):
+    """The text below each name of a section; of a row with several names below each."""
+    found, names = {}, []
+    for line in section.splitlines():
+        if line and not line.startswith(" "):
+            names = [name.strip() for name in line.partition(" : ")[0].split(",")]
+            found |= dict.fromkeys(names, "")
+        else:
+            found |= {name: f"{found[name]} {line.strip()}".strip() for name in names}
+    return found
+
+
 # -- members and fields ---------------------------------------------------------------------------
 
 

@@ -15,7 +15,7 @@ import sympy as sp
 from codegen.native import native
 from eom.kinematics.coordinates import SEQUENCES, quaternion_of_sequence
 from eom.rotations import matrix_of_quaternion
-from tests.pages import Block, agrees, blocks
+from tests.pages import Block, agrees, blocks, there
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -30,6 +30,7 @@ PAGES = sorted(
 NEEDS = {
     "many-bodies": ("yourdfpy",),
     "robots": ("yourdfpy", "mujoco"),
+    "from-other-programs": ("yourdfpy",),
     "monte-carlo": ("zarr",),
     "fmu": ("fmpy",),
     "jax": ("jax", "diffrax"),
@@ -159,6 +160,18 @@ def test_blocks_are_found_with_their_files_and_lines():
         Block("python", "", "x = 1\n", 3),
         Block("toml", "a.toml", "b = 2\n", 13),
     ]
+
+
+@pytest.mark.parametrize(("module", "run"), [("sympy", 4), ("no_such_module", 2)])
+def test_blocks_of_programs_that_are_absent_are_passed_over_with_what_they_print(module, run):
+    page = (
+        f"```{{code-block}} python\n:class: with-{module}\n\nprint(1)\n```\n\n```text\n1\n```\n\n"
+        "```python\nprint(2)\n```\n\n```text\n2\n```\n"
+    )
+    found = list(blocks(page))
+    assert [b.needs for b in found] == [module, "", "", ""]
+    assert found[0].text == "print(1)\n"
+    assert list(there(iter(found))) == found[-run:]
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,14 @@ Rules, for everything that `tests/public.py` finds:
   or by its type where that is a class under these rules;
 - an array that is returned or held has its shape in words in brackets, as (3,) or (n, N);
 - an error that the function raises, or what it calls directly, is named behind "Raises";
+- a docstring in sections has those of numpydoc in their order, its arguments in the order in which they
+  are taken, each with a text; what users call most (`IN_SECTIONS`) is written so;
 - each public function has an example that runs, but for what takes seconds (`SLOW`).
 """
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
 from dataclasses import dataclass
@@ -28,6 +31,7 @@ from codegen.compiling.checked import Array
 from eom.errors import InputError
 from tests.facts import COLUMNS, FACTS, INNER, NEVER, NONE
 from tests.public import (
+    SECTIONS,
     classes_in,
     doc_of_class,
     doc_of_constant,
@@ -41,6 +45,8 @@ from tests.public import (
     public,
     reached,
     returned,
+    rows_of,
+    sections,
     texts_of_fields,
 )
 
@@ -52,6 +58,24 @@ FUNCTIONS = {n: inspect.unwrap(o) for n, o in PUBLIC.items() if function_of(o)}
 MEMBERS = {f"{n}.{m}": (c, m, f) for n, c in CLASSES.items() for m, f in members(c).items()}
 CALLABLE = FUNCTIONS | {n: f for n, (_, _, f) in MEMBERS.items()}
 ARRAY = re.compile(r"\b(Array|NDArray|ndarray|Counts|Floats)\b")
+IN_SECTIONS = {
+    "eom.load_scene",
+    "eom.multibody.derive",
+    "codegen.accuracy",
+    "codegen.equilibrium",
+    "codegen.generate",
+    "codegen.linearise_about",
+    "codegen.sensitivities",
+    "codegen.write_fmu",
+    "eom.System.from_rates",
+    "eom.check",
+    "eom.derive",
+    "codegen.compile",
+    "codegen.ensemble",
+    "codegen.integrator",
+    "codegen.linearise",
+    "codegen.simulate",
+}
 SLOW = {"eom.derivations.lectures.equation_map"}
 NUMBERS = re.compile(r"\b(float|Array|ArrayLike|NDArray|Expr|Value)\b")
 SHAPE = re.compile(
@@ -98,7 +122,8 @@ def says_itself(name, annotation):
 def not_named(taken, words):
     """Return what of the parameters or fields ``taken`` the docstrings do not name."""
     texts = [words, *named_in(words)]
-    return [n for n, annotation in taken.items() if not says_itself(n, str(annotation))
+    told = {n for t in texts for n in rows_of(sections(t).get("Parameters", ""))}
+    return [n for n, annotation in taken.items() if not says_itself(n, str(annotation)) and n not in told
             and not any(f"``{n}``" in t or f"``{n}(" in t for t in texts)]  # fmt: skip
 
 
@@ -154,7 +179,7 @@ def shapeless_fields(words, cls):
 
 def unreported_errors(words, obj):
     functions = makers(obj) if inspect.isclass(obj) else [obj]
-    raised = set().union(*map(errors, functions))
+    raised = set().union(*map(errors, functions)) - set(rows_of(sections(words).get("Raises", "")))
     reported = {e for t in [words, *named_in(words)] for e in re.findall(r"`(\w+Error)`", t)}
     yield from sorted(raised - reported)
     if raised and not re.search(r"[Rr]aise|[Ee]rrors", words):
@@ -164,6 +189,18 @@ def unreported_errors(words, obj):
 def no_example(words, _):
     if ">>> " not in words:
         yield "no example"
+
+
+def wrong_sections(words, function):
+    found = sections(words)
+    if list(found) != [s for s in SECTIONS if s in found]:
+        yield f"sections are {list(found)}"
+    rows = rows_of(found.get("Parameters", ""))
+    if "Parameters" in found and list(rows) != list(parameters(function)):
+        yield f"arguments are {list(parameters(function))}"
+    for heading in ("Parameters", "Returns", "Raises"):
+        below = rows_of(found.get(heading, ""))
+        yield from (f"{n} has no text" for n, text in below.items() if not text.endswith("."))
 
 
 METHODS = {n: f for n, f in CALLABLE.items() if n in FUNCTIONS or not is_property(*MEMBERS[n][:2])}
@@ -176,6 +213,7 @@ RULES = {
     shapeless_fields: CLASSES,
     unreported_errors: {n: obj for n, obj in (CALLABLE | CLASSES).items() if n not in NEVER},
     no_example: {n: f for n, f in FUNCTIONS.items() if n not in SLOW},
+    wrong_sections: CALLABLE,
 }
 """Each rule, and what it holds for."""
 
@@ -186,8 +224,27 @@ def test_docstrings_are_complete(rule):
     assert {n: found for n, found in wrong.items() if found} == {}
 
 
+@pytest.mark.parametrize("name", sorted(IN_SECTIONS))
+def test_what_is_called_most_says_all_in_sections(name):
+    assert {"Parameters", "Returns", "Raises", "Examples"} <= set(sections(doc_of(name)))
+
+
 def refused(x: float) -> float:
     raise InputError("not that", got=x)
+
+
+IN_ORDER = """Do it.
+
+Parameters
+----------
+x : float
+    A number.
+
+Raises
+------
+InputError
+    Always.
+"""
 
 
 def calls(x: float) -> Array:
@@ -220,6 +277,12 @@ def test_the_rules_see_what_is_missing():
     assert "InputError" in unreported_errors("Do it.", calls)
     assert "InputError" in unreported_errors("Do it.", Vague)
     assert not list(unreported_errors("Do it. Raises `InputError`.", refused))
+    assert not list(wrong_sections(IN_ORDER, refused))
+    assert not list(unnamed_parameters(IN_ORDER, refused))
+    assert not list(unreported_errors(IN_ORDER, refused))
+    assert list(wrong_sections(IN_ORDER.replace("x : float", "y : float"), refused))
+    assert list(wrong_sections(IN_ORDER.replace("    A number.", ""), refused)) == ["x has no text"]
+    assert list(wrong_sections(IN_ORDER.replace("Raises", "Errors"), refused))
 
 
 # -- the facts ------------------------------------------------------------------------------------
@@ -265,6 +328,22 @@ def test_each_public_name_states_its_facts():
 def test_what_is_inner_is_reached():
     """A class that users come to follows the rules, or is listed as one that they need not know."""
     assert set(INNER) <= set(reached(INNER))
+
+
+def test_names_of_trees_and_of_types_stand_on_their_pages():
+    reference = Path(__file__).parents[1] / "docs" / "reference"
+    page = (reference / "many-bodies.md").read_text("utf-8")
+    listed = re.findall(r"^\.\. auto\w+:: eom\.multibody\.(\w+)$", page, re.MULTILINE)
+    assert sorted(listed) == sorted(set(eom.multibody.__all__) - {"GROUND"})
+    page = (reference / "types.md").read_text("utf-8")
+    told = re.findall(r"^\.\. py:data:: (\w+)$", page, re.MULTILINE)
+    conf = ast.parse((reference.parent / "conf.py").read_text("utf-8"))
+    (names,) = (
+        ast.literal_eval(n.value.generators[0].iter)
+        for n in conf.body
+        if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) == "autodoc_type_aliases"
+    )
+    assert sorted(told) == sorted(names)
 
 
 def test_one_page_lists_the_names_of_both_packages():

@@ -234,28 +234,55 @@ def compile(  # noqa: A001 - the word that users expect
 ) -> Compiled:
     """Compile ``system`` for a target.
 
-    ``target``: ``c``, ``numpy``, ``python`` (plain floats), ``jax`` (see `Compiled.module`), or ``auto``
-    (C where a compiler works).
-    ``system``: an `eom.System`, or what `codegen.frontend.from_sympy_mechanics.as_system` accepts: SymPy's
-    KanesMethod, LagrangesMethod, SymbolicSystem or mechanics System, (states, rates), (states, mass matrix,
-    forces).
-    ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
-    name of another parameter makes the two equal. ``states``: values at which states stay, as in
-    planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.
-    ``rules``: the laws by which operations may be exchanged, of `codegen.ir.fold.RULE_SETS`:
-    ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
-    ``stable``: apply every identity of `codegen.passes.stable` against cancellation; those that cost no
-    time are always applied. `codegen.accuracy` shows where it helps. ``attitudes``: bodies among the states
-    of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives states them itself.
-    ``progress``: called with the stage, one of `codegen.ir.compile_progress.STAGES` in this order, and the
-    share of it that is done, 0 to 1; where target auto finds no C compiler, text and compiler come once
-    more, for NumPy. What it raises ends the compilation, and nothing of it is kept.
+    Parameters
+    ----------
+    system : System or what SymPy has
+        An `eom.System`, or what `codegen.frontend.from_sympy_mechanics.as_system` accepts: SymPy's
+        KanesMethod, LagrangesMethod, SymbolicSystem or mechanics System, (states, rates), (states, mass
+        matrix, forces).
+    target : str, default "auto"
+        ``c``, ``numpy``, ``python`` (plain floats), ``jax`` (see `Compiled.module`), or ``auto`` (C
+        where a compiler works, else NumPy).
+    parameters : mapping, optional
+        Numbers for some or all parameters, which are then compiled in and folded; the name of another
+        parameter makes the two equal. What has a number leaves the arrays.
+    states : mapping, optional
+        Values at which states stay, as in planar motion; they leave the arrays, too.
+    inputs : mapping, optional
+        Values of inputs that never change, likewise.
+    rules : str, default "algebraic"
+        The laws by which operations may be exchanged, of `codegen.ir.fold.RULE_SETS`: ``algebraic``, or
+        ``exact`` for those that hold bit for bit, NaN and infinities included.
+    stable : bool, default False
+        Apply every identity of `codegen.passes.stable` against cancellation; those that cost no time
+        are always applied. `codegen.accuracy` shows where it helps.
+    attitudes : sequence of BodyAttitude, optional
+        Bodies among the states of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives
+        states them itself.
+    progress : callable, optional
+        Called with the stage, one of `codegen.ir.compile_progress.STAGES` in this order, and the share
+        of it that is done, 0 to 1; where target auto finds no C compiler, text and compiler come once
+        more, for NumPy. What it raises ends the compilation, and nothing of it is kept.
 
+    Returns
+    -------
+    Compiled
+        The functions ``rhs``, ``outputs`` and others, their layout of arrays, and their text.
+
+    Raises
+    ------
+    InputError
+        For unknown names, states that do not stay, values that contradict the system's assumptions,
+        attitudes that are not so, and expressions without an operation.
+    CompilerError
+        Where target ``c`` cannot be compiled.
+
+    Notes
+    -----
     Units are those of the system, any consistent units.
-    Raises `InputError` for unknown names, states that do not stay, values that contradict the
-    system's assumptions, attitudes that are not so, and expressions without an operation;
-    `CompilerError` where target ``c`` cannot be compiled.
 
+    Examples
+    --------
     >>> import sympy as sp
     >>> y, v, k = sp.symbols("y v k", real=True)
     >>> oscillator = compile(System.from_rates("oscillator", {y: v, v: -k * y}), "numpy")

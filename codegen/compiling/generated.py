@@ -30,17 +30,44 @@ def generate(
 ) -> Mapping[str, str]:
     """Return code for ``system`` as texts by file name, and write it into ``folder`` if one is given.
 
-    ``target``: c (with an integrator), c_f32, c_lanes, numpy, python or javascript. ``system``: as of
-    `codegen.compile`; no compiler is needed. ``parameters``: numbers for some or all, which are
-    compiled in. ``integrator``: what stands beside the targets c and javascript, dop853 for c unless
-    another is named; ``rtol``: the relative tolerance that the order of taylor suits. ``jacobian``:
-    states, parameters, inputs or time, by which derivatives of the rates are written too. ``stable``:
-    apply every identity against cancellation.
+    Parameters
+    ----------
+    system : System or Compiled or what SymPy has
+        As of `codegen.compile`; no compiler is needed.
+    folder : path, optional
+        Where the files are written, each whole or not at all.
+    target : str, default "c"
+        ``c`` (with an integrator), ``c_f32``, ``c_lanes``, ``numpy``, ``python``, ``javascript``,
+        ``jax`` or ``matlab``.
+    parameters : mapping, optional
+        Numbers for some or all, which are compiled in.
+    integrator : str, optional
+        What stands beside the targets c and javascript; for c dop853 unless another is named.
+    rtol : float, default 1e-9
+        The relative tolerance that the order of taylor suits.
+    jacobian : sequence of str, optional
+        ``states``, ``parameters``, ``inputs`` or ``time``, by which derivatives of the rates are
+        written too.
+    stable : bool, default False
+        Apply every identity against cancellation.
 
-    Units are those of the system. The same arguments give the same bytes. Raises `InputError` for unknown
-    names, targets and integrators, for what a target cannot compute, and where the folder cannot be
-    written; each file appears whole or not at all.
+    Returns
+    -------
+    mapping of str to str
+        The texts by the names of their files. The same arguments give the same bytes.
 
+    Raises
+    ------
+    InputError
+        For unknown names, targets and integrators, for what a target cannot compute, and where the
+        folder cannot be written.
+
+    Notes
+    -----
+    Units are those of the system.
+
+    Examples
+    --------
     >>> import sympy as sp
     >>> y, v, k = sp.symbols("y v k", real=True)
     >>> sorted(generate(System.from_rates("oscillator", {y: v, v: -k * y}), target="numpy"))

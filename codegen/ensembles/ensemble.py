@@ -198,25 +198,78 @@ def ensemble(
 ) -> Ensemble:
     """Integrate many trajectories of ``system`` over ``t_span`` (s).
 
-    ``initial``, ``parameters``: by name or in order, each a number for all or one a trajectory (N,); or
-    as ``initial`` a `Sampler` of states and parameters. ``method``: auto (Taylor series where every
-    operation has a rule, else DOP853), taylor or DOP853. ``rtol``, ``atol``, ``max_step``, ``max_steps``
-    and ``margin`` are those of `simulate`, ``atol`` by the scales of each trajectory, ``inputs`` numbers
-    by name, or symbolic laws that are sampled. ``t_eval``: times to store; without it the end alone.
-    ``statistics``: names of states and outputs, or `Statistics`. ``keep``: whether the trajectories are
-    kept in memory, by default where there is no ``store``, a folder for them in ``store_format`` zarr or
-    parquet; a run that broke off is called again to go on. ``chunk``: trajectories of a task, made a
-    multiple of 256. ``threads``: by default one a processor; ``client``: a client of `dask.distributed`
-    does it instead. ``progress``: called with the share that is done.
+    Parameters
+    ----------
+    system : System or Compiled
+        What to integrate.
+    initial : mapping, sequence or Sampler
+        The states at the start, by name or in order, each a number for all or one a trajectory (N,); or
+        a `Sampler` of states and parameters.
+    t_span : (float, float)
+        Start and end (s).
+    parameters : mapping or sequence, optional
+        As ``initial``.
+    method : str, default "auto"
+        ``auto`` (Taylor series where every operation has a rule, else DOP853), ``taylor`` or
+        ``DOP853``.
+    rtol : float, default 1e-9
+        Relative tolerance of a step.
+    atol : float or array, optional
+        Absolute tolerance, as of `simulate`, by the scales of each trajectory.
+    t_eval : array, optional
+        Times to store (s); without it the end alone.
+    inputs : mapping, optional
+        Numbers by name, or symbolic laws that are sampled.
+    statistics : Statistics or sequence of str, optional
+        Names of states and outputs, or `Statistics`.
+    keep : bool, optional
+        Whether the trajectories are kept in memory; by default where there is no ``store``.
+    store : path, optional
+        A folder for the trajectories. A run that broke off is called again to go on.
+    store_format : str, default "zarr"
+        ``zarr`` or ``parquet``.
+    chunk : int, optional
+        Trajectories of a task, made a multiple of 256.
+    threads : int, optional
+        How many; by default one a processor.
+    client : optional
+        A client of `dask.distributed`, which does it instead of threads.
+    max_step : float, default inf
+        Longest step (s).
+    max_steps : int
+        Most steps of a trajectory.
+    margin : float, default 1e-6
+        A trajectory stops where a singularity's expression gets below it.
+    progress : callable, optional
+        Called with the share that is done, 0 to 1.
 
-    Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` says so.
-    Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
-    `InputError` for unusable arguments, samples that are not finite or contradict the system's
-    assumptions (`AssumptionError`), a store that cannot be written or holds another ensemble, and before
-    the run what cannot fit into memory: trajectories that are kept, chunks at work.
-    Units are those of the system. Sources: as of `simulate`; of means and variances Chan, Golub and
-    LeVeque, Am. Stat. 37 (1983) 242; of random numbers Salmon, Moraes, Dror and Shaw, SC 2011.
+    Returns
+    -------
+    Ensemble
+        States and outputs of all trajectories, why each stopped, and the statistics.
 
+    Raises
+    ------
+    InputError
+        For unusable arguments, samples that are not finite, a store that cannot be written or holds
+        another ensemble, and before the run what cannot fit into memory: trajectories that are kept,
+        chunks at work.
+    AssumptionError
+        For samples that contradict the system's assumptions.
+
+    Notes
+    -----
+    Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` says so. Never
+    raises for what happens on the way of a trajectory: its status says why it stopped. Units are those
+    of the system.
+
+    References
+    ----------
+    As of `simulate`; of means and variances Chan, Golub and LeVeque, Am. Stat. 37 (1983) 242; of random
+    numbers Salmon, Moraes, Dror and Shaw, SC 2011.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen
     >>> y, v, k = sp.symbols("y v k", real=True)
     >>> oscillator = codegen.compile(System.from_rates("oscillator", {y: v, v: -k * y}), "numpy")

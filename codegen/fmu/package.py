@@ -72,20 +72,55 @@ def write_fmu(
 ) -> Path:
     """Write a system as a functional mock-up unit, for Model Exchange and Co-Simulation.
 
-    ``system``: what `codegen.compile` takes, or a compiled system. ``path``: of the archive, or a folder,
-    which gets NAME.fmu. ``initial``, ``parameters``, ``inputs``: start values by name, as of
-    `codegen.simulate`; whoever runs the unit may set others. ``t_span``: of the default experiment (s);
-    ``rtol``: of the integrator inside, DOP853, for Co-Simulation. ``version``: 3.0 or 2.0.
-    ``platforms``: of `PLATFORMS`, those that it runs on; none: the archive holds sources alone; by default
-    this one, where there is a C compiler. Others than this one are built by zig (extra ``compiler``).
-    ``progress``: as of `codegen.compile`. Returns the path.
+    Parameters
+    ----------
+    system : System or Compiled or what SymPy has
+        What `codegen.compile` takes, or a compiled system.
+    path : path
+        Of the archive, or a folder, which gets NAME.fmu.
+    initial : mapping or sequence of float
+        Start values of the states, as of `codegen.simulate`; whoever runs the unit may set others.
+    parameters : mapping or sequence of float, optional
+        Start values of the parameters, likewise.
+    inputs : mapping, optional
+        Start values of the inputs, likewise.
+    t_span : (float, float), default (0, 10)
+        Of the default experiment (s).
+    rtol : float, default 1e-9
+        Of the integrator inside, DOP853, for Co-Simulation.
+    version : str, default "3.0"
+        ``3.0`` or ``2.0``.
+    platforms : sequence of str, optional
+        Of `PLATFORMS`, those that it runs on; none: the archive holds sources alone; by default this
+        one, where there is a C compiler. Others than this one are built by zig (extra ``compiler``).
+    progress : callable, optional
+        As of `codegen.compile`.
 
+    Returns
+    -------
+    Path
+        Of the archive.
+
+    Raises
+    ------
+    InputError
+        For wrong names and values, for inputs that are functions, for an operation that C lacks, and
+        where the file cannot be written.
+    CompilerError
+        Where the compiler fails.
+
+    Notes
+    -----
     States are outputs with exact start values, parameters are tunable, what sampled laws hold is local;
     values have their units. Derivatives by states and inputs are exact. Branches of the rates are event
-    indicators, samples are time events. Raises `InputError` for wrong names and values, for inputs that
-    are functions, for an operation that C lacks, and where the file cannot be written; `CompilerError`
-    where the compiler fails. Source: Functional Mock-up Interface Specification 3.0.1 (2023) and 2.0.4.
+    indicators, samples are time events.
 
+    References
+    ----------
+    Functional Mock-up Interface Specification 3.0.1 (2023) and 2.0.4.
+
+    Examples
+    --------
     >>> import sympy as sp, tempfile
     >>> y, v, k = sp.symbols("y v k", real=True)
     >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y})

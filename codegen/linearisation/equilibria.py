@@ -188,17 +188,52 @@ def equilibrium(
 ) -> Equilibrium:
     """Return the solution nearest to the guess of those that are found from it and from points around it.
 
-    ``guess``: states by name, 0 where left out (1 in a quaternion's first place). ``parameters``:
-    numbers by name or in order. ``inputs``: their values, 0 where left out; those in ``free`` are looked
-    for, from there. ``cyclic``: states that may run, on which no other rate depends. ``hold``: values of
-    states, outputs or invariants that the solution must have; the constraints that the system maintains
-    are met anyhow. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
-    the guess, in the scale of each state (`codegen.linearisation.equilibria`: 1 for angles, others by what
-    they do beside them), in which near is meant, too. Values that rounding hides are zero. The same
-    arguments give the same result. Units are those of the system. Raises `InputError` where nothing is
-    found, for unknown names, and for rates that depend on time. Source: Newton's method with steps of least
-    size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
+    Parameters
+    ----------
+    compiled : Compiled
+        The system; its rates must not depend on time.
+    guess : mapping, optional
+        States by name, 0 where left out (1 in a quaternion's first place).
+    parameters : mapping or sequence of float, optional
+        Numbers by name or in order.
+    inputs : mapping, optional
+        Their values, 0 where left out.
+    free : iterable of str, optional
+        Inputs that are looked for, from the values that they have.
+    cyclic : iterable of str, optional
+        States that may run, on which no other rate depends.
+    hold : mapping, optional
+        Values of states, outputs or invariants that the solution must have; the constraints that the
+        system maintains are met anyhow.
+    starts : int, default 24
+        How many points are tried.
+    seed : int, default 0
+        By which they are drawn.
+    spread : float, default 1
+        How far from the guess, in the scale of each state (`codegen.linearisation.equilibria`: 1 for
+        angles, others by what they do beside them), in which near is meant, too.
 
+    Returns
+    -------
+    Equilibrium
+        States and inputs by name, and whether the solution is isolated. Values that rounding hides are
+        zero; the same arguments give the same result.
+
+    Raises
+    ------
+    InputError
+        Where nothing is found, for unknown names, and for rates that depend on time.
+
+    Notes
+    -----
+    Units are those of the system.
+
+    References
+    ----------
+    Newton's method with steps of least size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> q, u = sp.symbols("q u", real=True)
     >>> arm = codegen.compile(eom.System.from_rates("arm", {q: u, u: sp.cos(q) - u}), "numpy")

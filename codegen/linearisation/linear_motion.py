@@ -104,14 +104,42 @@ def linearise(
 ) -> Linear:
     """Return A, B, C, D at a point, or with a last axis of N at N points, such as a trajectory.
 
-    Shapes: ``x`` (n,) or (n, N), and so for ``p``, ``u``, ``t``: the ``y``, ``t`` and parameters
-    of a `codegen.Result` fit as they are; values by name, each a number or (N,), fit as well. All four
-    come from one call of one function, which is
-    compiled at the first use and kept by ``compiled``. They are the linear part about any point;
-    that dx' = A dx + B du alone describes the motion holds about points at rest. ``x``: states, ``p``:
-    parameters, ``u``: inputs, ``t``: time, in the units of the system.
-    Raises `InputError` as the compiled functions do. Source: as of `compiled_jacobian`.
+    Parameters
+    ----------
+    compiled : Compiled
+        The system; it keeps the function of the four matrices, which is compiled at the first use.
+    x : mapping or array
+        States, (n,) or (n, N); by name each a number or (N,). ``y`` of a `codegen.Result` fits as it
+        is.
+    p : mapping or array, optional
+        Parameters, in the same shapes.
+    u : mapping or array, optional
+        Inputs, in the same shapes.
+    t : float or array, default 0
+        Time, a number or (N,). All are in the units of the system.
 
+    Returns
+    -------
+    Linear
+        The matrices of dx' = A dx + B du, dy = C dx + D du, and the names of their rows and columns.
+
+    Raises
+    ------
+    InputError
+        As the compiled functions do.
+
+    Notes
+    -----
+    The matrices are the linear part about any point; that dx' = A dx + B du alone describes the motion
+    holds about points at rest, see `equilibrium` and `linearise_about`. All four come from one call of
+    one function.
+
+    References
+    ----------
+    The derivatives are those as of `compiled_jacobian`.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> y, v, F = sp.symbols("y v F", real=True)
     >>> cart = eom.System.from_rates("cart", {y: v, v: F - sp.sin(y)}, inputs=[F])
@@ -213,15 +241,44 @@ def linearise_about(
 ) -> LinearMotion:
     """Return the linear motion about a point that `codegen.equilibrium` found, by independent states.
 
-    ``point``: of the same system. ``constraints``: invariants or outputs that keep their values, beside
-    the constraints that the system maintains; what follows from them along the motion is kept, too. Unit
-    quaternions lose one state, or with ``attitude="angles"`` become three small angles about the body's
-    axes, ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``:
-    whether `agreement` is computed. Units are those of the system, eigenvalues are in 1/s. ``attitude``:
-    ``states`` or ``angles`` (rad). Raises `InputError` for unknown names, and a point of another system.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), app. A, on the stability of linear systems; the
-    check: Squire and Trapp, SIAM Review 40 (1998) 110.
+    Parameters
+    ----------
+    compiled : Compiled
+        The system.
+    point : Equilibrium
+        Of the same system.
+    constraints : iterable of str, optional
+        Invariants or outputs that keep their values, beside the constraints that the system maintains;
+        what follows from them along the motion is kept, too.
+    independent_states : iterable of str, optional
+        States to be kept.
+    attitude : str, default "states"
+        How unit quaternions are told: ``states``, of which one is lost, or ``angles``, three small ones
+        (rad) about the body's axes, ``angle_<state>``.
+    check : bool, default True
+        Whether `agreement` is computed.
 
+    Returns
+    -------
+    LinearMotion
+        Matrices, eigenvalues and stability. Cyclic states are left out.
+
+    Raises
+    ------
+    InputError
+        For unknown names, and a point of another system.
+
+    Notes
+    -----
+    Units are those of the system, eigenvalues are in 1/s.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), app. A, on the stability of linear systems; the check:
+    Squire and Trapp, SIAM Review 40 (1998) 110.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> q, u = sp.symbols("q u", real=True)
     >>> arm = codegen.compile(eom.System.from_rates("arm", {q: u, u: -sp.sin(q) - 2 * u}), "numpy")

@@ -95,13 +95,36 @@ def sensitivities(
 ) -> Sensitivities:
     """Return a system extended by the derivatives of its states by parameters and first states.
 
-    ``system``: a compiled system, whose target is kept, or what `codegen.compile` takes. ``parameters``,
-    ``initial_states``: names of those to differentiate by. Units are those of a state over those of a
-    variable.
-    Raises `InputError` for names that the system does not have (a parameter that was compiled in is
-    no parameter any more), for repeated ones, and where a name would mean two things.
-    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14.
+    Parameters
+    ----------
+    system : Compiled or System or what SymPy has
+        A compiled system, whose target is kept, or what `codegen.compile` takes.
+    parameters : sequence of str, optional
+        Names of parameters to differentiate by.
+    initial_states : sequence of str, optional
+        Names of states, by whose first values to differentiate.
 
+    Returns
+    -------
+    Sensitivities
+        The extended system, compiled, its start values, and its derivatives as a matrix.
+
+    Raises
+    ------
+    InputError
+        For names that the system does not have (a parameter that was compiled in is no parameter any
+        more), for repeated ones, and where a name would mean two things.
+
+    Notes
+    -----
+    Units are those of a state over those of a variable.
+
+    References
+    ----------
+    Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen
     >>> x, k = sp.symbols("x k", real=True)
     >>> decay = codegen.compile(System.from_rates("decay", {x: -k * x}), "numpy")

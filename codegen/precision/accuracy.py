@@ -78,15 +78,44 @@ def accuracy(
 ) -> AccuracyReport:
     """Measure every result of a compiled system against 50 digits.
 
-    ``domain``: (low, high), or a number to hold, by name of state, parameter, input or ``t``.
-    ``around``: values by name from which the ranges of the others follow, see `domain.domain_of`.
-    ``samples``: random points in the domain, drawn with ``seed``; points at zero, near singular
-    configurations and at extreme magnitudes come on top. ``jacobians``: what the rates are
-    differentiated by (states, parameters, inputs, time). ``progress``: called with 0 to 1.
-    Values are in the units of the system; errors in units in the last place (ulps).
-    Raises `InputError` for unknown names, unusable ranges and a number of samples below one.
-    Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 1.6.
+    Parameters
+    ----------
+    compiled : Compiled
+        The system.
+    domain : mapping, optional
+        (low, high), or a number to hold, by name of state, parameter, input or ``t``.
+    samples : int, default 200
+        Random points in the domain; points at zero, near singular configurations and at extreme
+        magnitudes come on top.
+    seed : int, default 0
+        By which they are drawn.
+    around : mapping, optional
+        Values by name from which the ranges of the others follow, see `domain.domain_of`.
+    jacobians : iterable of str, optional
+        What the rates are differentiated by: states, parameters, inputs, time.
+    progress : callable, optional
+        Called with the share that is done, 0 to 1.
 
+    Returns
+    -------
+    AccuracyReport
+        A row a result: typical and worst error, bound, condition, where it is worst and why.
+
+    Raises
+    ------
+    InputError
+        For unknown names, unusable ranges and a number of samples below one.
+
+    Notes
+    -----
+    Values are in the units of the system; errors in units in the last place (ulps).
+
+    References
+    ----------
+    Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 1.6.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> x = sp.Symbol("x", real=True)
     >>> slow = codegen.compile(eom.System.from_rates("slow", {x: sp.sin(x) - x}), "numpy")

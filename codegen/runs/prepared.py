@@ -360,19 +360,65 @@ def integrator(
 ) -> Integrator:
     """Prepare runs of ``system`` once, to make many with other values: ``run(initial, parameters)``.
 
-    All arguments are those of `codegen.simulate`, and a run gives what that gives, to the last bit.
-    ``t_span`` (s) may be left out where ``t_eval`` is given: then it is from its first to its last time.
-    A ``method`` that is named is compiled here; what ``auto`` chooses, which depends on the values, at the
-    first run that needs it, and closed forms are found for each run. ``inputs``: for runs that are
-    given none.
+    A run gives what `codegen.simulate` gives, to the last bit.
 
-    A run that ends within some hundred steps costs a few microseconds beside its loop where values are
-    numbers by name or in order, the method runs in generated C, and nothing is looked for on the way; with
-    units in texts, functions, laws, events, projection, dense output or fewer ``outputs`` it costs more.
+    Parameters
+    ----------
+    system : System or Compiled
+        What to integrate.
+    t_span : (float, float), optional
+        Start and end (s). May be left out where ``t_eval`` is given: then it is from its first to its
+        last time.
+    method : str, default "auto"
+        One of `METHODS`. One that is named is compiled here; what ``auto`` chooses, which depends on
+        the values, at the first run that needs it, and closed forms are found for each run.
+    rtol : float, default 1e-9
+        Relative tolerance of a step.
+    atol : float or array, optional
+        Absolute tolerance, a number or (n,).
+    t_eval : array, optional
+        Times to store (s); every step unless given.
+    inputs : mapping or callable, optional
+        For runs that are given none.
+    outputs : sequence of str, optional
+        Names of outputs and states that are wanted; all unless given.
+    dense_output : bool, default False
+        Whether results have ``sol``, a function of time.
+    first_step, max_step : float, optional
+        Length of the first step, and of the longest (s).
+    max_steps : int
+        Most steps to try.
+    margin : float, default 1e-6
+        Runs stop where a singularity's expression gets below it.
+    project : bool, str or sequence of str, optional
+        Invariants onto which the state is brought back after each step.
+    events : Event, expression, or several, optional
+        Zeros of expressions to find.
+    epoch : float, default 0
+        Time (s) of the system at which t is zero.
 
-    Units are those of the system. Raises `InputError` for unusable arguments, `CompilerError` where the
-    method needs C and there is none.
+    Returns
+    -------
+    Integrator
+        What `Integrator.run` calls with values.
 
+    Raises
+    ------
+    InputError
+        For unusable arguments.
+    CompilerError
+        Where the method needs C and there is no compiler.
+
+    Notes
+    -----
+    `codegen.simulate` says more of each argument; they are the same. A run that ends within some
+    hundred steps costs a few microseconds beside its loop where values are numbers by name or in order,
+    the method runs in generated C, and nothing is looked for on the way; with units in texts,
+    functions, laws, events, projection, dense output or fewer ``outputs`` it costs more. Units are
+    those of the system.
+
+    Examples
+    --------
     >>> import sympy as sp
     >>> y, v, k = sp.symbols("y v k", real=True)
     >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y})

@@ -50,43 +50,93 @@ def simulate(
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
-    ``initial``, ``parameters``: numbers by name or in order; by name also texts with units, as "30 deg"
-    (`eom.units`), which are put into SI. A state whose rate is zero, and which became a parameter of a
-    scene's system, may stand among either; the initial value counts. ``inputs``: a number or a function
-    for each input, or one function of all that returns them by name or in order. Functions are of time,
-    f(t), or of time and states, f(t, x) with ``x["theta"]``, by what they take: what can be called with
-    the time alone is f(t). They are called from Python, and may state their knots and longest step
-    (`codegen.Signal`). ``method``: one of `METHODS`. ``outputs``: names of outputs and states; only
-    states that these need are integrated. ``rtol``, ``atol``: steps meet the local error atol + rtol
-    |x| (``atol``, a number or (n,): rtol / 1000 of the scale of each state unless given, see
-    `codegen.integrate.scales`). ``t_eval``: times to store; without it every step, with a closed form
-    1001 times at equal distances. ``dense_output``: whether ``sol`` is made, a function of time.
-    ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that is narrower than a
-    step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their number.
-    ``margin``: the run stops where a singularity's expression gets below it. ``progress``: called with
-    the share that is done, 0 to 1.
+    Parameters
+    ----------
+    system : System or Compiled
+        What to integrate. An `eom.System` is compiled at the first call, and kept.
+    initial : mapping or sequence of float
+        The states at the start: numbers by name or in order; by name also texts with units, as "30 deg"
+        (`eom.units`), which are put into SI. A state whose rate is zero, and which became a parameter
+        of a scene's system, may stand here or among ``parameters``; the initial value counts.
+    t_span : (float, float)
+        Start and end (s).
+    parameters : mapping or sequence of float, optional
+        As ``initial``. Not needed where there are none, or where all are compiled in.
+    method : str, default "auto"
+        One of `METHODS`. With ``auto`` it is a closed form where there is one, else what suits the
+        rates; `Result.why` says why.
+    rtol : float, default 1e-9
+        Relative tolerance: steps meet the local error ``atol + rtol |x|``.
+    atol : float or array, optional
+        Absolute tolerance, a number or (n,); rtol / 1000 of the scale of each state unless given, see
+        `codegen.integrate.scales`.
+    t_eval : array, optional
+        Times to store (s). Without it every step is stored, with a closed form 1001 times at equal
+        distances.
+    inputs : mapping or callable, optional
+        A number or a function for each input, or one function of all that returns them by name or in
+        order. Functions are of time, f(t), or of time and states, f(t, x) with ``x["theta"]``, by what
+        they take: what can be called with the time alone is f(t). They are called from Python, and may
+        state their knots and longest step (`codegen.Signal`).
+    outputs : sequence of str, optional
+        Names of outputs and states; only states that these need are integrated. All unless given.
+    dense_output : bool, default False
+        Whether ``sol`` of the result is made, a function of time.
+    first_step : float, optional
+        Length of the first step (s).
+    max_step : float, default inf
+        Longest step (s). A feature of the rates that is narrower than a step may be stepped over,
+        unless this is shorter.
+    max_steps : int
+        Most steps to try; the run stops there, and says so.
+    margin : float, default 1e-6
+        The run stops where a singularity's expression gets below it.
+    project : bool, str or sequence of str, optional
+        Invariants, by name or True for all, onto which the state is brought back after each step, by
+        the least change (`codegen.loops.projection`); all stored points lie on them. Unless given,
+        those that the system maintains: what constraints leave, if the method can project. Methods that
+        carry values of earlier steps along cannot.
+    events : Event, expression, or several, in order or by name, optional
+        Zeros of expressions to find (`codegen.compiling.events.Event`). Of the methods that run in
+        generated C, taylor, DOP853, DP5 and Tsit5 find them. The states that they read are integrated
+        with those that ``outputs`` need.
+    epoch : float, default 0
+        Time (s) of the system at which t is zero: its rates read epoch + t, and all times that are
+        given or returned are since then, with digits of their own. A run that starts late without one
+        keeps its digits too (`codegen.runs.clock`), but its times are then rounded where they are
+        stored.
+    accuracy : bool, default False
+        Whether the error is estimated by a second run, so that ``notice`` says where no digit is left.
+        `Result.accuracy` says the same afterwards.
+    progress : callable, optional
+        Called with the share that is done, 0 to 1.
 
-    ``project``: invariants, by name or True for all, onto which the state is brought back after each
-    step, by the least change (`codegen.loops.projection`); all stored points lie on them. Without
-    it, those that the system maintains: what constraints leave, if the method can project. The
-    dense output goes through the points of the steps, and off the invariants between them by its own
-    error. Methods that carry values of earlier steps along cannot project. ``events``: zeros of
-    expressions to find, `codegen.compiling.events.Event` or expressions, in order or by name; of the
-    methods that run in generated C, taylor, DOP853, DP5 and Tsit5 find them. The states that they read are
-    integrated with those that ``outputs`` need.
+    Returns
+    -------
+    Result
+        Times, states and outputs by name, events, drift of the invariants, and how the run went.
 
-    ``epoch``: time (s) of the system at which t is zero: its rates read epoch + t, all times that are
-    given or returned are since then, with digits of their own. A run that starts late without one keeps
-    its digits too (`codegen.runs.clock`), but its times are then rounded where they are stored.
-    ``accuracy``: whether the error is estimated by a second run, so that ``notice`` says where no digit
-    is left (`Result.accuracy`, which by itself says the same afterwards).
+    Raises
+    ------
+    InputError
+        For unusable arguments.
+    AssumptionError
+        For values that contradict the system's assumptions.
 
+    Notes
+    -----
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
-    ``message`` which quantity failed and when. Raises `InputError` for unusable arguments, and
-    `AssumptionError` for values that contradict the system's assumptions. Units are those of the system.
-    Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. II.5 and
-    II.6; Jorba and Zou, Experimental Mathematics 14 (2005); others in the modules of `codegen.integrate`.
+    ``message`` which quantity failed and when. Units are those of the system. With ``project`` the
+    dense output goes through the points of the steps, and off the invariants between them by its own
+    error.
 
+    References
+    ----------
+    Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. II.5 and II.6;
+    Jorba and Zou, Experimental Mathematics 14 (2005); others in the modules of `codegen.integrate`.
+
+    Examples
+    --------
     >>> import sympy as sp
     >>> import codegen
     >>> from eom import System

@@ -154,10 +154,28 @@ def names() -> list[str]:
 def derive(name: str) -> Derived:
     """Return a derivation by its ``name``, every step verified when it is made.
 
-    The names are those that ``eom list`` prints: of the lectures, and ``inertia-of-`` a solid. The same
-    object is returned again. Frames, units and sources stand in the steps.
-    Raises `InputError` for unknown names.
+    Parameters
+    ----------
+    name : str
+        One of those that ``eom list`` prints: chapters of the lectures, and ``inertia-of-`` a solid.
 
+    Returns
+    -------
+    Derived
+        The steps by their labels, each with its statement and reason. The same object is returned
+        again.
+
+    Raises
+    ------
+    InputError
+        For unknown names.
+
+    Notes
+    -----
+    Frames, units and sources stand in the steps.
+
+    Examples
+    --------
     >>> derive("point-mass")["newton"].reason
     "Newton's second law"
     """

@@ -85,16 +85,51 @@ def check(
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.
 
-    ``note``: a `Path`, the name of a file (see `eom.checker.read.documents.is_file`), else a text. All
-    others: see `Settings`. Without notation and lexicon those of the note are taken, and if it has none a
-    draft from its words, as ``Report.lexicon`` says. Units, frames and signs are those that the lexicon
+    Parameters
+    ----------
+    note : str or Path
+        A `Path`, the name of a file (see `eom.checker.read.documents.is_file`), else a text.
+    notation : str, optional
+        A preset of letters, such as ``kane``. Without notation and lexicon those of the note are taken,
+        and if it has none a draft from its words, as ``Report.lexicon`` says.
+    lexicon : str or Path, optional
+        A TOML file that says what the symbols mean.
+    given : iterable of str, default ("constant_mass",)
+        Assumptions that are made without being said.
+    kind : str, optional
+        Of texts that are no files, such as ``markdown`` or ``latex``; what they look like unless given.
+    system : str, System or scene, optional
+        What scalar lines are about: the name of a scene, a scene file or an object; what the note says
+        unless given.
+    seconds : float, default 10
+        Processor time (s) for the meaning of a formula, and again for its judgement.
+    strict : bool, default False
+        Whether a line counts as wrong, and not as unsure, that is so by a meaning which neither words
+        nor another line make sure.
+
+    Returns
+    -------
+    Report
+        A finding for each formula and each claim in words: verdict, reason, repair.
+
+    Raises
+    ------
+    InputError
+        For a note that cannot be read, and for settings that cannot be used.
+
+    Notes
+    -----
+    Verdicts on equations come from exact values in random worlds of rigid bodies
+    (`eom.derivations.verification`): one that fails at such values is false; one that holds at all of
+    them is true but for a negligible probability. Units, frames and signs are those that the lexicon
     gives to the symbols; numbers with units are compared in SI.
 
-    Verdicts on equations come from exact values in random worlds of rigid bodies
-    (`eom.derivations.verification`): one that fails at such values is false; one that holds at all of them
-    is true but for a negligible probability (Schwartz, J. ACM 27, 1980).
-    Raises `InputError` for a note that cannot be read and for settings that cannot be used.
+    References
+    ----------
+    Schwartz, J. ACM 27, 1980, of the probability.
 
+    Examples
+    --------
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
     'holds under'
     """

@@ -287,21 +287,45 @@ def derive(
 ) -> System:
     """Return the equations of motion of a tree: states are coordinates, then speeds.
 
-    ``outputs``: rows of `OUTPUTS`, reactions and points. ``invariants``: whether constants of this
-    motion are given too.
+    Parameters
+    ----------
+    tree : Tree
+        Bodies, joints, what acts on them, and constraints.
+    outputs : iterable, optional
+        Rows of `OUTPUTS`, reactions and points.
+    invariants : bool, default True
+        Whether constants of this motion are given too.
+    start : mapping, optional
+        Numbers by name of parameters and coordinates at which constraints are tested for dependence,
+        random ones where left out.
+    independent : sequence of str, optional
+        Under constraints, the speeds to stay; the others are eliminated.
+    multipliers : bool, optional
+        Under constraints, whether all speeds are states and multipliers are solved for. Unless given,
+        speeds are eliminated where all constraints are between speeds, where a joint alone moves no
+        mass, and where ``independent`` is given.
 
-    Under constraints, speeds that depend on others are eliminated where all constraints are between
-    speeds, where a joint alone moves no mass, and where ``independent`` names the speeds to stay;
-    elsewhere, or with ``multipliers``, all speeds are states and multipliers are solved for.
-    ``start``: numbers by name of parameters and coordinates at which constraints are tested for
-    dependence, random ones where left out. What is left of each constraint is an invariant that
-    integration maintains.
+    Returns
+    -------
+    System
+        What is left of each constraint is an invariant that integration maintains.
 
+    Raises
+    ------
+    InputError
+        For an unknown output, repeated names, joints that accelerate no inertia, and constraints that
+        contradict each other or leave no motion.
+
+    Notes
+    -----
     SI units, angles in radians; frames and signs are those of `Joint`. Quaternions are scalar first.
-    Raises `InputError` for an unknown output, repeated names, joints that accelerate no inertia, and
-    constraints that contradict each other or leave no motion.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 7, the articulated-body algorithm.
 
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 7, the articulated-body algorithm.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
