@@ -206,7 +206,10 @@ class Result:
         They are values of the dense output ``sol``. Raises `InputError` where that was not made, and for
         what are no numbers. Units are those of the system.
         """
-        return dict(zip(self.names, np.asarray(self.sol(numbers(t, "t"))), strict=True))
+        times = numbers(t, "t")
+        if times.ndim > 1:
+            raise InputError("t does not fit", got=times.shape, expected="a number, or (K,)")
+        return dict(zip(self.names, np.asarray(self.sol(times)), strict=True))
 
     def to_pandas(self) -> Any:
         """Return a data frame of pandas: states and outputs in columns, by the time in its index.
