@@ -250,7 +250,7 @@ def _signed(term: Term, names: Names) -> Iterator[tuple[bool, Box]]:
         elif bare == 1:
             yield minus, Formula(factor)
         else:
-            yield minus, Row((box, Operator("times"), Formula(factor)))
+            yield minus, Row((box, Operator("thin"), Formula(factor)))
 
 
 def equations_latex(form: ClosedForm) -> str:
