@@ -57,6 +57,8 @@ def test_a_checker_that_does_not_look_is_found_out(sample, monkeypatch, verdict)
 def test_every_step_is_true_by_numerics(name):
     d = derive(name)
     for step in judged_steps(d):
+        if chapters.is_conditional(step):  # `derivations.test_chapters` draws what meets the conditions
+            continue
         try:
             assert chapters.is_true(d, step.statement, step.assumptions), step.label
         except oracle.Undefined:
