@@ -126,7 +126,10 @@ def is_true(d, equation, assumptions):
     if d.own.configured:
         raise oracle.Undefined("nothing else knows slopes of the places of any masses")
     if d.name not in MOTIONS:
-        return oracle.is_true(equation, assumptions, d.scalars)
+        try:
+            return oracle.is_true(equation, assumptions, d.scalars)
+        except oracle.Absent:  # it needs no assumption, but what it is of is there under that one alone
+            return oracle.is_true(equation, d.assumptions, d.scalars)
     try:
         if is_general(d, equation):
             return oracle.is_true(equation, assumptions, d.scalars)

@@ -229,9 +229,12 @@ def between(e: Elaborator, value: Value, lower: Node, upper: Node, span: Span) -
 
 
 def time(e: Elaborator, node: Node) -> Value | None:
-    """Return an instant itself as a number of seconds; None for what is none."""
+    """Return an instant itself as a number of seconds; None for what is none.
+
+    None, too, where t is a coordinate of the note: then t_0 is its value at the start, as of any other.
+    """
     name = key(e, node)
-    if not name or isinstance(node, Number):
+    if not name or isinstance(node, Number) or _is_coordinate(e, node):
         return None
     one = role(e, name, node.span)
     begin = e.times.setdefault(START, "0")
@@ -242,6 +245,13 @@ def time(e: Elaborator, node: Node) -> Value | None:
         return replace(first, dimension=TIME)
     passed = scalar(since(expr(sp.Integer(1))), TIME, node.span)
     return replace(total(e.lexicon.notation, (first, passed)), dimension=TIME)
+
+
+def _is_coordinate(e: Elaborator, node: Node) -> bool:
+    """Return whether the letter of an instant, without what stands below it, is a coordinate."""
+    found = seen(node.base) if isinstance(node, Scripts) else None
+    entry = e.lexicon.find(found.look, e.indices) if found is not None else None
+    return entry is not None and entry.meaning.quantity == "coordinate"
 
 
 def below(e: Elaborator, node: Node) -> Value | None:
