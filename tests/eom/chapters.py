@@ -128,7 +128,9 @@ def is_true(d, equation, assumptions):
     if d.name not in MOTIONS:
         try:
             return oracle.is_true(equation, assumptions, d.scalars)
-        except oracle.Absent:  # it needs no assumption, but what it is of is there under that one alone
+        except (
+            oracle.Absent
+        ):  # it needs no assumption, but what it is of is there under that one alone
             return oracle.is_true(equation, d.assumptions, d.scalars)
     try:
         if is_general(d, equation):

@@ -269,7 +269,9 @@ def test_every_derivation_is_made_of_verified_steps(name):
     assert d.title == {n: t for g in titles().values() for n, t in g.items()}[name]
     assert d.group in titles()
     for step in d.steps:
-        if is_conditional(step):  # tests.eom.derivations.test_chapters judges them with their conditions
+        if is_conditional(
+            step
+        ):  # tests.eom.derivations.test_chapters judges them with their conditions
             assert step.statement.relation == ">="
         else:
             verified(d, step.statement, step.assumptions)
