@@ -382,6 +382,10 @@ def _methods():
     dense = codegen.simulate(
         compiled, [1, 0], (0, 1), {"k": 1.0}, inputs={"M": 0.0}, dense_output=True
     )
+    handle = eom.load_scene("t-handle")
+    turning = codegen.simulate(
+        handle.derive(), handle.initial_values(), (0, 1), handle.parameter_values(), "DOP853"
+    )
     jacobian, sensitive = compiled.jacobian(), codegen.sensitivities(OSCILLATOR, ["k"])
     at = {"t": 0.0, "x": [1, 0], "p": [1], "u": [0]}
     start = {"y": 1.0, "v": 0.0}
@@ -412,7 +416,7 @@ def _methods():
         "Result.at": (dense.at, {"t": [0.5]}),
         "Result.save": (run.save, {"path": "run.npz"}),
         "Result.load": (codegen.Result.load, {"path": "run.npz"}),
-        "Result.animate": (run.animate, {"scene": None, "speed": 1.0}),
+        "Result.animate": (turning.animate, {"scene": handle, "speed": 1.0}),
         "Result.accuracy": (run.accuracy, {"limit": 1.0}),
         "Result.with_accuracy": (run.with_accuracy, {"limit": 1.0}),
         "FreeMotion.__call__": (free, {"t": 0.5}),

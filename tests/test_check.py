@@ -251,7 +251,6 @@ def test_colours_are_for_terminals_without_no_color(check):
         (["--code", "x.py:f"], "code is checked against a system"),
         (["--code", "x.py:f", "--system", "t-handle"], "no such file"),
         (["a=b", "--system", "t-hadle"], "did you mean t-handle"),
-        (["a=b", "--table", "{tmp}/no/table.csv"], "No such file"),
         (["a=b", "--html", "{tmp}/empty"], "a file is needed"),
         (["a=b", "c=d", "--html", "{tmp}/b.md"], "a folder is needed"),
     ],

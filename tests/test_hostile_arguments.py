@@ -99,7 +99,10 @@ def test_whatever_an_argument_is_there_is_a_result_or_one_clear_error(
 
 @pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", sorted(METHODS))
-def test_methods_take_nothing_wrong_either(table, name):
+def test_methods_take_nothing_wrong_either(table, name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    save, where = table[""]["Result.save"]
+    save(**where)
     function, arguments = table[""][name]
     function(**arguments)
     assert unusable(function, arguments) > len(HOSTILE) // 4 * len(arguments)

@@ -438,8 +438,8 @@ def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
                 (Path(staging) / name).write_text(text, encoding="utf-8", newline="\n")
             for name in files:
                 (Path(staging) / name).replace(target / name)
-    except OSError as error:
-        reason = error.strerror or str(error)
+    except (OSError, ValueError) as error:  # a name with a null byte is a wrong value
+        reason = getattr(error, "strerror", None) or str(error)
         raise InputError(
             "files cannot be written",
             where=str(target),

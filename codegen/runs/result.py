@@ -30,6 +30,7 @@ from codegen.frontend.notebook import listed, number, sparkline, table
 from codegen.integrate.choice import Task
 from codegen.ir.program import INVARIANTS, OUTPUTS, SINGULARITIES
 from codegen.native.trajectory import Array, Problem, Trajectory
+from codegen.runs.arguments import numbers
 from codegen.runs.clock import Clock, Late
 from codegen.runs.export import dataset, frame, read, save
 from codegen.runs.pruning import Drift, Terms, drift_of
@@ -202,10 +203,13 @@ class Result:
     def at(self, t: ArrayLike) -> dict[str, Array]:
         """Return the states by name at times ``t`` (s) of the run, a number or (K,), each of that shape.
 
-        They are values of the dense output ``sol``. Raises `InputError` where that was not made. Units are
-        those of the system.
+        They are values of the dense output ``sol``. Raises `InputError` where that was not made, and for
+        what are no numbers. Units are those of the system.
         """
-        return dict(zip(self.names, np.asarray(self.sol(t)), strict=True))
+        times = numbers(t, "t")
+        if times.ndim > 1:
+            raise InputError("t does not fit", got=times.shape, expected="a number, or (K,)")
+        return dict(zip(self.names, np.asarray(self.sol(times)), strict=True))
 
     def to_pandas(self) -> Any:
         """Return a data frame of pandas: states and outputs in columns, by the time in its index.

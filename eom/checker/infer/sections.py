@@ -74,8 +74,12 @@ def sections(
 
 
 def _differs(own: Own, known: str) -> bool:
-    """Return whether a part says something else; a quantity of the note's system stays what it is."""
-    return own.means != known and not known.startswith("system ")
+    """Return whether a part says something else; a quantity of the note's system stays what it is.
+
+    Words that leave open in which frame a vector has components say no less.
+    """
+    same = own.means in {known, known.split(" in ")[0]}
+    return not same and not known.startswith("system ")
 
 
 def _whose(title: str) -> str:
