@@ -40,8 +40,8 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     """Return TOML between lines of +++: preset, frames and symbols of a derivation.
 
     notation: one of `eom.typeset.notation.NOTATIONS` or its aliases. What one pattern cannot say, such as
-    dF, is left to the preset. Raises `InputError` for other notations, and for a derivation of the places of
-    any masses as functions of coordinates, which no lexicon says.
+    dF, is left to the preset. Raises `InputError` for other notations, and for a derivation of the places
+    of any masses as functions of coordinates, which no lexicon says.
     """
     chosen = notation_named(notation)
     if derivation.own.configured:

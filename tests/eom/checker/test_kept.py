@@ -66,7 +66,7 @@ def test_what_the_reader_cannot_decide_is_said(name):
     assert found
     assert all(verdict == "undecided" for _, verdict, _ in found)
     assert any(OPEN[name] in reason for *_, reason in found)
-    with pytest.raises(InputError, match="not judged true|cannot be verified without the note"):
+    with pytest.raises(InputError, match=r"not judged true|cannot be verified without the note"):
         from_note(note)
 
 
