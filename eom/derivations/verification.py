@@ -142,12 +142,12 @@ def _is_identity(equation: Equation, scalars: Scalars) -> bool:
     known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
     return all(
-        vanishes(carried_out(_spelt(a, known)) - carried_out(_spelt(b, known))) for a, b in pairs
+        vanishes(carried_out(in_full(a, known)) - carried_out(in_full(b, known))) for a, b in pairs
     )
 
 
-def _spelt(e: Any, known: Mapping[Any, Any]) -> Any:
-    """Put in what symbols stand for, and what stands in that."""
+def in_full(e: Any, known: Mapping[Any, Any]) -> Any:
+    """Return an expression with what its symbols stand for put in, and what stands in that."""
     while e.free_symbols & known.keys():
         e = e.xreplace(known)
     return e

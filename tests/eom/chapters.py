@@ -8,10 +8,12 @@ from functools import cache
 
 import sympy as sp
 
+from eom.derivations.derivation import SIGNS
 from eom.derivations.verification import DerivationError, verify
 from eom.errors import InputError
 from eom.terms.rules import apply, slopes, spelt_out
 from eom.terms.terms import nodes
+from eom.worlds.generators import worlds
 from eom.worlds.own import Furnished
 from tests.eom import oracle
 from tests.eom.carried import carried
@@ -99,6 +101,9 @@ MOTIONS = {
 }
 """Rates by name and order, of the chapters with laws of their own."""
 
+SUPPOSED = "supposed"
+"""The evidence of a condition."""
+
 GENERAL = {"gravity_torque", "linear_momentum", "external_force", "angular_momentum", "torque"}
 
 
@@ -121,13 +126,23 @@ def is_true(d, equation, assumptions):
     if d.own.configured:
         raise oracle.Undefined("nothing else knows slopes of the places of any masses")
     if d.name not in MOTIONS:
-        return oracle.is_true(equation, assumptions, d.scalars)
+        try:
+            return oracle.is_true(equation, assumptions, d.scalars)
+        except (
+            oracle.Absent
+        ):  # it needs no assumption, but what it is of is there under that one alone
+            return oracle.is_true(equation, d.assumptions, d.scalars)
     try:
         if is_general(d, equation):
             return oracle.is_true(equation, assumptions, d.scalars)
         return mechanics(d.name, Held(d)).is_true(equation)
     except (AttributeError, KeyError, NotImplementedError) as error:
         raise oracle.Undefined(f"not known elsewhere: {error}") from None
+
+
+def is_conditional(step):
+    """Whether a line is a condition, or a sign that follows from conditions: no line alone can tell."""
+    return step.evidence in {SIGNS, SUPPOSED}
 
 
 class Held:
@@ -152,10 +167,12 @@ def _drawn(held):
 
 def verified(d, equation, assumptions):
     """What the derivation itself says of a line: how it was verified. Raises `DerivationError`."""
-    if not d.own:
-        return verify(equation, assumptions, d.scalars)
+    if equation.relation == ":=":
+        known = d.own.meaning(equation.left) == equation.right
+        return "definition" if known else verify(equation, assumptions, d.scalars)
     scalars, drawn = _drawn(Held(d))
-    return verify(carried(d, equation), assumptions, scalars, drawn=drawn)
+    with_own = drawn if d.own else worlds
+    return verify(carried(d, equation), assumptions, scalars, drawn=with_own)
 
 
 def judge(d, equation, assumptions):

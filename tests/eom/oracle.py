@@ -28,6 +28,10 @@ class Undefined(ArithmeticError):
     """An equation has no value in real numbers, or none that these numerics can find."""
 
 
+class Absent(Undefined):
+    """What an equation is of is not there unless it is assumed to be."""
+
+
 NEEDS = {
     "third_law_strong": ("third_law_weak",),
     "O_at_origin": ("O_fixed_in_space",),
@@ -555,6 +559,12 @@ def _energy(s, who, about):
     return _over(s, who, one)
 
 
+def _slug(scene):
+    if not scene.slug:
+        raise Absent("there is no slug in this scene")
+    return scene.slug
+
+
 ATOMS = {
     "mass": lambda s, i: s.open["mass"] if i == "open" else s.masses[i],
     "exhaust_velocity": lambda s, _: s.open["exhaust"],
@@ -576,9 +586,9 @@ ATOMS = {
     "rotor_speed": lambda s, k: s.rotors[k][2],
     "rotor_momentum": lambda s, k: _spin(s, s.rotors[k][3]),
     "rotor_torque": lambda s, k: (s.rotors[k][0] * rate(_spin(s, s.rotors[k][3]))).sum(axis=0),
-    "slug_inertia": lambda s: s.slug[0],
-    "slug_damping": lambda s: s.slug[1],
-    "slug_momentum": lambda s: _spin(s, s.slug[2]),
+    "slug_inertia": lambda s: _slug(s)[0],
+    "slug_damping": lambda s: _slug(s)[1],
+    "slug_momentum": lambda s: _spin(s, _slug(s)[2]),
     "total_mass": lambda s, who: sum(s.masses),
     "linear_momentum": lambda s, who: _over(s, who, lambda n: s.masses[n] * rate(s.places[n])),
     "external_force": lambda s, who: _over(s, who, lambda n: s.forces[n]),

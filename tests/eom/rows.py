@@ -30,6 +30,18 @@ def every(step, rows):
     return [_slow(row) if k % step else row for k, row in enumerate(rows)]
 
 
+def long_too(rows, *long):
+    """Parameters of a test, those in ``long``, which are slow ones, with the mark `long` besides."""
+    marked = {r.values[0]: r for r in rows if hasattr(r, "values")}
+    _known(marked, long)
+    return [
+        pytest.param(*r.values, marks=(*r.marks, pytest.mark.long))
+        if r in [marked[name] for name in long]
+        else r
+        for r in rows
+    ]
+
+
 def _known(rows, named):
     rows = list(rows)
     missing = [row for row in named if row not in rows]

@@ -14,7 +14,7 @@ from eom.terms.vocabulary import omega, position, quantity, unit, velocity
 from tests.eom import chapters, oracle
 from tests.eom import mutants as trial
 from tests.eom.mutants import Count, edits_of, judged_steps, mutants
-from tests.eom.rows import DERIVED, derivations
+from tests.eom.rows import DERIVED, derivations, long_too
 
 MADE = [(8, DERIVED), pytest.param((60, names()), marks=pytest.mark.slow)]
 """How many steps are drawn, and of which derivations."""
@@ -53,10 +53,14 @@ def test_a_checker_that_does_not_look_is_found_out(sample, monkeypatch, verdict)
     assert count.wrong
 
 
-@pytest.mark.parametrize("name", derivations())
+@pytest.mark.parametrize("name", long_too(derivations(), "gravity-gradient-stability"))
 def test_every_step_is_true_by_numerics(name):
     d = derive(name)
     for step in judged_steps(d):
+        if chapters.is_conditional(
+            step
+        ):  # `derivations.test_chapters` draws what meets the conditions
+            continue
         try:
             assert chapters.is_true(d, step.statement, step.assumptions), step.label
         except oracle.Undefined:

@@ -29,7 +29,7 @@ from eom.checker.mean.values import (
     total,
 )
 from eom.checker.read.spans import Span
-from eom.checker.read.symbol_shape import Seen, labels, seen
+from eom.checker.read.symbol_shape import Look, Seen, labels, seen
 from eom.checker.read.syntax import (
     Addition,
     Derivative,
@@ -103,6 +103,8 @@ def at(e: Elaborator, value: Value, node: Node) -> Value | None:
     name = key(e, node)
     if not name:
         return None
+    if isinstance(node, Number) and _is_coordinate(e):
+        raise refuse(UNDECIDED, "t is a coordinate: it need not be zero at the start", node.span)
     given = seen(node)
     entry = e.lexicon.find(given.look, e.indices) if given is not None else None
     label = "".join(entry.meaning.labels) if entry is not None else ""
@@ -229,9 +231,12 @@ def between(e: Elaborator, value: Value, lower: Node, upper: Node, span: Span) -
 
 
 def time(e: Elaborator, node: Node) -> Value | None:
-    """Return an instant itself as a number of seconds; None for what is none."""
+    """Return an instant itself as a number of seconds; None for what is none.
+
+    None, too, where t is a coordinate of the note: then t_0 is its value at the start, as of any other.
+    """
     name = key(e, node)
-    if not name or isinstance(node, Number):
+    if not name or isinstance(node, Number) or _is_coordinate(e):
         return None
     one = role(e, name, node.span)
     begin = e.times.setdefault(START, "0")
@@ -242,6 +247,12 @@ def time(e: Elaborator, node: Node) -> Value | None:
         return replace(first, dimension=TIME)
     passed = scalar(since(expr(sp.Integer(1))), TIME, node.span)
     return replace(total(e.lexicon.notation, (first, passed)), dimension=TIME)
+
+
+def _is_coordinate(e: Elaborator) -> bool:
+    """Return whether t is a coordinate of the note, which need not be zero at the start."""
+    entry = e.lexicon.find(Look("t"))
+    return entry is not None and entry.meaning.quantity == "coordinate"
 
 
 def below(e: Elaborator, node: Node) -> Value | None:

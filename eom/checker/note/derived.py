@@ -14,6 +14,7 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.spans import ReadingError
 from eom.derivations.derived import Derived
+from eom.derivations.verification import in_full
 from eom.errors import InputError
 from eom.terms.rules import entrywise, slopes
 from eom.terms.terms import VECTOR, Term, expr, nodes
@@ -39,9 +40,17 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     """Return TOML between lines of +++: preset, frames and symbols of a derivation.
 
     notation: one of `eom.typeset.notation.NOTATIONS` or its aliases. What one pattern cannot say, such as
-    dF, is left to the preset. Raises `InputError` for other notations.
+    dF, is left to the preset. Raises `InputError` for other notations, and for a derivation of the places
+    of any masses as functions of coordinates, which no lexicon says.
     """
     chosen = notation_named(notation)
+    if derivation.own.configured:
+        raise InputError(
+            "no note can say this: places of all masses as functions of coordinates",
+            where=derivation.name,
+            got=", ".join(derivation.own.configured),
+            hint="the page without front matter is written, as `eom derive` does without --lexicon",
+        )
     base, besides = PRESETS[chosen.name]
     found = list(dict.fromkeys(n for n in _nodes(derivation) if n.head == "atom"))
     known = preset(base).frames
@@ -70,8 +79,8 @@ def _moving(derivation: Derived, notation: Notation) -> list[str]:
 
     carry = slopes(derivation.scalars, own)
     meant = {s: carry(t) for s, t in derivation.scalars.items()}
-    spelt = {s: t.data[0] for s, t in meant.items() if t.head == "expr"}
-    named = entrywise(lambda e: e.xreplace(spelt))
+    known = {s: t.data[0] for s, t in meant.items() if t.head == "expr"}
+    named = entrywise(lambda e: in_full(e, known))
     turned = {
         f: f"{{ from = '{row.base}', axis = {row.axis}, angle = {latex(expr(row.angle))} }}"
         for f, row in own.frames.items()

@@ -50,8 +50,8 @@ def to_note(derivation: Derived, notation: str = "arrow") -> str:
 
     ``notation``: one of `eom.typeset.notation.NOTATIONS` or its aliases. `eom check` judges the lines of it
     true that its reader knows; results that are no steps, such as a system, are left out. Raises
-    `InputError` for other notations, and for a derivation with frames or laws of its own, which no lexicon
-    says.
+    `InputError` for other notations, and for a derivation of the places of any masses as functions of
+    coordinates (`eom.Derivation.configure`), which no lexicon says.
 
     >>> from eom import derive
     >>> to_note(derive("tilde-identities")).splitlines()[1]

@@ -12,16 +12,32 @@ from eom.derivations.forms import show_derivation
 from eom.typeset.notation import NOTATIONS
 from tests.eom.rows import only
 
-READ = {
-    "point-mass": 0,
-    "particle-system": 0,
-    "transport-theorem": 2,
-    "tilde-identities": 1,
-    "rigid-body-momentum": 2,
-    "kinetic-energy": 0,
-    "inertia-properties": 4,
+READ = (
+    "point-mass", "particle-system", "transport-theorem", "tilde-identities", "rigid-body-momentum",
+    "kinetic-energy", "inertia-properties",
+)  # fmt: skip
+"""Derivations whose pages are judged."""
+NO_BODY = "not an integral over a body"
+OPEN = {
+    ("rigid-body-momentum", "arrow"): {
+        r"\dot{\vec{p}} = \int_{B}": NO_BODY,
+        r"\vec{F}_{\mathrm{ext}} \triangleq \int_{B}": NO_BODY,
+        r"\vec{\tau}_{O} \triangleq \int_{B}": NO_BODY,
+        "J = ": "symbol without a meaning",
+    },
+    ("rigid-body-momentum", "underline"): {
+        r"\underline{p}^{\bullet} = \int_{m}": NO_BODY,
+        r"\underline{f}_{\mathrm{ext}} \triangleq \int_{m}": NO_BODY,
+        r"\underline{\tau}_{O} \triangleq \int_{m}": NO_BODY,
+        "J = ": "symbol without a meaning",
+    },
+    ("transport-theorem", "underline"): {
+        r"\dot{\mathbf{C}}_{BI} = ": "symbol without a meaning",
+        "\\begin{aligned}\n\\dot{\\mathbf{v}}_{I}": "symbol without a meaning",
+    },
 }
-"""Derivations, and how many of their formulas at most stay undecided."""
+"""The formulas of a page that stay undecided, by how they begin, and why: integrals of dp and of dF, which
+are none of the body, and letters for matrices that no line before defines."""
 
 
 def page(name, notation):
@@ -52,8 +68,12 @@ def test_every_line_of_a_derivation_is_found_to_hold(name, notation):
     found = eom.check(page(name, notation)).findings
     wrong = [f.latex for f in found if f.verdict in {"wrong", "ill-formed", "ambiguous"}]
     assert wrong == []
-    undecided = [f.latex for f in found if f.verdict == "undecided"]
-    assert len(undecided) <= READ[name], undecided
+    undecided = [f for f in found if f.verdict == "undecided"]
+    known = OPEN.get((name, notation), {})
+    assert len(undecided) == len(known)
+    for formula, (beginning, reason) in zip(undecided, known.items(), strict=True):
+        assert formula.latex.startswith(beginning)
+        assert formula.reason.startswith(reason)
     assert len(found) >= 20
 
 
@@ -80,6 +100,21 @@ def test_the_option_writes_front_matter_that_can_be_read():
     refused = CliRunner().invoke(main, ["derive", "point-mass", "--lexicon"])
     assert refused.exit_code == 2
     assert "--as markdown" in refused.stderr
+
+
+def test_laws_are_written_with_letters_that_have_a_meaning_before():
+    """A moment of inertia that another is made of is put in, and so on."""
+    text = front_matter(derive("collisions"))
+    law = next(line for line in text.splitlines() if "Omega" in line and line.startswith("law"))
+    assert "J" not in law
+    assert lexicon_for(text) is not None
+
+
+def test_what_no_front_matter_can_say_is_refused():
+    run = CliRunner().invoke(main, ["derive", "virtual-work", "--as", "markdown", "--lexicon"])
+    assert run.exit_code == 2
+    assert "places of all masses" in run.stderr
+    assert "q_1, q_2" in run.stderr
 
 
 def test_a_special_body_that_words_state():
