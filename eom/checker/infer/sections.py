@@ -78,7 +78,7 @@ def _differs(own: Own, known: str) -> bool:
 
     Words that leave open in which frame a vector has components say no less.
     """
-    same = own.means in {known, known.split(" in ")[0]}
+    same = own.means in {known, known.split(" in ", maxsplit=1)[0]}
     return not same and not known.startswith("system ")
 
 
