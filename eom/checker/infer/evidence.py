@@ -14,14 +14,15 @@ from typing import Any
 from eom.checker.infer.books import candidates
 from eom.checker.infer.draft import Proposal
 from eom.checker.infer.letters import BOOKS, GUESSED
+from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands_of, symbols_in
-from eom.checker.infer.systems import IN_A_MOTION, USUAL
+from eom.checker.infer.systems import IN_A_MOTION, USUAL, Guess
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
-from eom.checker.read.syntax import Marks
+from eom.checker.read.syntax import Marks, Number
 from eom.checker.read.writing import latex_of
 from eom.terms.terms import Term
 from eom.worlds.solutions import rate
@@ -54,7 +55,9 @@ def doubts(
     }
     guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}
     ties = [t for one in draft.systems for t in one.ties]
-    told = {t.latex for t in ties if t.words != USUAL and not IN_A_MOTION.search(t.means)}
+    less = any(_simplified(formulas, one) for one in draft.systems)
+    told = {t.latex for t in ties if t.words != USUAL}
+    told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
     meant = {t.latex: f"the {t.means} of the system" for t in ties}
     used = [dict(_used(f, lexicon)) for f in formulas]
@@ -73,6 +76,19 @@ def doubts(
             Doubt(f[0], meant.get(p, f[1]), guessed.get(p, f"preset {draft.preset}"))
             for p, f in unsure
         )
+
+
+def _simplified(formulas: Sequence[Formula], guess: Guess) -> bool:
+    """Return whether a note says somewhere that a parameter of its system is zero ("I neglect $b=0$").
+
+    Values in motions of the system are then perhaps those of a simpler one.
+    """
+    own = {t.look for t in guess.ties if t.means in guess.table.get("parameters", {})}
+    pairs = (s.members for f in formulas for s in f.statements if len(s.members) == 2)
+    return any(
+        look_of(left) in own and isinstance(right, Number) and float(right.text) == 0
+        for left, right in pairs
+    )
 
 
 def uncounted(claim: Claim) -> Iterator[str]:
