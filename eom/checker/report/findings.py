@@ -165,6 +165,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
             "an instant that is not known",
         ),
         *("rates that are not explicit", "only a system says when"),
+        "t is a coordinate",
     ),
     "in the lexicon, that it is left to the note (defined), or what of the system it is": (
         "any value is possible of",

@@ -23,6 +23,7 @@ FILES = [
 ]
 ELSEWHERE = (
     *("no process for checking", "unusable number of workers", "no line of this note can be kept"),
+    "no note can say this",
     *("a line that is not judged true", "this line cannot be verified without the note"),
 )
 """Errors that are no reasons of a line."""
