@@ -15,6 +15,7 @@ from eom.checker.infer.books import candidates
 from eom.checker.infer.draft import Proposal
 from eom.checker.infer.letters import BOOKS, GUESSED
 from eom.checker.infer.sayings import look_of
+from eom.checker.infer.sections import TITLE
 from eom.checker.infer.shown import operands_of, symbols_in
 from eom.checker.infer.systems import IN_A_MOTION, USUAL, Guess
 from eom.checker.mean.claims import Claim
@@ -51,7 +52,7 @@ def doubts(
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
-        if d.words not in GUESSED
+        if d.words not in GUESSED and d.words != TITLE
     }
     guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}
     ties = [t for one in draft.systems for t in one.ties]

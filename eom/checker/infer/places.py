@@ -107,7 +107,7 @@ def places(text: Prose, sayings: Iterable[Said], looks: Iterable[Look] = ()) -> 
             if table == "points" and named and _placeholder(label, named):
                 continue
             if _is(one, kind) and label not in found.frames and not drawn:
-                found.add(table, mention, default, text.shown(one.words))
+                found.add(table, mention, default, f"{text.shown(one.words)}; {WHICH}")
     return found
 
 
@@ -125,6 +125,10 @@ USUAL = {
     "points": {"C": "C", "G": "C", "S": "C", "O": "O"},
 }
 """What labels name by custom, where nothing else says so."""
+
+
+WHICH = "which one it is, by custom"
+"""What is told of a frame or point of which words say no more than that it is one."""
 
 
 def _usual(table: str, look: Look) -> str:
