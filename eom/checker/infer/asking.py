@@ -38,7 +38,7 @@ def questions(
     """
     found: dict[Look, list[int]] = {}
     for formula, lexicon, unsure in lines:
-        for look in dict.fromkeys(operands_of(formula)):
+        for look in dict.fromkeys(operands_of(formula, lexicon)):
             guess = _guess(look, draft)
             entry = lexicon.find(look)
             is_open = bool(guess) if unsure else entry is None or bool(guess)

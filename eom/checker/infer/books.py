@@ -1,7 +1,7 @@
 r"""What letters stand for in the usual books, where neither words nor the preset say.
 
-A meaning of a book is taken only if more lines of the note can be read with it and none is ill-formed that
-was not before: of several the one that leaves least, in the order of custom.
+A meaning of a book is taken only if no fewer lines of the note make sense with it: of several the one that
+leaves least, in the order of custom.
 """
 
 from __future__ import annotations
@@ -63,12 +63,15 @@ def candidates(
 
 
 SWEEPS = 2
+MAX_ORDER = 1000
+"""A number behind those of all meanings that books give a symbol."""
 MAX_DEPTH = 6
 
 
 def resolved(means: str, lexicon: Lexicon, of: Look, depth: int = MAX_DEPTH) -> bool:
     """Return whether all symbols of a formula have a meaning that does not rest on one of them."""
-    tree = read_formula(means.removeprefix("=").strip()).tree
+    formula = means.removeprefix("=").strip().replace("<i>", "i").replace("<k>", "1")
+    tree = read_formula(formula).tree
     for look in looks_in(tree):
         found = lexicon.find(look)
         if look == of or found is None or depth == 0:
@@ -114,7 +117,10 @@ class _Search:
         return self.added(drafted(self.preset, tables))
 
     def decide(self, look: Look) -> None:
-        """Choose the meaning of a symbol that leaves least with those that the others have."""
+        """Choose the meaning of a symbol that leaves least with those that the others have.
+
+        A line may become ill-formed if more lines than that can be read: notes have slips.
+        """
         others = {p: m for k, (p, m) in self.chosen.items() if k != look}
         self.chosen.pop(look, None)
         lexicon = self.lexicon(others)
@@ -122,13 +128,13 @@ class _Search:
         if known and look not in self.own:
             return
         here = fit(self.formulas, lexicon)
-        tried = [(here.ill, here.left, -1, "", "")] if known else []
+        order = -1 if known or "prime" in look.sup else MAX_ORDER
+        tried = [(here.cost, here.ill, here.left, order, "", "")]
         for number, (pattern, means) in enumerate(self._candidates(look, lexicon, known)):
             new = fit(self.formulas, self.lexicon({**others, pattern: means}))
-            if new.ill <= here.ill:
-                tried.append((new.ill, new.left, 2 * number, pattern, means))
-        if tried and min(tried)[3]:
-            self.chosen[look] = min(tried)[3:]
+            tried.append((new.cost, new.ill, new.left, number, pattern, means))
+        if min(tried)[4]:
+            self.chosen[look] = min(tried)[4:]
 
     def _candidates(self, look: Look, lexicon: Lexicon, known: bool) -> Iterator[tuple[str, str]]:
         """Yield what the text defines a symbol by, then what books say of its letter.

@@ -25,7 +25,7 @@ from typing import Any
 
 from eom.checker.infer.attitude import angles, components
 from eom.checker.infer.books import taken
-from eom.checker.infer.house import drafted, fit, house
+from eom.checker.infer.house import drafted, fit, houses
 from eom.checker.infer.letters import (
     BOOKS,
     CUSTOMARY,
@@ -40,7 +40,7 @@ from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
-from eom.checker.infer.shown import bare, known, symbols
+from eom.checker.infer.shown import bare, known, primed, symbols
 from eom.checker.infer.systems import USUAL, Guess, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
@@ -157,18 +157,25 @@ def propose(document: Document) -> Proposal:
     with those; then formulas of the text and the usual books, for what is left.
     """
     formulas, text = read(document), prose(document)
-    note = _Drafted(formulas, text, tuple(symbols(formulas)))
-    note.by_words()
-    note.by_systems(document)
-    for draft in derived(note.lexicon, (n for n, _ in note.symbols), text):
-        note.add(draft)
-    note.settle()
-    note.without_marks()
-    for draft in by_custom(note.lexicon, note.looks, note.drafts):
-        note.drafts[draft.table, draft.latex] = draft
-    note.settle()
-    new = _defined(formulas, note.lexicon)
-    note.by_books(new)
+    first = _Drafted(formulas, text, tuple(symbols(formulas)))
+    first.by_words()
+    first.by_systems(document)
+    others = [replace(first, drafts={}, others=[], confirmed=set(), only=n) for n in first.rivals]
+    others += [
+        replace(
+            note,
+            drafts={("marks", "prime"): LABEL},
+            others=[],
+            confirmed=set(),
+            only=note.preset,
+        )
+        for note in (first, *others[:1])
+        if note.primed() and ("marks", "prime") not in first.drafts
+    ]
+    for other in others:
+        other.by_words()
+    found = [(note, note.finished()) for note in (first, *others)]
+    note, new = min(found, key=lambda f: f[0].cost)
     unknown = {note.lexicon.notation.plain(k): n for k, n in note.unknown().items()}
     return Proposal(
         note.preset,
@@ -183,9 +190,19 @@ def propose(document: Document) -> Proposal:
     )
 
 
+RIVALS = 3
+"""Presets that are tried with the usual books; of those that go best with what words say."""
+LABEL = Draft("marks", "prime", "", CUSTOMARY, 0)
+"""That a prime is no derivative."""
+
+
 @dataclass
 class _Drafted:
-    """A draft while it is made: its entries, the preset that goes with them, the lexicon of both."""
+    """A draft while it is made: its entries, the preset that goes with them, the lexicon of both.
+
+    ``only``: the preset where no other is tried; ``ranked``: presets, those that go best with the entries
+    in front.
+    """
 
     formulas: tuple[Formula, ...]
     text: Prose
@@ -196,6 +213,8 @@ class _Drafted:
     preset: str = ""
     lexicon: Lexicon = field(default_factory=Lexicon)
     systems: tuple[Guess, ...] = ()
+    only: str = ""
+    ranked: tuple[str, ...] = ()
 
     @cached_property
     def looks(self) -> Mapping[Look, int]:
@@ -211,10 +230,17 @@ class _Drafted:
         """Return the symbols that nothing gives a meaning so far, with the first line of each."""
         found: dict[Look, int] = {}
         for node, line in self.symbols:
-            look = bare(node)
+            look = bare(node, self.lexicon)
             if look is not None and not known(self.lexicon, node):
                 found.setdefault(look, line)
         return found
+
+    def primed(self) -> list[Look]:
+        """Return the symbols with a prime that is no label so far, those that stand most often first."""
+        count = Counter(k for n, _ in self.symbols if (k := primed(n)) is not None)
+        return sorted(
+            (k for k in count if self.lexicon.find(k) is None), key=lambda k: -count[k]
+        )
 
     def add(self, draft: Draft) -> None:
         """Add an entry that a lexicon takes; what is said first stays, the rest is kept beside it."""
@@ -226,9 +252,33 @@ class _Drafted:
         """Choose the preset that goes with the entries."""
         every = dict.fromkeys((*self.looks, *(m.look for m in self.text.mentions)))
         tables = _tables(self.drafts.values())
-        self.preset, self.lexicon = house(
-            self.formulas, tables, every, self._added, none=bool(self.systems)
-        )
+        names = (self.only,) if self.only else (*([""] if self.systems else []), *PRESETS)
+        found = houses(self.formulas, tables, every, self._added, names)
+        self.preset, self.lexicon = found[0]
+        self.ranked = tuple(n for n, _ in found if n)
+
+    @property
+    def rivals(self) -> tuple[str, ...]:
+        """The presets that are tried beside the one that was chosen, if one was."""
+        return tuple(n for n in self.ranked[:RIVALS] if n != self.preset and self.preset)
+
+    @property
+    def cost(self) -> int:
+        """How many lines and symbols are left without a meaning."""
+        return fit(self.formulas, self.lexicon).cost + len(self.unknown())
+
+    def finished(self) -> dict[Look, int]:
+        """Take what letters, labels and books say where words are silent; return what the note defines."""
+        for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
+            self.add(draft)
+        self.settle()
+        self.refine()
+        for draft in by_custom(self.lexicon, self.looks, self.drafts):
+            self.drafts[draft.table, draft.latex] = draft
+        self.settle()
+        new = _defined(self.formulas, self.lexicon)
+        self.by_books(new)
+        return new
 
     def _added(self, lexicon: Lexicon) -> Lexicon:
         """Return a lexicon about the note's systems."""
@@ -251,16 +301,15 @@ class _Drafted:
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
 
-    def without_marks(self) -> None:
-        """Take plain letters of vectors for these where they make no sense as their norms."""
+    def refine(self) -> None:
+        """Take other shapes of what symbols are said to be, where more lines make sense with them."""
         for key, draft in tuple(self.drafts.items()):
-            if draft.words != LETTER or not draft.meaning.startswith(r"= \left|"):
-                continue
-            itself = draft.meaning.replace(r"\left|", "").replace(r"\right|", "")
-            other = {**self.drafts, key: replace(draft, meaning=itself)}
-            lexicon = self._added(drafted(self.preset, _tables(other.values())))
-            if fit(self.formulas, lexicon).ill < fit(self.formulas, self.lexicon).ill:
-                self.drafts, self.lexicon = other, lexicon
+            for means in _shapes(draft):
+                other = {**self.drafts, key: replace(draft, meaning=means)}
+                lexicon = self._added(drafted(self.preset, _tables(other.values())))
+                new, here = fit(self.formulas, lexicon), fit(self.formulas, self.lexicon)
+                if (new.ill, new.cost) < (here.ill, here.cost) and new.cost <= here.cost:
+                    self.drafts, self.lexicon = other, lexicon
 
     def by_parts(self, document: Document) -> Iterator[tuple[str, tuple[Draft, ...]]]:
         """Yield what parts of the note say otherwise."""
@@ -281,7 +330,9 @@ class _Drafted:
         }
         count = Counter(k for n, _ in self.symbols if (k := bare(n)) is not None)
         left = sorted((k for k in self.unknown() if k not in own), key=lambda k: -count[k])
-        order = [*(k for k in self.looks if k in own), *left[:MAX_UNKNOWN]]
+        labelled = self.primed()
+        order = [*(k for k in (*self.looks, *labelled) if k in own), *left[:MAX_UNKNOWN]]
+        order += [k for k in labelled if k not in own]
         order = [k for k in order if self.lexicon.notation.plain(k) not in defined]
         tables = _tables(self.drafts.values())
         body = _body(self.text)
@@ -299,6 +350,18 @@ class _Drafted:
                 "symbols", pattern, f"vector {look.name}", CUSTOMARY, 0
             )
         self.settle()
+        for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
+            self.add(draft)
+        self.settle()
+        self.refine()
+
+
+def _shapes(draft: Draft) -> Iterator[str]:
+    """Yield a vector in the place of its norm by the letter alone, the matrix of an inertia in body axes."""
+    if draft.words == LETTER and draft.meaning.startswith(r"= \left|"):
+        yield draft.meaning.replace(r"\left|", "").replace(r"\right|", "")
+    if draft.table == "symbols" and re.fullmatch(r"inertia \S+", draft.meaning):
+        yield f"{draft.meaning} in B"
 
 
 _WHEELS = re.compile(

@@ -132,7 +132,7 @@ def readings(
     Books are asked only where it was they that gave the meaning.
     """
     guessed = {d.latex for d in draft.drafts if d.words == BOOKS}
-    for look in dict.fromkeys(operands_of(formula)):
+    for look in dict.fromkeys(operands_of(formula, lexicon)):
         found = lexicon.find(look)
         if found is None:
             continue
@@ -150,11 +150,14 @@ def readings(
 def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield the entries that symbols of a formula have, by pattern: symbol and meaning; marks as well."""
     for node in symbols_in(formula):
-        for one in (seen(node) or Seen(Look(""))).raised:
+        found_whole = seen(node) or Seen(Look(""))
+        whole = found_whole.with_label()
+        acts = found_whole.raised[1 if whole and lexicon.find(whole) is not None else 0 :]
+        for one in acts:
             for name in labels(one) if isinstance(one, Marks) else ():
                 if name in lexicon.notation.marks:
                     yield MARK + name, (name, f"derivative in {lexicon.notation.marks[name]}")
-    for look in operands_of(formula):
+    for look in operands_of(formula, lexicon):
         found = lexicon.find(look)
         if found is not None and found.meaning.quantity not in {
             "time",

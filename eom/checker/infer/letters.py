@@ -13,11 +13,15 @@ from dataclasses import dataclass, replace
 from eom.checker.infer.places import USUAL
 from eom.checker.infer.sayings import Prose, look_of
 from eom.checker.infer.shown import bare, known, operands_of
+from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
+from eom.checker.mean.values import Refusal
+from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import Node
 from eom.checker.read.writing import latex, latex_of
+from eom.errors import InputError
 from eom.terms.terms import INDICES, VECTOR
 
 CUSTOMARY = "by custom"
@@ -48,14 +52,15 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
     short = any("sine" in s and "cosine" in s for s in text.sentences) or _shown_short(text)
     done: set[Look] = set()
     for node in symbols:
-        found = bare(node)
+        found = bare(node, lexicon)
         if found is None or found in done or known(lexicon, node):
             continue
         done.add(found)
         means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
         pattern = latex_of(found)
-        if "<i>" in means:
-            pattern = f"{latex_of(replace(found, sub=()))}_{{<i>}}"
+        if len(found.sub) == 1 and found.sub[0] in INDICES:
+            pattern = latex_of(replace(found, sub=("<i>",)))
+            means = means.replace(f"_{{{found.sub[0]}}}", "_{<i>}")
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
 
@@ -87,13 +92,18 @@ def _of_letter(lexicon: Lexicon, look: Look) -> str:
     if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
         return "linear_momentum <i>"
     plain = not look.accents and not look.style
+    moment = _moment(lexicon, look) if plain else ""
+    if moment:
+        return moment
     unit = "hat" in look.accents
     for entry in (e for layer in lexicon.layers for e in layer):
         e = entry.look
-        vector = (e.accents or e.style) and entry.meaning.kind == VECTOR and e.name == look.name
-        if not vector or (e.accents, e.style) == (look.accents, look.style):
+        marked = (e.accents or e.style) and e.name == look.name
+        if not marked or (e.accents, e.style) == (look.accents, look.style):
             continue
         whole = latex_of(replace(e, sub=look.sub, sup=look.sup))
+        if entry.meaning.kind != VECTOR and not _is_vector(lexicon, entry.meaning, whole):
+            continue
         if plain and lexicon.find(replace(e, sub=look.sub, sup=look.sup)) is not None:
             return rf"= \left|{whole}\right|"
         if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
@@ -108,6 +118,31 @@ def _of_letter(lexicon: Lexicon, look: Look) -> str:
         ):
             return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
     return ""
+
+
+def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
+    """Return whether a symbol is a vector by its formula."""
+    if not meaning.formula:
+        return False
+    try:
+        return elaborator(lexicon).value(read_formula(latex).tree).shape == VECTOR
+    except (Refusal, InputError):
+        return False
+
+
+def _moment(lexicon: Lexicon, look: Look) -> str:
+    """Return the moment or product of inertia that a letter with numbers of axes is, of a table's letter."""
+    axes = [AXES[w] for w in look.sub if w in AXES]
+    tables = (
+        e.meaning
+        for layer in lexicon.layers
+        for e in layer
+        if e.look.name == look.name and not any(e.look.corners) and e.meaning.quantity == "inertia"
+    )
+    table = next((m for m in tables if not m.component), None)
+    if table is None or len(axes) != len(look.sub) or not 1 <= len(axes) <= 2:
+        return ""
+    return f"{_worded(table)} in {table.frame or 'B'} component {axes[0]} {axes[-1]}"
 
 
 def _worded(meaning: Meaning) -> str:

@@ -82,7 +82,8 @@ class Phrases:
             row, start = found[k] if several else found[0]
             means = self._filled(row, words if several else words[start:], one, k)
             if means:
-                if row.mark == "vector" and (mention.look.accents or mention.look.style):
+                marked = bool(mention.look.accents or mention.look.style)
+                if (row.mark == "vector" and marked) or means.startswith("inertia "):
                     self.vectors[mention.look] = means
                 yield Meant(
                     mention.look, means, row.mark, self.text.shown(words)[:70], mention.line
@@ -174,9 +175,9 @@ class Phrases:
         return named[0] if named else next(reversed(self.vectors), None)
 
     def _component(self, one: Said, words: str, k: int) -> str:
-        """Return a component of the vector that is meant, where three symbols are its components."""
+        """Return a component of what is meant, where three symbols are its components; all, where it is one."""
         look = self._referent(words)
-        if look is None or len(one.of) != 3:
+        if look is None or len(one.of) not in {1, 3} or (one.of[0].look == look):
             return ""
         frame = (
             "I"
@@ -184,7 +185,11 @@ class Phrases:
             else (self._frames(words)["in"] or ["B"])[0]
         )
         means = self.vectors[look].split(" in ")[0]
-        return "" if means.startswith("=") else f"{means} in {frame} component {k + 1}"
+        if len(one.of) == 1:
+            table = bool(one.of[0].look.accents or one.of[0].look.style)
+            return f"{means} in {frame}" if table and not means.startswith("=") else ""
+        vector = not means.startswith(("=", "inertia "))
+        return f"{means} in {frame} component {k + 1}" if vector else ""
 
     def _magnitude(self, words: str) -> str:
         look = self._referent(words)
