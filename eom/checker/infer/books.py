@@ -9,18 +9,20 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
 from importlib.resources import files
 
 from eom.checker.infer.house import Tables, drafted, fit
 from eom.checker.infer.sayings import look_of
-from eom.checker.mean.lexicon import Lexicon
+from eom.checker.infer.shown import operands, operands_of
+from eom.checker.mean.lexicon import AXES, Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look
-from eom.checker.read.syntax import Node, children
+from eom.checker.read.syntax import Node
 from eom.checker.read.writing import latex_of
+from eom.terms.terms import VECTOR
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,8 @@ def candidates(
         fits = row.mark == "table" or (row.mark == "vector") == marked
         if look.name not in row.letters or not fits:
             continue
-        pattern = latex_of(Look(look.name, look.style, look.accents)) + row.labels
+        left, _, right = row.labels.rpartition("|")
+        pattern = left + latex_of(Look(look.name, look.style, look.accents)) + right
         for means in row.means:
             if means.startswith("rotor_") and not wheels:
                 continue
@@ -60,6 +63,21 @@ def candidates(
             whole = replace(lexicon, layers=one.layers)
             if whole.find(look) is not None:
                 yield pattern, words
+
+
+def component(
+    look: Look, lexicon: Lexicon, looks: Iterable[Look]
+) -> Iterator[tuple[str, str]]:
+    """Yield a component of a vector about a point, where the note has its letter with that point alone."""
+    if look.accents or look.style or len(look.sub) != 1 or look.sub[0] not in AXES:
+        return
+    marked = (k for k in looks if k.name == look.name and (k.accents or k.style))
+    same = [k for k in marked if len(k.sub) < 2]
+    found = [f for k in same if (f := lexicon.find(k)) is not None and f.meaning.kind == VECTOR]
+    means = {(f.meaning.quantity, *f.meaning.labels) for f in found if not f.meaning.component}
+    if len(means) == 1:
+        pattern = f"{latex_of(Look(look.name))}_{{<k>}}"
+        yield pattern, f"{' '.join(*means)} in B component <k>"
 
 
 SWEEPS = 2
@@ -89,7 +107,7 @@ def looks_in(node: Node) -> Iterator[Look]:
         if look.name not in {"d", "t"}:
             yield look
         return
-    for child in children(node):
+    for child in operands(node):
         yield from looks_in(child)
 
 
@@ -105,6 +123,13 @@ class _Search:
     added: Callable[[Lexicon], Lexicon]
     wheels: bool = True
     chosen: dict[Look, tuple[str, str]] = field(default_factory=dict)
+
+    @cached_property
+    def looks(self) -> frozenset[Look]:
+        """The symbols of the note's displays."""
+        return frozenset(
+            k for f in self.formulas if f.piece.kind == "display" for k in operands_of(f)
+        )
 
     @property
     def given(self) -> Mapping[str, str]:
@@ -145,6 +170,7 @@ class _Search:
             yield self.own[look]
         bare = lexicon.find(replace(look, sub=(), sup=(), presub=(), presup=()))
         if not known and (bare is None or bare.entry.latex not in self.given):
+            yield from component(look, lexicon, self.looks)
             yield from dict.fromkeys(candidates(look, self.body, lexicon, wheels=self.wheels))
 
 

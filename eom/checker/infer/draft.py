@@ -24,17 +24,19 @@ from pathlib import Path
 from typing import Any
 
 from eom.checker.infer.attitude import angles, components
-from eom.checker.infer.books import taken
+from eom.checker.infer.books import looks_in, taken
 from eom.checker.infer.house import drafted, fit, houses
 from eom.checker.infer.letters import (
     BOOKS,
     CUSTOMARY,
+    DISPLAY,
     FORMULA,
     LETTER,
     Draft,
     by_custom,
     derived,
     free_vectors,
+    labelled,
 )
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
@@ -276,6 +278,7 @@ class _Drafted:
         for draft in by_custom(self.lexicon, self.looks, self.drafts):
             self.drafts[draft.table, draft.latex] = draft
         self.settle()
+        self.by_labels()
         new = _defined(self.formulas, self.lexicon)
         self.by_books(new)
         return new
@@ -320,19 +323,44 @@ class _Drafted:
         for heading, rows in sections(document, _body(self.text), self.lexicon, reads):
             yield heading, tuple(Draft("symbols", o.latex, o.means, o.words, o.line) for o in rows)
 
+    def by_labels(self) -> None:
+        """Take what displays define by raised labels, and components of that as the text says."""
+        for draft in labelled(self.formulas, self.lexicon):
+            self.add(draft)
+        self.settle()
+        for look, draft in _by_formulas(self.text, self.lexicon).items():
+            if "<k>" in draft.latex and look.sup and _reads(draft):
+                one = lexicon_of(_tables((draft,)), DRAFT)[0]
+                same = {
+                    k: d for k, d in self.drafts.items() if d.words == DISPLAY and _is(one, d.latex)
+                }
+                self.drafts = {k: d for k, d in self.drafts.items() if k not in same}
+                self.add(draft)
+        self.settle()
+
+    def any_vectors(self, *, told: bool) -> None:
+        """Take letters of identities for any vectors; ``told``: only beside those that words call so."""
+        for look, means in free_vectors(
+            self.formulas, self.lexicon, self.unknown(), told=told
+        ):
+            pattern = latex_of(look)
+            self.drafts["symbols", pattern] = Draft("symbols", pattern, means, CUSTOMARY, 0)
+
     def by_books(self, defined: Container[Look]) -> None:
         """Take formulas of the text and the usual books for symbols without a meaning."""
+        self.any_vectors(told=True)
+        self.settle()
         plain = lexicon_of(_tables(self.drafts.values()), DRAFT)[0]
         own = {
             k: (d.latex, d.meaning)
-            for k, d in _by_formulas(self.text).items()
+            for k, d in _by_formulas(self.text, self.lexicon).items()
             if plain.find(k) is None and _reads(d)
         }
         count = Counter(k for n, _ in self.symbols if (k := bare(n)) is not None)
         left = sorted((k for k in self.unknown() if k not in own), key=lambda k: -count[k])
-        labelled = self.primed()
-        order = [*(k for k in (*self.looks, *labelled) if k in own), *left[:MAX_UNKNOWN]]
-        order += [k for k in labelled if k not in own]
+        primes = self.primed()
+        order = [*(k for k in (*self.looks, *primes) if k in own), *left[:MAX_UNKNOWN]]
+        order += [k for k in primes if k not in own]
         order = [k for k in order if self.lexicon.notation.plain(k) not in defined]
         tables = _tables(self.drafts.values())
         body = _body(self.text)
@@ -344,11 +372,7 @@ class _Drafted:
             words = FORMULA if own.get(look) == (pattern, means) else BOOKS
             line = self.looks.get(look, 0)
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, line)
-        for look in free_vectors(self.formulas, self.unknown()):
-            pattern = latex_of(look)
-            self.drafts["symbols", pattern] = Draft(
-                "symbols", pattern, f"vector {look.name}", CUSTOMARY, 0
-            )
+        self.any_vectors(told=False)
         self.settle()
         for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
             self.add(draft)
@@ -405,7 +429,7 @@ def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -
                 yield Draft("symbols", latex_of(part), more, meant.words, meant.line)
 
 
-def _by_formulas(text: Prose) -> dict[Look, Draft]:
+def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
     """Return what formulas in the text say of symbols that stand alone on their left."""
     found: dict[Look, Draft] = {}
     for statement, line in zip(text.formulas, text.lines, strict=True):
@@ -419,12 +443,18 @@ def _by_formulas(text: Prose) -> dict[Look, Draft]:
             or isinstance(right, Number | Sequence)
         ):
             continue
-        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line))
+        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line, lexicon))
         for term, rest in _solved(left, right):
             other = look_of(term)
             if other is not None:
-                found.setdefault(other, _indexed(other, _written(term, other), rest, line))
+                found.setdefault(other, _indexed(other, _written(term, other), rest, line, lexicon))
     return found
+
+
+def _is(lexicon: Lexicon, latex: str) -> bool:
+    """Return whether a lexicon knows a symbol by its LaTeX."""
+    look = look_of(read_formula(latex).tree)
+    return look is not None and lexicon.find(look) is not None
 
 
 def _written(node: Node, look: Look) -> str:
@@ -443,14 +473,22 @@ def _solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
         yield term, f"{latex(left)} - {others}"
 
 
-def _indexed(look: Look, left: str, right: str, line: int) -> Draft:
-    """Return the entry by a formula, for any particle where the symbol carries an index."""
-    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in INDICES else ""
-    if index:
-        left, right = (
-            re.sub(rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])", "_{<i>}", t) for t in (left, right)
-        )
+def _indexed(look: Look, left: str, right: str, line: int, lexicon: Lexicon) -> Draft:
+    """Return the entry by a formula, for any particle, or axis, where the symbol carries an index."""
+    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in {*INDICES, "r", "s"} else ""
+    axes = bool(index) and _counts_axes(right, index, lexicon)
+    if axes or index in INDICES:
+        below = rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])"
+        slot = "<k>" if axes else "<i>"
+        left, right = (re.sub(below, f"_{{{slot}}}", t) for t in (left, right))
     return Draft("symbols", left, f"= {right}", FORMULA, line)
+
+
+def _counts_axes(formula: str, index: str, lexicon: Lexicon) -> bool:
+    """Return whether an index in a formula is that of a unit vector."""
+    looks = looks_in(read_formula(formula).tree)
+    units = (lexicon.find(replace(k, sub=("1",))) for k in looks if k.sub == (index,))
+    return any(u is not None and u.meaning.quantity == "unit" for u in units)
 
 
 def _body(text: Prose) -> str:

@@ -1,26 +1,28 @@
 r"""What a verdict rests on: a meaning that words give, or one that books, letters and custom only suggest.
 
-A meaning is sure where words or a formula of the text give it, or where two other lines with it hold: most
+A meaning is sure where words or a formula of the text give it, or where two other formulas with it hold: most
 lines of a note are right, and a meaning that is not meant makes them fail.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
-from eom.checker.infer.books import candidates
+from eom.checker.infer.books import candidates, looks_in
 from eom.checker.infer.draft import Proposal
-from eom.checker.infer.letters import BOOKS, GUESSED
+from eom.checker.infer.letters import BOOKS, GUESSED, LETTER
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
 from eom.checker.infer.shown import operands_of, symbols_in
 from eom.checker.infer.systems import IN_A_MOTION, USUAL, Guess
 from eom.checker.mean.claims import Claim
-from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon import AXES, Found, Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
+from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
 from eom.checker.read.syntax import Marks, Number
@@ -30,8 +32,8 @@ from eom.worlds.solutions import rate
 
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
-LINES = 1
-"""Other lines that hold with a meaning, by which it is sure."""
+LINES = 2
+"""Other formulas that hold with a meaning, by which it is sure."""
 TRUSTED, WHOLE = 3, 0.4
 """Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
 
@@ -45,10 +47,69 @@ class Doubt:
     why: str
 
 
-def doubts(
+@dataclass(frozen=True)
+class Evidence:
+    """What speaks for the meanings of a note's symbols, by the patterns of their entries.
+
+    ``firm``: those that words give; ``guessed``: why others were taken; ``meant``: what quantities of a
+    system are; ``count``: formulas that hold with a meaning, for all symbols of a family together; ``bases``:
+    symbols by which others are defined that stand for their norms, directions and components.
+    """
+
+    used: tuple[Mapping[str, tuple[str, str]], ...]
+    hold: tuple[bool, ...]
+    families: Mapping[str, str]
+    firm: frozenset[str]
+    guessed: Mapping[str, str]
+    meant: Mapping[str, str]
+    bases: Mapping[str, frozenset[str]]
+    preset: str
+
+    @cached_property
+    def certain(self) -> frozenset[str]:
+        """The families of which words give one, and so all."""
+        return frozenset(f for p, f in self.families.items() if p in self.firm)
+
+    @cached_property
+    def count(self) -> Counter[str]:
+        """Formulas that hold, by the families that stand in them."""
+        pairs = zip(self.used, self.hold, strict=True)
+        return Counter(f for u, held in pairs if held for f in {self.families[p] for p in u})
+
+    def others(self, pattern: str, number: int) -> int:
+        """Return how many formulas hold with a meaning beside one formula."""
+        family = self.families[pattern]
+        here = any(self.families[p] == family for p in self.used[number])
+        return self.count[family] - (self.hold[number] and here)
+
+    def is_sure(self, pattern: str, number: int, depth: int = 2) -> bool:
+        """Return whether words, two other formulas, or what makes its base sure, speak for a meaning."""
+        if self.families[pattern] in self.certain or self.others(pattern, number) >= LINES:
+            return True
+        bases = self.bases.get(pattern, frozenset())
+        return bool(bases) and depth > 0 and all(self.is_sure(b, number, depth - 1) for b in bases)
+
+    def doubts(self, number: int) -> tuple[Doubt, ...]:
+        """Return the meanings in a formula that nothing makes sure."""
+        return tuple(
+            Doubt(f[0], self.meant.get(p, f[1]), self.guessed.get(p, f"preset {self.preset}"))
+            for p, f in self.used[number].items()
+            if not self.is_sure(p, number)
+        )
+
+    def is_proved(self, number: int) -> bool:
+        """Return whether each meaning in a formula is sure and holds in another: its kinds can be trusted."""
+        used = self.used[number].items()
+        free = {p for p, f in used if f[1].startswith("vector ")}
+        return bool(used) and not self.doubts(number) and all(
+            p in free or self.others(p, number) for p, _ in used
+        )
+
+
+def evidence(
     formulas: Sequence[Formula], hold: Sequence[bool], lexicon: Lexicon, draft: Proposal
-) -> Iterator[tuple[Doubt, ...]]:
-    """Yield for each formula the meanings in it that nothing makes sure; ``hold``: which formulas do."""
+) -> Evidence:
+    """Return what speaks for the meanings in formulas; ``hold``: which of them do."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
@@ -61,22 +122,52 @@ def doubts(
     told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
     meant = {t.latex: f"the {t.means} of the system" for t in ties}
-    used = [dict(_used(f, lexicon)) for f in formulas]
-    count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
-    every = {p for u in used for p in u}
-    own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
-    firm = {
-        *said,
-        *told,
-        *draft.confirmed,
-        *(own if sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every) else ()),
+    used = tuple(dict(_used(f, lexicon)) for f in formulas)
+    every = {p: f for u in used for p, f in u.items()}
+    looks = (k for f in formulas for k in operands_of(f, lexicon))
+    families = {p: p for p in every} | {
+        f.entry.latex: _family(f) for k in looks if (f := lexicon.find(k)) is not None
     }
-    for found, held in zip(used, hold, strict=True):
-        unsure = [(p, f) for p, f in found.items() if p not in firm and count[p] - held < LINES]
-        yield tuple(
-            Doubt(f[0], meant.get(p, f[1]), guessed.get(p, f"preset {draft.preset}"))
-            for p, f in unsure
-        )
+    own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
+    whole = sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
+    firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
+    return Evidence(
+        used,
+        tuple(hold),
+        families,
+        frozenset(firm),
+        guessed,
+        meant,
+        dict(_bases(draft, lexicon, every)),
+        draft.preset,
+    )
+
+
+def _family(found: Found) -> str:
+    """Return what symbols have in common that speak for each other.
+
+    They are of one letter and one quantity: a vector, its components, and the same with other labels, where
+    labels say which point or frame is meant.
+    """
+    meaning, look = found.meaning, found.look
+    if meaning.formula or meaning.quantity in {"system", "defined", "vector"}:
+        return found.entry.latex
+    labelled = any(w not in AXES for corner in look.corners for w in corner)
+    labels = [str(len(meaning.labels))] if labelled else list(meaning.labels)
+    return " ".join((look.name, meaning.quantity, *labels))
+
+
+def _bases(
+    draft: Proposal, lexicon: Lexicon, every: Container[str]
+) -> Iterator[tuple[str, frozenset[str]]]:
+    """Yield entries by the letter of another symbol, with the entries of that in the note's formulas."""
+    for one in draft.drafts:
+        if one.words == LETTER and one.meaning.startswith("="):
+            formula = one.meaning.removeprefix("=").replace("<i>", "i")
+            found = [lexicon.find(k) for k in looks_in(read_formula(formula).tree)]
+            patterns = frozenset(f.entry.latex for f in found if f is not None)
+            if patterns and all(p in every for p in patterns):
+                yield one.latex, patterns
 
 
 def _simplified(formulas: Sequence[Formula], guess: Guess) -> bool:

@@ -18,8 +18,8 @@ from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
 from eom.checker.mean.values import Refusal
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
-from eom.checker.read.symbol_shape import Look
-from eom.checker.read.syntax import Node
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import Marks, Node, Symbol, Words, walk
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
 from eom.terms.terms import INDICES, VECTOR
@@ -28,6 +28,7 @@ CUSTOMARY = "by custom"
 LETTER = "by its letter"
 FORMULA = "by its formula in the text"
 BOOKS = "as in the usual books"
+DISPLAY = "by its display"
 GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS})
 """What stands in the place of words where they say nothing."""
 
@@ -53,7 +54,7 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
     done: set[Look] = set()
     for node in symbols:
         found = bare(node, lexicon)
-        if found is None or found in done or known(lexicon, node):
+        if found is None or found in done or lexicon.find(found) or known(lexicon, node):
             continue
         done.add(found)
         means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
@@ -185,19 +186,63 @@ def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
         yield Draft("points", free[0], "P", CUSTOMARY, 0)
 
 
+def labelled(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:
+    r"""Yield symbols with a raised label, as in ``\vec T^*``, that a display has alone on its left first.
+
+    A label is a word, or a mark that is no derivative of the note. The display defines what that is.
+    """
+    done: set[Look] = set()
+    for formula in formulas:
+        for statement in formula.statements if formula.relational else ():
+            look = _labelled(statement.members[0], lexicon)
+            first = look is not None and look not in done and formula.piece.kind == "display"
+            if first and look is not None and lexicon.find(look) is None:
+                yield Draft("symbols", latex_of(look), "defined", DISPLAY, formula.piece.line)
+            done |= {k for m in statement.members for n in walk(m) if (k := _labelled(n, lexicon))}
+
+
+def _labelled(node: Node, lexicon: Lexicon) -> Look | None:
+    """Return the look of a symbol with a raised label that is neither a mark of the note nor a power."""
+    found = seen(node)
+    first = found.raised[0] if found is not None and len(found.raised) == 1 else None
+    if found is None or found.dots or first is None:
+        return None
+    mark = isinstance(first, Marks) and not {*first.names} & {*lexicon.notation.marks, "times"}
+    word = isinstance(first, Words) or (
+        isinstance(first, Symbol) and first.style == "roman" and len(first.name) > 1
+    )
+    return found.with_label() if mark or word else None
+
+
 _ANY_VECTOR = re.compile("[abcuvwxy]")
 """Letters of vectors in an identity that holds for all of them."""
 
 
-def free_vectors(formulas: Iterable[Formula], unknown: Mapping[Look, int]) -> Iterator[Look]:
-    """Yield unknown vectors that stand in displays of nothing but such letters: in identities."""
-    free = {
-        k
-        for k in unknown
-        if (k.accents or k.style) and _ANY_VECTOR.fullmatch(k.name) and not any(k.corners)
-    }
+def free_vectors(
+    formulas: Iterable[Formula], lexicon: Lexicon, unknown: Iterable[Look], *, told: bool
+) -> Iterator[tuple[Look, str]]:
+    r"""Yield unknown vectors that stand in displays of nothing but such: in identities, with their meanings.
+
+    ``told``: only beside one that words call any vector. A letter without a mark is the column of body
+    components of the vector with one, as in ``[\tilde u] v``.
+    """
+    unknown = set(unknown)
+    marked = {k for k in unknown if (k.accents or k.style) and _is_any(k)}
+    entries = (e for layer in lexicon.layers for e in layer)
+    said = {e.look for e in entries if e.meaning.quantity == "vector"}
+    letters = {k.name for k in marked | said}
+    plain = {Look(n) for n in letters} & unknown
+    free = marked | plain | said | {Look(n, accents=("tilde",)) for n in letters}
     shown = [set(operands_of(f)) for f in formulas if f.piece.kind == "display"]
-    for look in free:
+    for look in sorted(marked | plain, key=lambda k: (k.text, k.accents)):
         lines = [s for s in shown if look in s]
-        if lines and all(s <= free for s in lines):
-            yield look
+        if lines and all(s <= free and (s & said or not told) for s in lines):
+            yield look, f"vector {look.name}{' in B' if look in plain else ''}"
+
+
+def _is_any(look: Look) -> bool:
+    """Return whether a vector may be any: a letter that is usual for one, without labels or the mark of a matrix."""
+    return bool(_ANY_VECTOR.fullmatch(look.name)) and not any(look.corners) and not _SKEW & {*look.accents}
+
+
+_SKEW = frozenset({"tilde", "widetilde"})

@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
+from itertools import pairwise
 
 from eom.checker.infer.places import Places, as_label, tables
 from eom.checker.infer.sayings import MARK, Mention, Prose, Said
@@ -123,15 +124,16 @@ class Phrases:
     def _filled(self, row: Row, words: str, one: Said, k: int) -> str:
         """Return a meaning with its places filled; nothing where one is unknown."""
         points, frames = list(self._points(words)), self._frames(words)
-        of, start = self._position(words, one.of[k])
+        of, start = self._position(words, one)
+        of = of or self._labelled(one.of[k].look)
         several = len(one.of) > 1
         turning = frames["of"]
         both = [self.places.frames[(n,)] for n in one.of[k].look.sub if (n,) in self.places.frames]
         if len(both) == 2 and not (frames["into"] or frames["of"] or frames["in"]):
             frames = {**frames, "into": both[:1], "in": both[1:]}
         values = {
-            "body": self.body,
-            "particle": self._particle(one.of[k]),
+            "body": "P" if one.sentence in self.single else self.body,
+            "particle": self._particle(one.of[k], one.sentence),
             "about": points[k]
             if several and len(points) == len(one.of)
             else points[0]
@@ -243,8 +245,8 @@ class Phrases:
             return "OI"
         return "O" if "O" in values or "OI" not in values else "OI"
 
-    def _position(self, words: str, mention: Mention) -> tuple[str, str]:
-        """Return which point a vector leads to, and from which; by its label where words do not say."""
+    def _position(self, words: str, one: Said) -> tuple[str, str]:
+        """Return which point a vector leads to, nothing where words do not say, and from which."""
         thing = rf"(?:{MARK}|particle\s+{MARK}|{_THINGS}|{_WORDS})"
         led = re.search(
             rf"from\s+(?:the |an? )*(?:\w+\s+)*?({thing})\s+to\s+(?:the |an? )*(?:\w+\s+)*?({thing})",
@@ -257,9 +259,17 @@ class Phrases:
             rf"\b(?:from|relative to|with respect to)\s+(?:the |an? )*(?:\w+\s+)*?({thing})", words
         )
         given = self._thing(start[1]) if start is not None else "OI"
-        return (
-            self._thing(of[1]) if of is not None else self._labelled(mention.look)
-        ), given or "OI"
+        own = "P" if _ITS.match(one.words) and one.sentence in self.single else ""
+        return (self._thing(of[1]) if of is not None else own), given or "OI"
+
+    @cached_property
+    def single(self) -> frozenset[str]:
+        """The sentences about one particle, and those behind a colon of such."""
+        found: list[str] = []
+        for before, here in pairwise(("", *self.text.sentences)):
+            behind = before.endswith(":") and before in found
+            found += [here] if behind or _ONE.search(here) else []
+        return frozenset(found)
 
     def _labelled(self, look: Look) -> str:
         """Return the point or particle that a label names."""
@@ -299,8 +309,10 @@ class Phrases:
             return self.places.frames.get(as_label(self.text.marked(words)[0].look), "")
         return "B" if words.startswith("body") else "I"
 
-    def _particle(self, mention: Mention) -> str:
+    def _particle(self, mention: Mention, sentence: str) -> str:
         labels = mention.look.sub
+        if sentence in self.single:
+            return "P"
         return "<i>" if len(labels) == 1 and labels[0] in INDICES else "P"
 
 
@@ -319,6 +331,9 @@ def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
 
 
 _ARTICLES = r"(?:the |frame |body |an? |columns? of |components of )*"
+_ONE = re.compile(r"\bone (?:particle|point mass|of (?:them|the particles))\b")
+"""Words of a sentence that is about a particle by itself, beside others."""
+_ITS = re.compile(r"its\b")
 _BETWEEN = ("position", "velocity", "acc", "rotation ", "angular_velocity")
 """Beginnings of meanings that are about two points or frames."""
 _PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")

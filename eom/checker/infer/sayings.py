@@ -128,7 +128,7 @@ def _spelt_out(match: re.Match[str]) -> str:
 
 
 CASE = re.compile(
-    r"^(?:finally|for a|in the case)\b|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
+    r"^(?:finally|for a(?!n? point)|in the case)\b|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
     re.IGNORECASE,
 )
 """Words of a sentence that is about a special case."""

@@ -32,7 +32,7 @@ def symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
             if seen(node) is not None:
                 yield node, formula.piece.source.line_column(node.span.start)[0]
             elif not isinstance(node, Number):
-                stack += reversed(_operands(node))
+                stack += reversed(operands(node))
 
 
 def symbols_in(formula: Formula) -> Iterator[Node]:
@@ -54,7 +54,7 @@ def _members(statement: Statement) -> list[Node]:
     return own + [m for _, c in statement.conditions for m in _members(c)]
 
 
-def _operands(node: Node) -> tuple[Node, ...]:
+def operands(node: Node) -> tuple[Node, ...]:
     """Return what of a node has a value: no variables and bounds of integrals, no labels."""
     if isinstance(node, Integral):
         return (node.integrand,) if node.integrand is not None else ()

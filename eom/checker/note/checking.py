@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import doubts, readings, uncounted
+from eom.checker.infer.evidence import Doubt, evidence, readings, uncounted
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
@@ -182,7 +182,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
         found = tuple(_explained(f, settings) for f in _found(reviewed, known))
-        found = found if settings.strict else tuple(_doubted(found, known, settings))
+        found = tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
         open_ = _questions(found, known)
@@ -281,7 +281,6 @@ def _found(reviewed: Sequence[Reviewed], known: Meanings) -> Iterator[Found]:
         if formula.piece.kind == "display" or formula.relational or one.verdict.verdict != NONE:
             reported = finding(one.understood, one.verdict, numbers[formula.piece.kind])
             reported = replace(reported, remarks=one.remarks, carried=one.carried)
-            reported = reported if known.draft is None else _unconfirmed(reported)
             yield Found(one.understood, one.verdict, reported, one.stated)
 
 
@@ -304,25 +303,40 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
+    known_by = evidence(formulas, hold, known.lexicon, known.draft)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
-    doubted = doubts(formulas, hold, known.lexicon, known.draft)
-    for one, guessed, system in zip(found, doubted, about, strict=True):
-        if one.finding.verdict != WRONG or all(_apart(j, named) for j in one.verdict.claims):
+    for number, (one, system) in enumerate(zip(found, about, strict=True)):
+        if one.finding.verdict == ILL_FORMED and not known_by.is_proved(number):
+            yield replace(one, finding=_unconfirmed(one.finding))
+        elif one.finding.verdict not in GRAVE or settings.strict:
             yield one
-            continue
-        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
-        if system and not named and (lines < CREDIBLE or guessed):
-            taken = [f"the note is about {s.name}" for s in known.draft.systems[:1]] + taken
-        if system and not named:
-            free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
-            taken += [f"{n} is counted from where the line needs it" for n in free]
-        if _PLACED.search(one.finding.special):
-            taken += ["points and frames are as drafted"]
-        why = ", ".join(taken) or _excused(one, known.draft, settings)
-        reason = f"if {why}, then: {one.finding.reason}"
-        unsure = replace(one.finding, verdict=UNSURE, reason=reason)
-        yield replace(one, finding=unsure) if why else one
+        elif all(_apart(j, named) for j in one.verdict.claims):
+            yield one
+        else:
+            taken = _taken(one, known.draft, known_by.doubts(number), system and not named, lines)
+            why = ", ".join(taken) or _excused(one, known.draft, settings)
+            reason = f"if {why}, then: {one.finding.reason}"
+            unsure = replace(one.finding, verdict=UNSURE, reason=reason)
+            yield replace(one, finding=unsure) if why else one
+
+
+def _taken(
+    one: Found, draft: Proposal, guessed: Sequence[Doubt], system: bool, lines: int
+) -> list[str]:
+    """Return what a wrong line rests on that nothing makes sure.
+
+    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold.
+    """
+    taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
+    if system and (lines < CREDIBLE or guessed):
+        taken = [f"the note is about {s.name}" for s in draft.systems[:1]] + taken
+    if system:
+        free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
+        taken += [f"{n} is counted from where the line needs it" for n in free]
+    if _PLACED.search(one.finding.special):
+        taken += ["points and frames are as drafted"]
+    return taken
 
 
 def _apart(judged: Judged, named: bool) -> bool:
