@@ -6,6 +6,7 @@ leaves least, in the order of custom.
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -13,6 +14,7 @@ from functools import cache, cached_property
 from importlib.resources import files
 
 from eom.checker.infer.house import Tables, drafted, fit
+from eom.checker.infer.letters import indexed, rate
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands, operands_of
 from eom.checker.mean.lexicon import AXES, Lexicon
@@ -44,10 +46,26 @@ def rows() -> tuple[Row, ...]:
     )
 
 
+TOPICS: Mapping[str, tuple[re.Pattern[str], tuple[str, ...]]] = {
+    "wheels": (
+        re.compile(r"\b(?:rotors?|wheels?|flywheels?|gyrostats?|momentum device)\b", re.IGNORECASE),
+        ("rotor_",),
+    ),
+    "orbits": (
+        re.compile(
+            r"\b(?:orbit\w*|planets?|gravitation\w*|gravity|primary|attract\w+|satellites?|earth)\b",
+            re.IGNORECASE,
+        ),
+        ("orbit_", "gravity_parameter"),
+    ),
+}
+"""Words by which a note is about something, with the beginnings of quantities that others do not have."""
+
+
 def candidates(
-    look: Look, body: str, lexicon: Lexicon, *, wheels: bool = True
+    look: Look, body: str, lexicon: Lexicon, *, absent: frozenset[str] = frozenset()
 ) -> Iterator[tuple[str, str]]:
-    """Yield patterns with meanings that books give a symbol; ``wheels``: whether the note speaks of any."""
+    """Yield patterns with meanings that books give a symbol; ``absent``: topics that the note is not about."""
     marked = bool(look.accents or look.style)
     for row in rows():
         fits = row.mark == "table" or (row.mark == "vector") == marked
@@ -56,7 +74,7 @@ def candidates(
         left, _, right = row.labels.rpartition("|")
         pattern = left + latex_of(Look(look.name, look.style, look.accents)) + right
         for means in row.means:
-            if means.startswith("rotor_") and not wheels:
+            if any(means.startswith(TOPICS[topic][1]) for topic in absent):
                 continue
             words = means.replace("{body}", body)
             one, _ = lexicon_of({"symbols": {pattern: words}}, "book")
@@ -121,7 +139,7 @@ class _Search:
     body: str
     own: Mapping[Look, tuple[str, str]]
     added: Callable[[Lexicon], Lexicon]
-    wheels: bool = True
+    absent: frozenset[str] = frozenset()
     chosen: dict[Look, tuple[str, str]] = field(default_factory=dict)
 
     @cached_property
@@ -169,9 +187,13 @@ class _Search:
         if look in self.own and resolved(self.own[look][1], lexicon, look):
             yield self.own[look]
         bare = lexicon.find(replace(look, sub=(), sup=(), presub=(), presup=()))
-        if not known and (bare is None or bare.entry.latex not in self.given):
+        primed = "prime" in look.sup
+        if not known and (primed or bare is None or bare.entry.latex not in self.given):
+            formula = rate(lexicon, look)
+            if formula:
+                yield indexed(look, formula)
             yield from component(look, lexicon, self.looks)
-            yield from dict.fromkeys(candidates(look, self.body, lexicon, wheels=self.wheels))
+            yield from dict.fromkeys(candidates(look, self.body, lexicon, absent=self.absent))
 
 
 def taken(
@@ -183,15 +205,15 @@ def taken(
     own: Mapping[Look, tuple[str, str]],
     added: Callable[[Lexicon], Lexicon],
     *,
-    wheels: bool = True,
+    absent: frozenset[str] = frozenset(),
 ) -> Mapping[str, tuple[str, Look]]:
     """Return meanings by their patterns, each with the symbol that it was taken for.
 
     ``unknown``: symbols, those first that stand in most places; ``own``: what formulas of the text say;
-    ``added``: puts the note's system into a lexicon; ``wheels``: whether the note speaks of any.
+    ``added``: puts the note's system into a lexicon; ``absent``: topics that the note is not about.
     In a second sweep each is decided again, with all others known.
     """
-    search = _Search(formulas, preset, tables, body, own, added, wheels)
+    search = _Search(formulas, preset, tables, body, own, added, absent)
     unknown = tuple(unknown)
     for _ in range(SWEEPS):
         for look in unknown:

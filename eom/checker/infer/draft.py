@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from eom.checker.infer.attitude import angles, components
-from eom.checker.infer.books import looks_in, taken
+from eom.checker.infer.books import TOPICS, looks_in, taken
 from eom.checker.infer.house import drafted, fit, houses
 from eom.checker.infer.letters import (
     BOOKS,
@@ -33,6 +33,7 @@ from eom.checker.infer.letters import (
     FORMULA,
     LETTER,
     Draft,
+    along,
     by_custom,
     derived,
     free_vectors,
@@ -194,6 +195,7 @@ def propose(document: Document) -> Proposal:
 
 RIVALS = 3
 """Presets that are tried with the usual books; of those that go best with what words say."""
+BESIDE = "beside what words call any vector, in identities"
 LABEL = Draft("marks", "prime", "", CUSTOMARY, 0)
 """That a prime is no derivative."""
 
@@ -328,6 +330,15 @@ class _Drafted:
         for draft in labelled(self.formulas, self.lexicon):
             self.add(draft)
         self.settle()
+        shown = [
+            (s, f.piece.line) for f in self.formulas if f.piece.kind == "display" for s in f.statements
+        ]
+        texts = zip(self.text.formulas, self.text.lines, strict=True)
+        for statement, line in (*shown, *texts):
+            for draft in along(statement, line, self.lexicon):
+                self.add(draft)
+        for statement, line in self.text.cases:
+            self.others += along(statement, line, self.lexicon, known=True)
         for look, draft in _by_formulas(self.text, self.lexicon).items():
             if "<k>" in draft.latex and look.sup and _reads(draft):
                 one = lexicon_of(_tables((draft,)), DRAFT)[0]
@@ -344,7 +355,8 @@ class _Drafted:
             self.formulas, self.lexicon, self.unknown(), told=told
         ):
             pattern = latex_of(look)
-            self.drafts["symbols", pattern] = Draft("symbols", pattern, means, CUSTOMARY, 0)
+            words = BESIDE if told else CUSTOMARY
+            self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, 0)
 
     def by_books(self, defined: Container[Look]) -> None:
         """Take formulas of the text and the usual books for symbols without a meaning."""
@@ -364,9 +376,9 @@ class _Drafted:
         order = [k for k in order if self.lexicon.notation.plain(k) not in defined]
         tables = _tables(self.drafts.values())
         body = _body(self.text)
-        wheels = any(_WHEELS.search(s) for s in self.text.sentences)
+        absent = _absent(self.text)
         books = taken(
-            self.formulas, self.preset, tables, order, body, own, self._added, wheels=wheels
+            self.formulas, self.preset, tables, order, body, own, self._added, absent=absent
         )
         for pattern, (means, look) in books.items():
             words = FORMULA if own.get(look) == (pattern, means) else BOOKS
@@ -388,9 +400,10 @@ def _shapes(draft: Draft) -> Iterator[str]:
         yield f"{draft.meaning} in B"
 
 
-_WHEELS = re.compile(
-    r"\b(?:rotors?|wheels?|flywheels?|gyrostats?|momentum device)\b", re.IGNORECASE
-)
+def _absent(text: Prose) -> frozenset[str]:
+    """Return what a note with words says nothing of."""
+    said = [p for p, (words, _) in TOPICS.items() if any(words.search(s) for s in text.sentences)]
+    return frozenset(TOPICS) - {*said} if text.sentences else frozenset({"wheels"})
 
 
 def _tables(drafts: Iterable[Draft]) -> dict[str, dict[str, str]]:
@@ -434,6 +447,8 @@ def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
     found: dict[Look, Draft] = {}
     for statement, line in zip(text.formulas, text.lines, strict=True):
         left, right = statement.members[:2]
+        if look_of(left) is None and look_of(right) is not None:
+            left, right = right, left
         look = look_of(left)
         usual = {g.name for g in statement.signs[:1]} <= {"=", "triangleq", ":=", "equiv"}
         if (

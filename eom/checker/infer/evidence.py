@@ -7,7 +7,7 @@ lines of a note are right, and a meaning that is not meant makes them fail.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -30,6 +30,8 @@ from eom.checker.read.writing import latex_of
 from eom.terms.terms import Term
 from eom.worlds.solutions import rate
 
+PLACED = frozenset({"position", "velocity", "acceleration"})
+"""Quantities of a point, seen from another."""
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
 LINES = 2
@@ -74,12 +76,17 @@ class Evidence:
     def count(self) -> Counter[str]:
         """Formulas that hold, by the families that stand in them."""
         pairs = zip(self.used, self.hold, strict=True)
-        return Counter(f for u, held in pairs if held for f in {self.families[p] for p in u})
+        return Counter(f for u, held in pairs if held for f in {self.families[p] for p in self._all(u)})
+
+    def _all(self, used: Iterable[str]) -> Iterator[str]:
+        """Yield entries with those that they stand for norms or components of."""
+        for pattern in used:
+            yield from (pattern, *self.bases.get(pattern, ()))
 
     def others(self, pattern: str, number: int) -> int:
         """Return how many formulas hold with a meaning beside one formula."""
         family = self.families[pattern]
-        here = any(self.families[p] == family for p in self.used[number])
+        here = any(self.families[p] == family for p in self._all(self.used[number]))
         return self.count[family] - (self.hold[number] and here)
 
     def is_sure(self, pattern: str, number: int, depth: int = 2) -> bool:
@@ -102,8 +109,13 @@ class Evidence:
         used = self.used[number].items()
         free = {p for p, f in used if f[1].startswith("vector ")}
         return bool(used) and not self.doubts(number) and all(
-            p in free or self.others(p, number) for p, _ in used
+            p in free or self.held[p] - self.hold[number] for p, _ in used
         )
+
+    @cached_property
+    def held(self) -> Counter[str]:
+        """Formulas that hold, by the entries that stand in them."""
+        return Counter(p for u, held in zip(self.used, self.hold, strict=True) if held for p in u)
 
 
 def evidence(
@@ -154,6 +166,8 @@ def _family(found: Found) -> str:
         return found.entry.latex
     labelled = any(w not in AXES for corner in look.corners for w in corner)
     labels = [str(len(meaning.labels))] if labelled else list(meaning.labels)
+    if meaning.quantity in PLACED and sum(len(c) for c in look.corners) < 2:
+        labels = list(meaning.labels[1:])
     return " ".join((look.name, meaning.quantity, *labels))
 
 
@@ -162,7 +176,7 @@ def _bases(
 ) -> Iterator[tuple[str, frozenset[str]]]:
     """Yield entries by the letter of another symbol, with the entries of that in the note's formulas."""
     for one in draft.drafts:
-        if one.words == LETTER and one.meaning.startswith("="):
+        if one.words in {LETTER, BOOKS} and one.meaning.startswith("="):
             formula = one.meaning.removeprefix("=").replace("<i>", "i")
             found = [lexicon.find(k) for k in looks_in(read_formula(formula).tree)]
             patterns = frozenset(f.entry.latex for f in found if f is not None)
@@ -236,6 +250,17 @@ def readings(
             again = whole.find(found.look)
             if again is not None and again.meaning != found.meaning:
                 yield Doubt(latex_of(found.look), means, why), whole
+
+
+def with_meaning(lexicon: Lexicon, formula: Formula, doubt: Doubt) -> Lexicon | None:
+    """Return a lexicon with another meaning, None where no symbol of a formula has it otherwise."""
+    one, _ = lexicon_of({"symbols": {doubt.latex: doubt.meaning}}, "reading")
+    whole = replace(lexicon, layers=(*one.layers[:1], *lexicon.layers))
+    for look in dict.fromkeys(operands_of(formula, lexicon)):
+        before, again = lexicon.find(look), whole.find(look)
+        if before is not None and again is not None and before.meaning != again.meaning:
+            return whole
+    return None
 
 
 def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:

@@ -7,7 +7,7 @@ any vector.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.infer.places import USUAL
@@ -17,9 +17,9 @@ from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
 from eom.checker.mean.values import Refusal
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.statements import Formula
+from eom.checker.read.statements import Formula, Statement
 from eom.checker.read.symbol_shape import Look, seen
-from eom.checker.read.syntax import Marks, Node, Symbol, Words, walk
+from eom.checker.read.syntax import Addition, Marks, Node, Product, Symbol, Words, walk
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
 from eom.terms.terms import INDICES, VECTOR
@@ -52,18 +52,25 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
     """
     short = any("sine" in s and "cosine" in s for s in text.sentences) or _shown_short(text)
     done: set[Look] = set()
+    symbols = tuple(symbols)
+    looks = {k for n in symbols if (k := bare(n, lexicon)) is not None}
     for node in symbols:
         found = bare(node, lexicon)
         if found is None or found in done or lexicon.find(found) or known(lexicon, node):
             continue
         done.add(found)
-        means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
-        pattern = latex_of(found)
-        if len(found.sub) == 1 and found.sub[0] in INDICES:
-            pattern = latex_of(replace(found, sub=("<i>",)))
-            means = means.replace(f"_{{{found.sub[0]}}}", "_{<i>}")
+        means = _of_letter(lexicon, found, looks) or (_short(lexicon, found) if short else "")
+        pattern, means = indexed(found, means)
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
+
+
+def indexed(look: Look, means: str) -> tuple[str, str]:
+    """Return the pattern of a symbol and its formula, for any particle where it carries an index."""
+    if len(look.sub) != 1 or look.sub[0] not in INDICES:
+        return latex_of(look), means
+    pattern = latex_of(replace(look, sub=("<i>",)))
+    return pattern, means.replace(f"_{{{look.sub[0]}}}", "_{<i>}")
 
 
 _FUNCTIONS = {"s": "sin", "c": "cos"}
@@ -86,7 +93,7 @@ def _short(lexicon: Lexicon, look: Look) -> str:
     return rf"= \{_FUNCTIONS[look.name]} {latex_of(angle)}" if known and angle is not None else ""
 
 
-def _of_letter(lexicon: Lexicon, look: Look) -> str:
+def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     """Return what a letter stands for that a vector has, too: its norm, direction, component, column."""
     axis = AXES.get(look.sub[-1]) if look.sub else None
     bare = lexicon.find(replace(look, sub=())) if len(look.sub) == 1 else None
@@ -102,10 +109,11 @@ def _of_letter(lexicon: Lexicon, look: Look) -> str:
         marked = (e.accents or e.style) and e.name == look.name
         if not marked or (e.accents, e.style) == (look.accents, look.style):
             continue
-        whole = latex_of(replace(e, sub=look.sub, sup=look.sup))
+        vector = replace(e, sub=look.sub, sup=look.sup)
+        whole, said = latex_of(vector), entry.where.startswith("draft") or vector in looks
         if entry.meaning.kind != VECTOR and not _is_vector(lexicon, entry.meaning, whole):
             continue
-        if plain and lexicon.find(replace(e, sub=look.sub, sup=look.sup)) is not None:
+        if plain and said and lexicon.find(vector) is not None:
             return rf"= \left|{whole}\right|"
         if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
             return rf"= {whole} / \left|{whole}\right|"
@@ -119,6 +127,21 @@ def _of_letter(lexicon: Lexicon, look: Look) -> str:
         ):
             return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
     return ""
+
+
+_RATES = {"v": ("r", r"\dot"), "V": ("R", r"\dot"), "a": ("r", r"\ddot")}
+"""Letters of rates of a position, with its letter."""
+
+
+def rate(lexicon: Lexicon, look: Look) -> str:
+    """Return the formula of the rate of a position with a letter's marks and labels, a prime among these."""
+    letter, dots = _RATES.get(look.name, ("", ""))
+    of = replace(look, name=letter)
+    marked = (look.accents or look.style) and any(look.corners)
+    found = lexicon.find(of) if letter and marked else None
+    if found is None or "prime" not in look.sup:
+        return ""
+    return rf"= {dots}{{{latex_of(of)}}}"
 
 
 def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
@@ -141,7 +164,8 @@ def _moment(lexicon: Lexicon, look: Look) -> str:
         if e.look.name == look.name and not any(e.look.corners) and e.meaning.quantity == "inertia"
     )
     table = next((m for m in tables if not m.component), None)
-    if table is None or len(axes) != len(look.sub) or not 1 <= len(axes) <= 2:
+    other = look.sup or look.presub or look.presup
+    if table is None or other or len(axes) != len(look.sub) or not 1 <= len(axes) <= 2:
         return ""
     return f"{_worded(table)} in {table.frame or 'B'} component {axes[0]} {axes[-1]}"
 
@@ -167,7 +191,8 @@ def by_custom(
             known = label in lexicon.frames or label in lexicon.points
             known = known or (label[0] in INDICES and ("b",) not in labels)
             if name and not known and (table == "frames" or name not in said):
-                yield Draft(table, "".join(label), name, CUSTOMARY, 0)
+                word = "".join(label)
+                yield Draft(table, rf"\{word}" if len(word) > 1 else word, name, CUSTOMARY, 0)
 
 
 def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
@@ -184,6 +209,35 @@ def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
     free = [w for w in names if not {(w,)} & {*lexicon.points, *lexicon.frames}]
     if len(free) == 1 and "P" not in lexicon.points.values():
         yield Draft("points", free[0], "P", CUSTOMARY, 0)
+
+
+def along(
+    statement: Statement, line: int, lexicon: Lexicon, *, known: bool = False
+) -> Iterator[Draft]:
+    r"""Yield a letter by which a unit vector is multiplied to give a known vector, as in ``\vec a = s\hat b``.
+
+    ``known``: of letters that have a meaning already, too.
+    """
+    if not statement.relational or len(statement.members) != 2:
+        return
+    left, right = statement.members
+    vector = look_of(left) if seen(left) is not None else None
+    found = lexicon.find(vector) if vector is not None else None
+    if found is None or found.meaning.kind != VECTOR or found.meaning.component:
+        return
+    sign = ""
+    if isinstance(right, Addition) and len(right.terms) == 1:
+        right, sign = right.terms[0], "-" if right.signs[0] == "-" else ""
+    factors = right.factors if isinstance(right, Product) and not right.operator else ()
+    looks = [seen(f) for f in factors]
+    if len(looks) != 2 or looks[0] is None or looks[1] is None or looks[0].dots or looks[0].raised:
+        return
+    letter, unit = looks[0].look, lexicon.find(looks[1].look)
+    plain = not letter.accents and not letter.style
+    if unit is not None and unit.meaning.quantity == "unit" and plain:
+        if known or lexicon.find(letter) is None:
+            formula = rf"= {sign}{latex(left)} \cdot {latex(factors[1])}"
+            yield Draft("symbols", latex_of(letter), formula, DISPLAY, line)
 
 
 def labelled(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:

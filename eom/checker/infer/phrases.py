@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import pairwise
 
-from eom.checker.infer.places import Places, as_label, tables
+from eom.checker.infer.places import USUAL, Places, as_label, tables
 from eom.checker.infer.sayings import MARK, Mention, Prose, Said
 from eom.checker.read.symbol_shape import Labels, Look
 from eom.checker.read.writing import latex_of
@@ -60,13 +60,15 @@ class Phrases:
     """What fills places: the text, its frames and points, and whose mechanics it is.
 
     ``vectors``: the vectors that were given a meaning so far, the last one last, to which "its components"
-    and "its magnitude" refer.
+    and "its magnitude" refer; ``about``: the points about which things were taken, to which "the same point"
+    refers.
     """
 
     text: Prose
     places: Places
     body: str = "body"
     vectors: dict[Look, str] = field(default_factory=dict)
+    about: list[str] = field(default_factory=list)
 
     def meant(self, one: Said) -> Iterator[Meant]:
         """Yield the meanings that words give symbols: one for all, or one for each in order."""
@@ -141,7 +143,9 @@ class Phrases:
             else self._centre(),
             "of": of,
             "from": start,
-            "frame": turning[k]
+            "frame": USUAL["frames"][one.of[k].look.sub[0]]
+            if row.means.startswith("vectrix") and one.of[k].look.sub[:1] in _USUAL
+            else turning[k]
             if several and len(turning) == len(one.of)
             else turning[0]
             if turning
@@ -195,7 +199,9 @@ class Phrases:
 
     def _magnitude(self, words: str) -> str:
         look = self._referent(words)
-        return "" if look is None else rf"= \left|{latex_of(look)}\right|"
+        if look is None or self.vectors[look].startswith("inertia ") or _LENGTH.match(words):
+            return ""
+        return rf"= \left|{latex_of(look)}\right|"
 
     def _derivative(self, words: str, frames: list[str]) -> str:
         """Return the formula of the derivative of a symbol in a frame."""
@@ -216,7 +222,10 @@ class Phrases:
         found = re.search(r"\b(?:about|for|around|with respect to|at)\s+(?P<what>[^.;]*)", words)
         if found is None:
             return []
+        if found["what"].startswith("the same point"):
+            return self.about[-1:]
         named = list(self._pointed(found["what"]))
+        self.about += named[:1]
         unknown = re.match(rf"(?:the )?(?:point )?({MARK})", found["what"])
         return named or (
             ["<P>"]
@@ -241,6 +250,8 @@ class Phrases:
         if "mass" in words or "gravity" in words:
             return "C"
         values = self.places.points.values()
+        if words == "origin" and not values:
+            return "OI"
         if "inertial" in words or words == "fixed origin":
             return "OI"
         return "O" if "O" in values or "OI" not in values else "OI"
@@ -333,13 +344,17 @@ def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
 _ARTICLES = r"(?:the |frame |body |an? |columns? of |components of )*"
 _ONE = re.compile(r"\bone (?:particle|point mass|of (?:them|the particles))\b")
 """Words of a sentence that is about a particle by itself, beside others."""
+_LENGTH = re.compile(r"length(?! of ⟦)")
+"""A length that may be that of a thing."""
 _ITS = re.compile(r"its\b")
+_USUAL = frozenset((n,) for n in USUAL["frames"])
 _BETWEEN = ("position", "velocity", "acc", "rotation ", "angular_velocity")
 """Beginnings of meanings that are about two points or frames."""
 _PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")
 _REST = re.compile(
     r"(?:\s+(?:vectors?|matrix|column))?"
     r"(?:\s+of\s+[a-z]+|\s+(?:of )?(?:the|a|this|each)\s+(?:point\s+)?[a-z]+)?"
+    r"(?:\s+about\s+(?:the )?[a-z]+(?: of [a-z]+| [a-z]+)?)?"
     r"(?:\s+(?:is|are|be|by|at))?\s*"
 )
 """What may stand between a noun and the symbol behind it."""
@@ -396,6 +411,9 @@ def slotted(meant: Meant, places: Places) -> Iterator[tuple[str, str]]:
         return
     if means.startswith("rotor_") and means.endswith(" k") and look.sub in {("k",), ("i",), ("j",)}:
         yield latex_of(look), means.removesuffix("k") + look.sub[0]
+        return
+    if means.startswith("inertia ") and look.sub in places.frames and look.sub not in places.points:
+        yield latex_of(replace(look, sub=("<F>",))), f"{means} in <F>"
         return
     if "<P>" in means:
         yield from ((latex_of(g), means) for g in _open(look, places))

@@ -122,7 +122,7 @@ def _placeholder(label: Labels, named: set[str]) -> bool:
 
 USUAL = {
     "frames": {"b": "B", "B": "B", "body": "B", "i": "I", "I": "I", "N": "I", "n": "I", "0": "I"},
-    "points": {"C": "C", "G": "C", "S": "C", "O": "O"},
+    "points": {"C": "C", "G": "C", "S": "C", "O": "O", "bullet": "C"},
 }
 """What labels name by custom, where nothing else says so."""
 

@@ -73,12 +73,16 @@ class Said:
 
 @dataclass(frozen=True)
 class Prose:
-    """The sentences of a note with marks for formulas, the mentions, and formulas that define letters."""
+    """The sentences of a note with marks for formulas, the mentions, and formulas that define letters.
+
+    ``cases``: formulas of sentences about a special case, with their lines.
+    """
 
     sentences: tuple[str, ...]
     mentions: tuple[Mention, ...]
     formulas: tuple[Statement, ...]
     lines: tuple[int, ...]
+    cases: tuple[tuple[Statement, int], ...] = ()
 
     def shown(self, words: str) -> str:
         """Return words with the letters of symbols in the place of marks."""
@@ -96,6 +100,7 @@ def prose(document: Document) -> Prose:
     shown = {k: f for k, f in inline.items() if f.piece.kind == "display"}
     mentions: list[Mention] = []
     formulas: list[tuple[Statement, int]] = []
+    cases: list[tuple[Statement, int]] = []
     text: list[str] = []
     for piece in document.pieces:
         if piece.kind == "prose":
@@ -108,12 +113,16 @@ def prose(document: Document) -> Prose:
             text.append(f"{left}{BREAK}")
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
-            text.append(_marks(formula, mentions, [] if CASE.search(lead) else formulas))
+            text.append(_marks(formula, mentions, cases if CASE.search(lead) else formulas))
     whole = _LISTED.sub(_spelt_out, "".join(text))
     whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
     sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
     return Prose(
-        sentences, tuple(mentions), tuple(s for s, _ in formulas), tuple(n for _, n in formulas)
+        sentences,
+        tuple(mentions),
+        tuple(s for s, _ in formulas),
+        tuple(n for _, n in formulas),
+        tuple(cases),
     )
 
 
@@ -168,7 +177,9 @@ def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[State
 
 
 _LED = re.compile(
-    r"\b(?:is|are|be|reads?|(?:defined|given|expressed)\s+(?:as|by)(?:\s+follows)?)\s*[:,]?\s*$",
+    r"\b(?:is|are|be|reads?|(?:defined|given|expressed)\s+(?:as|by)(?:\s+follows)?)\s*[:,]?\s*$"
+    r"|\b(?:is|are)\s+(?:the|an?)\s+(?:[\w-]+\s+){1,8}[\w-]+,\s*$"
+    r"|^\s*(?:and|while)\s+(?:the|its|their)\s+(?:[\w-]+\s+){0,6}[\w-]+\s*,?\s*$",
     re.IGNORECASE,
 )
 """The end of words that say what the left side of the display behind them is."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import Doubt, evidence, readings, uncounted
+from eom.checker.infer.evidence import Doubt, evidence, readings, uncounted, with_meaning
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
@@ -21,6 +21,7 @@ from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.checker.mean.claims import STATEMENT, Claim
 from eom.checker.mean.examples import ANOTHER
+from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
@@ -51,6 +52,8 @@ if TYPE_CHECKING:
 
 _PLACED = re.compile("centre of mass|origin|^[A-Z] = [A-Z]$")
 """A special case that makes points coincide, which a draft may have taken for each other."""
+MAX_OTHERS = 3
+"""Lines that hold which are tried with another meaning of a symbol."""
 MAX_READINGS = 12
 """Other meanings under which a wrong line of a draft is judged again."""
 CREDIBLE = 2
@@ -315,7 +318,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             yield one
         else:
             taken = _taken(one, known.draft, known_by.doubts(number), system and not named, lines)
-            why = ", ".join(taken) or _excused(one, known.draft, settings)
+            others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
+            why = ", ".join(taken) or _excused(one, others, known.draft, settings)
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
@@ -345,34 +349,51 @@ def _apart(judged: Judged, named: bool) -> bool:
     return own or any(f.what == ANOTHER for f in judged.claim.findings)
 
 
-def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
-    """Return which meaning a symbol must not have for a line to be wrong; "" where none saves it."""
-    reading = one.understood.formula.reading
-    if reading is None:
-        return ""
+def _excused(one: Found, others: Sequence[Found], draft: Proposal, settings: Settings) -> str:
+    """Return which meaning a symbol must not have for a line to be wrong; "" where none saves it.
+
+    ``others``: lines that hold; none of them may fail with that meaning.
+    """
     here = one.understood.lexicon
     given = (*settings.given, *here.assume)
     try:
         with deadline(settings.seconds, "other meanings of this formula"):
-            others = [
-                (f"${d.latex}$ is not {d.meaning} ({d.why})", lexicon)
-                for d, lexicon in islice(
-                    readings(one.understood.formula, here, draft), MAX_READINGS
-                )
-            ]
-            others += [
-                ("the system is as it was taken", r.added(here))
+            for doubt, lexicon in islice(
+                readings(one.understood.formula, here, draft), MAX_READINGS
+            ):
+                if _saved(one, lexicon, given) and not _broken(doubt, others, settings):
+                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+            rivals = (
+                r.added(here)
                 for s in draft.systems
                 if here.system is not None and set(s.headings) <= set(one.understood.headings)
                 for r in s.rivals[:SHOWN]
-            ]
-            for why, lexicon in others:
-                claims = reread(replace(one.understood, lexicon=lexicon), reading.tree)
-                if claims and all(_holds(c, given) for c in claims):
-                    return why
+            )
+            if any(_saved(one, lexicon, given) for lexicon in rivals):
+                return "the system is as it was taken"
     except (Overdue, RecursionError, InputError):
         return ""
     return ""
+
+
+def _saved(one: Found, lexicon: Lexicon, given: tuple[str, ...]) -> bool:
+    """Return whether a formula holds under another lexicon."""
+    reading = one.understood.formula.reading
+    claims = reread(replace(one.understood, lexicon=lexicon), reading.tree) if reading else ()
+    return bool(claims) and all(_holds(c, given) for c in claims)
+
+
+def _broken(doubt: Doubt, others: Sequence[Found], settings: Settings) -> bool:
+    """Return whether lines that hold and have a symbol hold no more with another meaning of it."""
+    tried = 0
+    for other in others:
+        here = other.understood.lexicon
+        whole = with_meaning(here, other.understood.formula, doubt)
+        if whole is not None and tried < MAX_OTHERS:
+            tried += 1
+            if not _saved(other, whole, (*settings.given, *here.assume)):
+                return True
+    return False
 
 
 def _holds(claim: Claim, given: tuple[str, ...]) -> bool:
