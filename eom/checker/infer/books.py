@@ -65,7 +65,7 @@ TOPICS: Mapping[str, tuple[re.Pattern[str], tuple[str, ...]]] = {
 def candidates(
     look: Look, body: str, lexicon: Lexicon, *, absent: frozenset[str] = frozenset()
 ) -> Iterator[tuple[str, str]]:
-    """Yield patterns with meanings that books give a symbol; ``absent``: topics that the note is not about."""
+    """Yield patterns with meanings that books give a symbol; ``absent``: topics that the note has not."""
     marked = bool(look.accents or look.style)
     for row in rows():
         fits = row.mark == "table" or (row.mark == "vector") == marked
@@ -83,9 +83,7 @@ def candidates(
                 yield pattern, words
 
 
-def component(
-    look: Look, lexicon: Lexicon, looks: Iterable[Look]
-) -> Iterator[tuple[str, str]]:
+def component(look: Look, lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[tuple[str, str]]:
     """Yield a component of a vector about a point, where the note has its letter with that point alone."""
     if look.accents or look.style or len(look.sub) != 1 or look.sub[0] not in AXES:
         return

@@ -242,15 +242,24 @@ class _Drafted:
     def primed(self) -> list[Look]:
         """Return the symbols with a prime that is no label so far, those that stand most often first."""
         count = Counter(k for n, _ in self.symbols if (k := primed(n)) is not None)
-        return sorted(
-            (k for k in count if self.lexicon.find(k) is None), key=lambda k: -count[k]
-        )
+        return sorted((k for k in count if self.lexicon.find(k) is None), key=lambda k: -count[k])
 
     def add(self, draft: Draft) -> None:
         """Add an entry that a lexicon takes; what is said first stays, the rest is kept beside it."""
-        if _reads(draft):
+        if _reads(draft) and not self._taken(draft):
             first = self.drafts.setdefault((draft.table, draft.latex), draft)
             self.others += [draft] if first.meaning != draft.meaning else []
+
+    def _taken(self, draft: Draft) -> bool:
+        """Return whether a letter means the same with another label already: labels tell things apart."""
+        label = re.compile(r"[_^]").split(draft.latex, maxsplit=1)
+        if len(label) < 2 or draft.table != "symbols" or draft.meaning.startswith(("=", "defined")):
+            return False
+        return any(
+            d.meaning == draft.meaning and k[1] != draft.latex and "<" not in k[1] + draft.latex
+            for k, d in self.drafts.items()
+            if re.split(r"[_^]", k[1], maxsplit=1)[0] == label[0] and len(k[1]) > len(label[0])
+        )
 
     def settle(self) -> None:
         """Choose the preset that goes with the entries."""
@@ -268,8 +277,9 @@ class _Drafted:
 
     @property
     def cost(self) -> int:
-        """How many lines and symbols are left without a meaning."""
-        return fit(self.formulas, self.lexicon).cost + len(self.unknown())
+        """How many lines and symbols are left without a meaning, or with one that books alone give."""
+        guesses = sum(d.words == BOOKS for d in self.drafts.values())
+        return fit(self.formulas, self.lexicon).cost + len(self.unknown()) + guesses
 
     def finished(self) -> dict[Look, int]:
         """Take what letters, labels and books say where words are silent; return what the note defines."""
@@ -331,7 +341,10 @@ class _Drafted:
             self.add(draft)
         self.settle()
         shown = [
-            (s, f.piece.line) for f in self.formulas if f.piece.kind == "display" for s in f.statements
+            (s, f.piece.line)
+            for f in self.formulas
+            if f.piece.kind == "display"
+            for s in f.statements
         ]
         texts = zip(self.text.formulas, self.text.lines, strict=True)
         for statement, line in (*shown, *texts):
@@ -351,9 +364,7 @@ class _Drafted:
 
     def any_vectors(self, *, told: bool) -> None:
         """Take letters of identities for any vectors; ``told``: only beside those that words call so."""
-        for look, means in free_vectors(
-            self.formulas, self.lexicon, self.unknown(), told=told
-        ):
+        for look, means in free_vectors(self.formulas, self.lexicon, self.unknown(), told=told):
             pattern = latex_of(look)
             words = BESIDE if told else CUSTOMARY
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, 0)
@@ -393,7 +404,7 @@ class _Drafted:
 
 
 def _shapes(draft: Draft) -> Iterator[str]:
-    """Yield a vector in the place of its norm by the letter alone, the matrix of an inertia in body axes."""
+    """Yield a vector in the place of its norm by the letter, the matrix of an inertia in body axes."""
     if draft.words == LETTER and draft.meaning.startswith(r"= \left|"):
         yield draft.meaning.replace(r"\left|", "").replace(r"\right|", "")
     if draft.table == "symbols" and re.fullmatch(r"inertia \S+", draft.meaning):

@@ -1,7 +1,7 @@
 r"""What a verdict rests on: a meaning that words give, or one that books, letters and custom only suggest.
 
-A meaning is sure where words or a formula of the text give it, or where two other formulas with it hold: most
-lines of a note are right, and a meaning that is not meant makes them fail.
+A meaning is sure where words or a formula of the text give it, or where two other formulas hold with it:
+most lines of a note are right, and a meaning that is not meant makes them fail.
 """
 
 from __future__ import annotations
@@ -36,6 +36,8 @@ MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
 LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
+MISREAD = 2
+"""Formulas that fail with what words say of a symbol while none holds: words may be read wrongly."""
 TRUSTED, WHOLE = 3, 0.4
 """Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
 
@@ -54,7 +56,7 @@ class Evidence:
     """What speaks for the meanings of a note's symbols, by the patterns of their entries.
 
     ``firm``: those that words give; ``guessed``: why others were taken; ``meant``: what quantities of a
-    system are; ``count``: formulas that hold with a meaning, for all symbols of a family together; ``bases``:
+    system are; ``families``: symbols that speak for each other; ``bases``:
     symbols by which others are defined that stand for their norms, directions and components.
     """
 
@@ -66,17 +68,26 @@ class Evidence:
     meant: Mapping[str, str]
     bases: Mapping[str, frozenset[str]]
     preset: str
+    fails: tuple[bool, ...] = ()
 
     @cached_property
     def certain(self) -> frozenset[str]:
-        """The families of which words give one, and so all."""
-        return frozenset(f for p, f in self.families.items() if p in self.firm)
+        """The families of which words give one, and so all; none with which lines fail and none holds."""
+        said = {f for p, f in self.families.items() if p in self.firm}
+        failed = self._counted(self.fails)
+        return frozenset(f for f in said if self.count[f] or failed[f] < MISREAD)
 
     @cached_property
     def count(self) -> Counter[str]:
         """Formulas that hold, by the families that stand in them."""
-        pairs = zip(self.used, self.hold, strict=True)
-        return Counter(f for u, held in pairs if held for f in {self.families[p] for p in self._all(u)})
+        return self._counted(self.hold)
+
+    def _counted(self, which: Sequence[bool]) -> Counter[str]:
+        """Return how many of the formulas that are meant have each family."""
+        pairs = zip(self.used, which, strict=False)
+        return Counter(
+            f for u, held in pairs if held for f in {self.families[p] for p in self._all(u)}
+        )
 
     def _all(self, used: Iterable[str]) -> Iterator[str]:
         """Yield entries with those that they stand for norms or components of."""
@@ -105,11 +116,13 @@ class Evidence:
         )
 
     def is_proved(self, number: int) -> bool:
-        """Return whether each meaning in a formula is sure and holds in another: its kinds can be trusted."""
+        """Return whether each meaning in a formula is sure and holds in another: kinds can be trusted."""
         used = self.used[number].items()
         free = {p for p, f in used if f[1].startswith("vector ")}
-        return bool(used) and not self.doubts(number) and all(
-            p in free or self.held[p] - self.hold[number] for p, _ in used
+        return (
+            bool(used)
+            and not self.doubts(number)
+            and all(p in free or self.held[p] - self.hold[number] for p, _ in used)
         )
 
     @cached_property
@@ -119,9 +132,13 @@ class Evidence:
 
 
 def evidence(
-    formulas: Sequence[Formula], hold: Sequence[bool], lexicon: Lexicon, draft: Proposal
+    formulas: Sequence[Formula],
+    hold: Sequence[bool],
+    lexicon: Lexicon,
+    draft: Proposal,
+    fails: Sequence[bool] = (),
 ) -> Evidence:
-    """Return what speaks for the meanings in formulas; ``hold``: which of them do."""
+    """Return what speaks for the meanings in formulas; ``hold``, ``fails``: which of them do."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
@@ -152,6 +169,7 @@ def evidence(
         meant,
         dict(_bases(draft, lexicon, every)),
         draft.preset,
+        tuple(fails),
     )
 
 
@@ -237,6 +255,8 @@ def readings(
     Books are asked only where it was they that gave the meaning.
     """
     guessed = {d.latex for d in draft.drafts if d.words == BOOKS}
+    particle = any(d.table == "points" and d.meaning == "P" for d in draft.drafts)
+    particle = particle or draft.body == "P"
     for look in dict.fromkeys(operands_of(formula, lexicon)):
         found = lexicon.find(look)
         if found is None:
@@ -248,7 +268,8 @@ def readings(
             one, _ = lexicon_of({"symbols": {latex: means}}, "reading")
             whole = replace(lexicon, layers=(*one.layers[:1], *lexicon.layers))
             again = whole.find(found.look)
-            if again is not None and again.meaning != found.meaning:
+            other = again is not None and again.meaning != found.meaning
+            if other and (particle or "P" not in means.split()):
                 yield Doubt(latex_of(found.look), means, why), whole
 
 

@@ -63,7 +63,7 @@ def houses(
     added: Callable[[Lexicon], Lexicon],
     names: Iterable[str] = PRESETS,
 ) -> tuple[tuple[str, Lexicon], ...]:
-    """Return presets with their lexica, those under which a draft leaves least, lines and symbols, in front.
+    """Return presets with their lexica, those under which a draft leaves fewest lines and symbols in front.
 
     ``added``: puts the note's system into a lexicon; ``names``: what is tried; no preset is ``""``, which
     goes before one that says no more.

@@ -134,7 +134,7 @@ _RATES = {"v": ("r", r"\dot"), "V": ("R", r"\dot"), "a": ("r", r"\ddot")}
 
 
 def rate(lexicon: Lexicon, look: Look) -> str:
-    """Return the formula of the rate of a position with a letter's marks and labels, a prime among these."""
+    """Return the formula of the rate of a position with the marks and labels of a letter with a prime."""
     letter, dots = _RATES.get(look.name, ("", ""))
     of = replace(look, name=letter)
     marked = (look.accents or look.style) and any(look.corners)
@@ -155,7 +155,7 @@ def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
 
 
 def _moment(lexicon: Lexicon, look: Look) -> str:
-    """Return the moment or product of inertia that a letter with numbers of axes is, of a table's letter."""
+    """Return the moment or product of inertia that a table's letter with numbers of axes is."""
     axes = [AXES[w] for w in look.sub if w in AXES]
     tables = (
         e.meaning
@@ -214,7 +214,7 @@ def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
 def along(
     statement: Statement, line: int, lexicon: Lexicon, *, known: bool = False
 ) -> Iterator[Draft]:
-    r"""Yield a letter by which a unit vector is multiplied to give a known vector, as in ``\vec a = s\hat b``.
+    r"""Yield a letter that a display defines as the factor of a unit vector, as in ``\vec a = s\hat b``.
 
     ``known``: of letters that have a meaning already, too.
     """
@@ -227,17 +227,18 @@ def along(
         return
     sign = ""
     if isinstance(right, Addition) and len(right.terms) == 1:
-        right, sign = right.terms[0], "-" if right.signs[0] == "-" else ""
+        sign = "-" if right.signs[0] == "-" else ""
+        right = right.terms[0]
     factors = right.factors if isinstance(right, Product) and not right.operator else ()
     looks = [seen(f) for f in factors]
     if len(looks) != 2 or looks[0] is None or looks[1] is None or looks[0].dots or looks[0].raised:
         return
     letter, unit = looks[0].look, lexicon.find(looks[1].look)
     plain = not letter.accents and not letter.style
-    if unit is not None and unit.meaning.quantity == "unit" and plain:
-        if known or lexicon.find(letter) is None:
-            formula = rf"= {sign}{latex(left)} \cdot {latex(factors[1])}"
-            yield Draft("symbols", latex_of(letter), formula, DISPLAY, line)
+    new = known or lexicon.find(letter) is None
+    if unit is not None and unit.meaning.quantity == "unit" and plain and new:
+        formula = rf"= {sign}{latex(left)} \cdot {latex(factors[1])}"
+        yield Draft("symbols", latex_of(letter), formula, DISPLAY, line)
 
 
 def labelled(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:
@@ -275,7 +276,7 @@ _ANY_VECTOR = re.compile("[abcuvwxy]")
 def free_vectors(
     formulas: Iterable[Formula], lexicon: Lexicon, unknown: Iterable[Look], *, told: bool
 ) -> Iterator[tuple[Look, str]]:
-    r"""Yield unknown vectors that stand in displays of nothing but such: in identities, with their meanings.
+    r"""Yield unknown vectors that stand in displays of nothing but such, in identities, and their meanings.
 
     ``told``: only beside one that words call any vector. A letter without a mark is the column of body
     components of the vector with one, as in ``[\tilde u] v``.
@@ -295,8 +296,12 @@ def free_vectors(
 
 
 def _is_any(look: Look) -> bool:
-    """Return whether a vector may be any: a letter that is usual for one, without labels or the mark of a matrix."""
-    return bool(_ANY_VECTOR.fullmatch(look.name)) and not any(look.corners) and not _SKEW & {*look.accents}
+    """Return whether a vector may be any: of a usual letter, without labels or the mark of a matrix."""
+    return (
+        bool(_ANY_VECTOR.fullmatch(look.name))
+        and not any(look.corners)
+        and not _SKEW & {*look.accents}
+    )
 
 
 _SKEW = frozenset({"tilde", "widetilde"})

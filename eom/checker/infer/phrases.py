@@ -60,8 +60,8 @@ class Phrases:
     """What fills places: the text, its frames and points, and whose mechanics it is.
 
     ``vectors``: the vectors that were given a meaning so far, the last one last, to which "its components"
-    and "its magnitude" refer; ``about``: the points about which things were taken, to which "the same point"
-    refers.
+    and "its magnitude" refer; ``about``: the points about which things were taken, to which "the same
+    point" refers.
     """
 
     text: Prose
@@ -181,7 +181,7 @@ class Phrases:
         return named[0] if named else next(reversed(self.vectors), None)
 
     def _component(self, one: Said, words: str, k: int) -> str:
-        """Return a component of what is meant, where three symbols are its components; all, where it is one."""
+        """Return a component where three symbols are those of what is meant, all where one symbol is it."""
         look = self._referent(words)
         if look is None or len(one.of) not in {1, 3} or (one.of[0].look == look):
             return ""
@@ -354,8 +354,8 @@ _PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")
 _REST = re.compile(
     r"(?:\s+(?:vectors?|matrix|column))?"
     r"(?:\s+of\s+[a-z]+|\s+(?:of )?(?:the|a|this|each)\s+(?:point\s+)?[a-z]+)?"
-    r"(?:\s+about\s+(?:the )?[a-z]+(?: of [a-z]+| [a-z]+)?)?"
-    r"(?:\s+(?:is|are|be|by|at))?\s*"
+    r"(?:\s+about\s+the (?:cent(?:re|er) of (?:mass|gravity)|mass cent(?:re|er)|origin|same point|pivot))?"
+    r"(?:\s+(?:is|are|be|by|at|(?:one|we) (?:finds?|gets?|has|have|obtains?|writes?)))?\s*"
 )
 """What may stand between a noun and the symbol behind it."""
 _PARTLY = re.compile(

@@ -137,7 +137,8 @@ def _spelt_out(match: re.Match[str]) -> str:
 
 
 CASE = re.compile(
-    r"^(?:finally|for a(?!n? point)|in the case)\b|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
+    r"^(?:finally|for a(?!n? point)|in the case)\b"
+    r"|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
     re.IGNORECASE,
 )
 """Words of a sentence that is about a special case."""
@@ -179,6 +180,7 @@ def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[State
 _LED = re.compile(
     r"\b(?:is|are|be|reads?|(?:defined|given|expressed)\s+(?:as|by)(?:\s+follows)?)\s*[:,]?\s*$"
     r"|\b(?:is|are)\s+(?:the|an?)\s+(?:[\w-]+\s+){1,8}[\w-]+,\s*$"
+    r"|^\s*for\s+the\s+[^,;:]*\b(?:one|we)\s+(?:finds?|gets?|has|have|obtains?|writes?)\s*:?\s*$"
     r"|^\s*(?:and|while)\s+(?:the|its|their)\s+(?:[\w-]+\s+){0,6}[\w-]+\s*,?\s*$",
     re.IGNORECASE,
 )

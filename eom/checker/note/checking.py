@@ -184,7 +184,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
             known = replace(known, lexicon=about(known.lexicon, settings.system, first=drafted))
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
-        found = tuple(_explained(f, settings) for f in _found(reviewed, known))
+        found = tuple(_explained(f, settings) for f in _found(reviewed))
         found = tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
@@ -275,7 +275,7 @@ def _disagreeing(found: Found, judged: Judged, settings: Settings) -> Found:
 # -- findings ------------------------------------------------------------------------------------
 
 
-def _found(reviewed: Sequence[Reviewed], known: Meanings) -> Iterator[Found]:
+def _found(reviewed: Sequence[Reviewed]) -> Iterator[Found]:
     """Yield the formulas of a note that claim something, and all displays."""
     numbers: Counter[str] = Counter()
     for one in reviewed:
@@ -306,15 +306,18 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
-    known_by = evidence(formulas, hold, known.lexicon, known.draft)
+    fails = [f.finding.verdict in GRAVE for f in found]
+    known_by = evidence(formulas, hold, known.lexicon, known.draft, fails)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
     for number, (one, system) in enumerate(zip(found, about, strict=True)):
         if one.finding.verdict == ILL_FORMED and not known_by.is_proved(number):
             yield replace(one, finding=_unconfirmed(one.finding))
-        elif one.finding.verdict not in GRAVE or settings.strict:
-            yield one
-        elif all(_apart(j, named) for j in one.verdict.claims):
+        elif (
+            one.finding.verdict not in GRAVE
+            or settings.strict
+            or all(_apart(j, named) for j in one.verdict.claims)
+        ):
             yield one
         else:
             taken = _taken(one, known.draft, known_by.doubts(number), system and not named, lines)
