@@ -42,7 +42,7 @@ QUANTITIES_OF: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"(moment|axial inertia|inertia) .*\bwheel'?s?\b.*axis|wheel's moment", ("rotor_inertia",)),
     (r"spin rate of the wheel", ("rotor_speed",)),
     (r"wheel axis", ("rotor_axis",)),
-    (r"inertia|off-diagonal|principal moments", ("inertia",)),
+    (r"\binertia\b|off-diagonal|principal moments", ("inertia",)),
     (r"\btorques?\b|moments? of .*forces?", ("torque", "gravity_torque", "rotor_torque")),
     (r"kinetic energy", ("kinetic_energy", "rotational_energy")),
     (r"angular acceleration", ("angular_acceleration",)),

@@ -23,7 +23,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from eom.checker.infer.attitude import angles, components
+from eom.checker.infer.attitude import angles, components, turned
 from eom.checker.infer.books import TOPICS, looks_in, taken
 from eom.checker.infer.house import drafted, fit, houses
 from eom.checker.infer.letters import (
@@ -315,6 +315,10 @@ class _Drafted:
         self.confirmed = {p for p in known.values() if p}
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
+        for look in turned(self.text):
+            found = self.lexicon.find(look)
+            if found is not None and found.meaning.quantity in {"angle", "turn_angle"}:
+                self.confirmed.add(found.entry.latex)
 
     def refine(self) -> None:
         """Take other shapes of what symbols are said to be, where more lines make sense with them."""

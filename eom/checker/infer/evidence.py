@@ -14,10 +14,10 @@ from typing import Any
 
 from eom.checker.infer.books import candidates, looks_in
 from eom.checker.infer.draft import Proposal
-from eom.checker.infer.letters import BOOKS, GUESSED, LETTER
+from eom.checker.infer.letters import BOOKS, DISPLAY, GUESSED, LETTER
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
-from eom.checker.infer.shown import operands_of, symbols_in
+from eom.checker.infer.shown import bare, operands_of, symbols_in
 from eom.checker.infer.systems import IN_A_MOTION, USUAL, Guess
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import AXES, Found, Lexicon
@@ -32,6 +32,12 @@ from eom.worlds.solutions import rate
 
 PLACED = frozenset({"position", "velocity", "acceleration"})
 """Quantities of a point, seen from another."""
+DECISIVE = (
+    "components in different frames meet",
+    "these are of different kinds",
+    "this has no skew matrix",
+)
+"""What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
 LINES = 2
@@ -44,11 +50,15 @@ TRUSTED, WHOLE = 3, 0.4
 
 @dataclass(frozen=True)
 class Doubt:
-    """A symbol with the meaning that it was taken to have, and why that was taken."""
+    """A symbol with the meaning that it was taken to have, and why that was taken.
+
+    ``pattern``: of the entry that gives it another one.
+    """
 
     latex: str
     meaning: str
     why: str
+    pattern: str = ""
 
 
 @dataclass(frozen=True)
@@ -116,7 +126,7 @@ class Evidence:
         )
 
     def is_proved(self, number: int) -> bool:
-        """Return whether each meaning in a formula is sure and holds in another: kinds can be trusted."""
+        """Return whether each meaning in a formula is sure and holds in another."""
         used = self.used[number].items()
         free = {p for p, f in used if f[1].startswith("vector ")}
         return (
@@ -151,7 +161,7 @@ def evidence(
     told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
     meant = {t.latex: f"the {t.means} of the system" for t in ties}
-    used = tuple(dict(_used(f, lexicon)) for f in formulas)
+    used = tuple(_whole([dict(_used(f, lexicon)) for f in formulas], formulas, lexicon))
     every = {p: f for u in used for p, f in u.items()}
     looks = (k for f in formulas for k in operands_of(f, lexicon))
     families = {p: p for p in every} | {
@@ -189,12 +199,31 @@ def _family(found: Found) -> str:
     return " ".join((look.name, meaning.quantity, *labels))
 
 
+def _whole(
+    used: Sequence[dict[str, tuple[str, str]]], formulas: Sequence[Formula], lexicon: Lexicon
+) -> Iterator[dict[str, tuple[str, str]]]:
+    """Yield the entries that formulas use, with those by which the note defines other symbols in them."""
+    defined: dict[Look, tuple[int, dict[str, tuple[str, str]]]] = {}
+    for number, formula in enumerate(formulas):
+        for statement in formula.statements if formula.relational else ():
+            look = bare(statement.members[0], lexicon)
+            found = None if look is None else lexicon.find(look)
+            if look is not None and (found is None or found.meaning.quantity == "defined"):
+                defined.setdefault(look, (number, used[number]))
+    for number, formula in enumerate(formulas):
+        whole = dict(used[number])
+        for look in dict.fromkeys(operands_of(formula, lexicon)):
+            first, own = defined.get(look, (number, {}))
+            whole |= own if first < number else {}
+        yield whole
+
+
 def _bases(
     draft: Proposal, lexicon: Lexicon, every: Container[str]
 ) -> Iterator[tuple[str, frozenset[str]]]:
     """Yield entries by the letter of another symbol, with the entries of that in the note's formulas."""
     for one in draft.drafts:
-        if one.words in {LETTER, BOOKS} and one.meaning.startswith("="):
+        if one.words in {LETTER, BOOKS, DISPLAY} and one.meaning.startswith("="):
             formula = one.meaning.removeprefix("=").replace("<i>", "i")
             found = [lexicon.find(k) for k in looks_in(read_formula(formula).tree)]
             patterns = frozenset(f.entry.latex for f in found if f is not None)
@@ -270,12 +299,12 @@ def readings(
             again = whole.find(found.look)
             other = again is not None and again.meaning != found.meaning
             if other and (particle or "P" not in means.split()):
-                yield Doubt(latex_of(found.look), means, why), whole
+                yield Doubt(latex_of(found.look), means, why, latex), whole
 
 
 def with_meaning(lexicon: Lexicon, formula: Formula, doubt: Doubt) -> Lexicon | None:
     """Return a lexicon with another meaning, None where no symbol of a formula has it otherwise."""
-    one, _ = lexicon_of({"symbols": {doubt.latex: doubt.meaning}}, "reading")
+    one, _ = lexicon_of({"symbols": {doubt.pattern or doubt.latex: doubt.meaning}}, "reading")
     whole = replace(lexicon, layers=(*one.layers[:1], *lexicon.layers))
     for look in dict.fromkeys(operands_of(formula, lexicon)):
         before, again = lexicon.find(look), whole.find(look)
@@ -300,5 +329,6 @@ def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, 
             "time",
             "identity_matrix",
             "identity",
+            "defined",
         }:
             yield found.entry.latex, (latex_of(found.look), found.meaning.words)

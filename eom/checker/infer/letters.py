@@ -29,7 +29,7 @@ LETTER = "by its letter"
 FORMULA = "by its formula in the text"
 BOOKS = "as in the usual books"
 DISPLAY = "by its display"
-GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS})
+GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS, DISPLAY})
 """What stands in the place of words where they say nothing."""
 
 

@@ -195,7 +195,7 @@ _SIGNS = {
     "bullet": ("bullet",),
 }
 _SEEN = re.compile(
-    r"(?:relative to|with respect to|\bin|\bfrom|\bby)\s+(?:the |frame |an? )*"
+    r"(?:relative to|with respect to|\bin|\bfrom|\bby)\s+(?:the |frame |an? |[a-z]+ (?=frame))*"
     r"(⟦\d+⟧|body|moving|rotating|inertial|space|fixed)"
 )
 

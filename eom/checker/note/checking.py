@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import Doubt, evidence, readings, uncounted, with_meaning
+from eom.checker.infer.evidence import DECISIVE, Doubt, evidence, readings, uncounted, with_meaning
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood, reread, understand
+from eom.checker.judge.special import Name, excused
+from eom.checker.judge.special import named as named_in
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.checker.mean.claims import STATEMENT, Claim
 from eom.checker.mean.examples import ANOTHER
@@ -310,8 +312,11 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     known_by = evidence(formulas, hold, known.lexicon, known.draft, fails)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
+    names = named_in(j.claim for f in found for j in f.verdict.claims)
     for number, (one, system) in enumerate(zip(found, about, strict=True)):
-        if one.finding.verdict == ILL_FORMED and not known_by.is_proved(number):
+        if one.finding.verdict == ILL_FORMED and not (
+            one.finding.reason.startswith(DECISIVE) and known_by.is_proved(number)
+        ):
             yield replace(one, finding=_unconfirmed(one.finding))
         elif (
             one.finding.verdict not in GRAVE
@@ -322,7 +327,7 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         else:
             taken = _taken(one, known.draft, known_by.doubts(number), system and not named, lines)
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
-            why = ", ".join(taken) or _excused(one, others, known.draft, settings)
+            why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
@@ -352,10 +357,17 @@ def _apart(judged: Judged, named: bool) -> bool:
     return own or any(f.what == ANOTHER for f in judged.claim.findings)
 
 
-def _excused(one: Found, others: Sequence[Found], draft: Proposal, settings: Settings) -> str:
+def _excused(
+    one: Found,
+    others: Sequence[Found],
+    draft: Proposal,
+    settings: Settings,
+    names: frozenset[Name],
+) -> str:
     """Return which meaning a symbol must not have for a line to be wrong; "" where none saves it.
 
-    ``others``: lines that hold; none of them may fail with that meaning.
+    ``others``: lines that hold; none of them may fail with that meaning. ``names``: what the note names, no
+    two of which may have to coincide.
     """
     here = one.understood.lexicon
     given = (*settings.given, *here.assume)
@@ -364,7 +376,9 @@ def _excused(one: Found, others: Sequence[Found], draft: Proposal, settings: Set
             for doubt, lexicon in islice(
                 readings(one.understood.formula, here, draft), MAX_READINGS
             ):
-                if _saved(one, lexicon, given) and not _broken(doubt, others, settings):
+                if _saved(one, lexicon, given, names) and not _broken(
+                    doubt, others, settings, names
+                ):
                     return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
             rivals = (
                 r.added(here)
@@ -372,21 +386,23 @@ def _excused(one: Found, others: Sequence[Found], draft: Proposal, settings: Set
                 if here.system is not None and set(s.headings) <= set(one.understood.headings)
                 for r in s.rivals[:SHOWN]
             )
-            if any(_saved(one, lexicon, given) for lexicon in rivals):
+            if any(_saved(one, lexicon, given, names) for lexicon in rivals):
                 return "the system is as it was taken"
     except (Overdue, RecursionError, InputError):
         return ""
     return ""
 
 
-def _saved(one: Found, lexicon: Lexicon, given: tuple[str, ...]) -> bool:
+def _saved(one: Found, lexicon: Lexicon, given: tuple[str, ...], names: frozenset[Name]) -> bool:
     """Return whether a formula holds under another lexicon."""
     reading = one.understood.formula.reading
     claims = reread(replace(one.understood, lexicon=lexicon), reading.tree) if reading else ()
-    return bool(claims) and all(_holds(c, given) for c in claims)
+    return bool(claims) and all(_holds(c, given, names) for c in claims)
 
 
-def _broken(doubt: Doubt, others: Sequence[Found], settings: Settings) -> bool:
+def _broken(
+    doubt: Doubt, others: Sequence[Found], settings: Settings, names: frozenset[Name]
+) -> bool:
     """Return whether lines that hold and have a symbol hold no more with another meaning of it."""
     tried = 0
     for other in others:
@@ -394,17 +410,18 @@ def _broken(doubt: Doubt, others: Sequence[Found], settings: Settings) -> bool:
         whole = with_meaning(here, other.understood.formula, doubt)
         if whole is not None and tried < MAX_OTHERS:
             tried += 1
-            if not _saved(other, whole, (*settings.given, *here.assume)):
+            if not _saved(other, whole, (*settings.given, *here.assume), names):
                 return True
     return False
 
 
-def _holds(claim: Claim, given: tuple[str, ...]) -> bool:
-    """Return whether a claim holds that says something."""
+def _holds(claim: Claim, given: tuple[str, ...], names: frozenset[Name]) -> bool:
+    """Return whether a claim holds that says something, without a coincidence of what the note names."""
     if claim.verdict or claim.kind != STATEMENT:
         return False
     found = judge(claim, given)
-    return found.verdict in {HOLDS, UNDER} and not found.special
+    plain = found.verdict in {HOLDS, UNDER} and not found.special
+    return plain and not excused(found, claim, names, frozenset(), anyhow=False)
 
 
 def _unconfirmed(found: Finding) -> Finding:
