@@ -31,11 +31,13 @@ from eom.checker.infer.letters import (
     CUSTOMARY,
     DISPLAY,
     FORMULA,
+    GUESSED,
     LETTER,
     Draft,
     along,
     by_custom,
     derived,
+    followed,
     free_vectors,
     labelled,
 )
@@ -283,6 +285,9 @@ class _Drafted:
 
     def finished(self) -> dict[Look, int]:
         """Take what letters, labels and books say where words are silent; return what the note defines."""
+        said = {d.latex for d in self.drafts.values() if d.words not in GUESSED}
+        for draft in followed(self.lexicon, self.looks, said):
+            self.add(draft)
         for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
             self.add(draft)
         self.settle()

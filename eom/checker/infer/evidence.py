@@ -19,6 +19,7 @@ from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
 from eom.checker.infer.shown import bare, operands_of, symbols_in
 from eom.checker.infer.systems import IN_A_MOTION, USUAL, Guess
+from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import AXES, Found, Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
@@ -43,7 +44,7 @@ MARK = "mark "
 LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
-"""Formulas that fail with what words say of a symbol while none holds: words may be read wrongly."""
+"""Formulas of which kinds do not fit what words say of a symbol while none holds: words may be misread."""
 TRUSTED, WHOLE = 3, 0.4
 """Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
 
@@ -148,7 +149,7 @@ def evidence(
     draft: Proposal,
     fails: Sequence[bool] = (),
 ) -> Evidence:
-    """Return what speaks for the meanings in formulas; ``hold``, ``fails``: which of them do."""
+    """Return what speaks for the meanings in formulas; ``hold``: which of them do, ``fails``: which misfit."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
@@ -242,6 +243,11 @@ def _simplified(formulas: Sequence[Formula], guess: Guess) -> bool:
         look_of(left) in own and isinstance(right, Number) and float(right.text) == 0
         for left, right in pairs
     )
+
+
+def misfits(claim: Claim) -> bool:
+    """Return whether dimensions or kinds of a claim do not fit together."""
+    return bool(claim.findings) and claim.verdict in GRAVE
 
 
 def uncounted(claim: Claim) -> Iterator[str]:

@@ -129,6 +129,29 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     return ""
 
 
+def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> Iterator[Draft]:
+    """Yield components that a preset takes about another point than words the vector or table of their letter.
+
+    ``said``: the patterns that words give.
+    """
+    whole = [
+        e
+        for layer in lexicon.layers
+        for e in layer
+        if e.latex in said and (e.look.accents or e.look.style) and not any(e.look.corners)
+    ]
+    for look in looks:
+        found = lexicon.find(look)
+        if found is None or not found.meaning.component or found.entry.latex in said:
+            continue
+        for entry in whole:
+            means = entry.meaning
+            same = entry.look.name == look.name and means.quantity == found.meaning.quantity
+            if same and means.labels != found.entry.meaning.labels:
+                new = replace(found.entry.meaning, labels=means.labels)
+                yield Draft("symbols", found.entry.latex, new.words, LETTER, 0)
+
+
 _RATES = {"v": ("r", r"\dot"), "V": ("R", r"\dot"), "a": ("r", r"\ddot")}
 """Letters of rates of a position, with its letter."""
 

@@ -336,6 +336,9 @@ def fits(look: Look, mark: str) -> bool:
 def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
     """Yield the meanings that words give symbols which look like that."""
     for meant in phrases.meant(one):
+        label, plain = as_label(meant.look), not meant.look.accents and not meant.look.style
+        if plain and (label in phrases.places.frames or label in phrases.places.points):
+            continue
         vectors = meant.mark == "vector" and meant.look.sub[-1:] not in {("1",), ("2",), ("3",)}
         if vectors or fits(meant.look, meant.mark):
             yield meant

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import DECISIVE, Doubt, evidence, readings, uncounted, with_meaning
+from eom.checker.infer.evidence import (
+    DECISIVE,
+    Doubt,
+    evidence,
+    misfits,
+    readings,
+    uncounted,
+    with_meaning,
+)
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
@@ -308,7 +316,7 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
-    fails = [f.finding.verdict in GRAVE for f in found]
+    fails = [any(misfits(j.claim) for j in f.verdict.claims) for f in found]
     known_by = evidence(formulas, hold, known.lexicon, known.draft, fails)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None

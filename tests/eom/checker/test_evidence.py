@@ -78,7 +78,7 @@ def test_doubts_name_the_preset_or_why_a_meaning_was_guessed():
 FRAMES = r"""
 $\mathcal N$ is an inertial frame, $\mathcal B$ a frame fixed in the body.
 $[BN]$ takes $\mathcal N$ components into $\mathcal B$ components.
-$\boldsymbol\omega_{\mathcal B/\mathcal N}$ is the angular velocity of $\mathcal B$ as seen from $\mathcal N$.
+$\boldsymbol\omega_{\mathcal B/\mathcal N}$ is the angular velocity of $\mathcal B$ seen from $\mathcal N$.
 
 $$\dot{[BN]}=-[\tilde{\boldsymbol\omega}_{\mathcal B/\mathcal N}][BN]$$
 
@@ -104,7 +104,7 @@ $$M\mathbf{R} = \sum_i m_i\mathbf{r}_i$$
 
 $$\sum_i m_i\mathbf{r}'_i = 0$$
 
-$$\sum_i m_i\ddot{\mathbf{r}}'_i = 0$$
+$$\sum_i m_i\mathbf{r}_i = M\mathbf{R} + \sum_i m_i\mathbf{r}'_i$$
 
 $$M\mathbf{V} = \sum_i m_i\left(\mathbf{v}_i - \mathbf{v}'_i\right)$$
 """
@@ -175,13 +175,13 @@ $O$ is a fixed point of the body, $\mathbf J$ the inertia matrix about $O$.
 
 $$J_1\dot\omega_1 + (J_3-J_2)\omega_2\omega_3 = \tau_1$$
 """
-    assert drafted(text)["J_{1}"] == "inertia O in B component 1 1"
+    assert drafted(text)["J_{<k>}"] == "inertia O in B component <k> <k>"
 
 
 def test_quantities_of_orbits_and_wheels_need_words_for_them():
-    every = dict(candidates(look("R"), "body", Lexicon()))
-    assert every == {"R": "orbit_radius"}
-    assert dict(candidates(look("R"), "body", Lexicon(), absent=frozenset(TOPICS))) == {}
+    assert "orbit_radius" in dict(candidates(look("R"), "body", Lexicon())).values()
+    few = candidates(look("R"), "body", Lexicon(), absent=frozenset(TOPICS))
+    assert "orbit_radius" not in dict(few).values()
 
 
 @pytest.mark.parametrize(
