@@ -44,7 +44,7 @@ MARK = "mark "
 LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
-"""Formulas of which kinds do not fit what words say of a symbol while none holds: words may be misread."""
+"""Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
 TRUSTED, WHOLE = 3, 0.4
 """Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
 
@@ -166,7 +166,7 @@ def evidence(
     every = {p: f for u in used for p, f in u.items()}
     looks = (k for f in formulas for k in operands_of(f, lexicon))
     families = {p: p for p in every} | {
-        f.entry.latex: _family(f) for k in looks if (f := lexicon.find(k)) is not None
+        f.entry.latex: _family(f) for k in looks if (f := _entry(k, lexicon)) is not None
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
@@ -319,6 +319,17 @@ def with_meaning(lexicon: Lexicon, formula: Formula, doubt: Doubt) -> Lexicon | 
     return None
 
 
+def _entry(look: Look, lexicon: Lexicon) -> Found | None:
+    """Return the entry of a symbol, also below the mark of its skew matrix, or with a frame of components."""
+    found, notation = lexicon.find(look), lexicon.notation
+    if found is None and {*look.accents} & {*notation.skew}:
+        kept = tuple(a for a in look.accents if a not in notation.skew)
+        found = lexicon.find(replace(look, accents=kept))
+    if found is None and notation.resolved and look.sub[-1:] in lexicon.frames:
+        found = lexicon.find(replace(look, sub=look.sub[:-1]))
+    return found
+
+
 def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield the entries that symbols of a formula have, by pattern: symbol and meaning; marks as well."""
     for node in symbols_in(formula):
@@ -330,7 +341,7 @@ def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, 
                 if name in lexicon.notation.marks:
                     yield MARK + name, (name, f"derivative in {lexicon.notation.marks[name]}")
     for look in operands_of(formula, lexicon):
-        found = lexicon.find(look)
+        found = _entry(look, lexicon)
         if found is not None and found.meaning.quantity not in {
             "time",
             "identity_matrix",

@@ -130,7 +130,7 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
 
 
 def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> Iterator[Draft]:
-    """Yield components that a preset takes about another point than words the vector or table of their letter.
+    """Yield components that a preset takes about another point than words take the vector of their letter.
 
     ``said``: the patterns that words give.
     """
