@@ -195,7 +195,7 @@ def propose(document: Document) -> Proposal:
     )
 
 
-RIVALS = 3
+RIVALS = 2
 """Presets that are tried with the usual books; of those that go best with what words say."""
 BESIDE = "beside what words call any vector, in identities"
 LABEL = Draft("marks", "prime", "", CUSTOMARY, 0)

@@ -45,7 +45,7 @@ LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
 """Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
-TRUSTED, WHOLE = 3, 0.4
+TRUSTED, WHOLE = 3, 1 / 3
 """Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
 
 
@@ -149,7 +149,7 @@ def evidence(
     draft: Proposal,
     fails: Sequence[bool] = (),
 ) -> Evidence:
-    """Return what speaks for the meanings in formulas; ``hold``: which of them do, ``fails``: which misfit."""
+    """Return what speaks for the meanings in formulas; ``hold``: which do, ``fails``: which do not fit."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
@@ -320,7 +320,7 @@ def with_meaning(lexicon: Lexicon, formula: Formula, doubt: Doubt) -> Lexicon | 
 
 
 def _entry(look: Look, lexicon: Lexicon) -> Found | None:
-    """Return the entry of a symbol, also below the mark of its skew matrix, or with a frame of components."""
+    """Return the entry of a symbol, also below the mark of a skew matrix or with a frame of components."""
     found, notation = lexicon.find(look), lexicon.notation
     if found is None and {*look.accents} & {*notation.skew}:
         kept = tuple(a for a in look.accents if a not in notation.skew)

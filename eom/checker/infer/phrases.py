@@ -7,7 +7,7 @@ prepositions: points and frames by their labels or in words, particles by their 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import pairwise
@@ -143,13 +143,7 @@ class Phrases:
             else self._centre(),
             "of": of,
             "from": start,
-            "frame": USUAL["frames"][one.of[k].look.sub[0]]
-            if row.means.startswith("vectrix") and one.of[k].look.sub[:1] in _USUAL
-            else turning[k]
-            if several and len(turning) == len(one.of)
-            else turning[0]
-            if turning
-            else self._owner(one, words),
+            "frame": self._turning(row, one, k, turning) or self._owner(one, words),
             "to": (frames["into"] or turning or ["B"])[0],
             "base": (frames["in"] or ["I"])[0],
             "derivative": self._derivative(words, frames["in"]),
@@ -166,6 +160,14 @@ class Phrases:
         same = len(set(labels)) < len(labels) and filled.startswith(_BETWEEN)
         partly = filled.startswith("external_force") and _PARTLY.search(one.sentence) is not None
         return "" if UNKNOWN in filled or same or partly else filled
+
+    def _turning(self, row: Row, one: Said, k: int, named: Sequence[str]) -> str:
+        """Return the frame that is meant, in order; a vectrix is that of its label, where that is usual."""
+        label = one.of[k].look.sub[:1]
+        if row.means.startswith("vectrix") and label in _USUAL:
+            return USUAL["frames"][label[0]]
+        several = len(one.of) > 1 and len(named) == len(one.of)
+        return named[k] if several else next(iter(named), "")
 
     def _owner(self, one: Said, words: str) -> str:
         """Return the frame that unit vectors belong to: the last one that the sentence names before."""
