@@ -14,7 +14,7 @@ from typing import Any
 
 from eom.checker.infer.books import candidates, looks_in
 from eom.checker.infer.draft import Proposal
-from eom.checker.infer.letters import BOOKS, DISPLAY, GUESSED, LETTER
+from eom.checker.infer.letters import BOOKS, DISPLAY, FORMULA, GUESSED, LETTER
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
 from eom.checker.infer.shown import bare, operands_of, symbols_in
@@ -45,8 +45,8 @@ LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
 """Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
-TRUSTED, WHOLE = 3, 1 / 3
-"""Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
+TRUSTED, WHOLE = 3, 0.4
+"""Lines that hold, and the share of symbols that its preset names, by which that of a note with words is sure."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,8 @@ def evidence(
         f.entry.latex: _family(f) for k in looks if (f := _entry(k, lexicon)) is not None
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
-    whole = sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
+    words = any(d.words != FORMULA for d in said.values())
+    whole = words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
     firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
     return Evidence(
         used,

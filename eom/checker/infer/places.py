@@ -102,6 +102,8 @@ def places(text: Prose, sayings: Iterable[Said], looks: Iterable[Look] = ()) -> 
             found.add(table, mention, "OA" if pair else name, text.shown(one.words))
         for mention, one in every:
             default = _usual(table, mention.look)
+            if table == "frames" and default in named and not _called(mention.look, default):
+                default = next(iter(OTHERS.get(default, ())), default)
             drawn = table == "points" and mention.look.style
             label = as_label(mention.look)
             if table == "points" and named and _placeholder(label, named):
@@ -129,6 +131,11 @@ USUAL = {
 
 WHICH = "which one it is, by custom"
 """What is told of a frame or point of which words say no more than that it is one."""
+
+
+def _called(look: Look, name: str) -> bool:
+    """Return whether a label has a letter in it: what has another one is not what that stands for."""
+    return name in re.split(r"[ _^]", as_label(look)[0])
 
 
 def _usual(table: str, look: Look) -> str:
