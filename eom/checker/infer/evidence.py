@@ -46,7 +46,7 @@ LINES = 2
 MISREAD = 2
 """Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
 TRUSTED, WHOLE = 3, 0.4
-"""Lines that hold, and the share of symbols that its preset names, by which that of a note with words is sure."""
+"""Lines that hold, and the share of symbols that it names, by which a preset beside words is sure."""
 
 
 @dataclass(frozen=True)
@@ -169,8 +169,7 @@ def evidence(
         f.entry.latex: _family(f) for k in looks if (f := _entry(k, lexicon)) is not None
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
-    words = any(d.words != FORMULA for d in said.values())
-    whole = words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
+    whole = has_words(draft) and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
     firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
     return Evidence(
         used,
@@ -183,6 +182,12 @@ def evidence(
         draft.preset,
         tuple(fails),
     )
+
+
+def has_words(draft: Proposal) -> bool:
+    """Return whether words of the note, and not formulas alone, give any symbol a meaning."""
+    silent = {*GUESSED, FORMULA, TITLE}
+    return any(d.words not in silent for d in draft.drafts) or bool(draft.systems)
 
 
 def _family(found: Found) -> str:
