@@ -29,6 +29,18 @@ PALETTE = ("blue", "orange", "green", "sky", "red", "purple", "yellow", "grey")
 def page(animation: Animation) -> str:
     """Return the page of an animation: one file of HTML that asks for nothing; the same bytes each time.
 
+    Parameters
+    ----------
+    animation : Animation
+        Of `eom.views.animation.animation.animation_of` and its like.
+
+    Returns
+    -------
+    str
+        One file of HTML that asks for nothing; the same bytes each time.
+
+    Examples
+    --------
     >>> import eom
     >>> from eom.views.animation.animation import animation_of
     >>> from eom.views.time.histories import run
