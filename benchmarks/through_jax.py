@@ -1,9 +1,10 @@
 """``python -m benchmarks.through_jax [SCENE ...]``: the target jax beside ours, for every ready scene.
 
-Values of the rates; gradients of trajectories, by `jax.jacrev` back through diffrax and by our sensitivities
-forwards; 10,000 trajectories by `jax.vmap` and by `codegen.ensemble`. Runs go to a twentieth of the scene's own
-time. Each scene is a process of its own; its differences are printed as they fall, with the seconds of both
-sides (the second call, compiled), and judged. ``--gradients`` leaves the many trajectories out.
+Values of the rates; gradients of trajectories, by `jax.jacrev` back through diffrax and by our
+sensitivities forwards; 10,000 trajectories by `jax.vmap` and by `codegen.ensemble`. Runs go to a twentieth
+of the scene's own time. Each scene is a process of its own; its differences are printed as they fall, with
+the seconds of both sides (the second call, compiled), and judged. ``--gradients`` leaves the many
+trajectories out.
 """
 
 from __future__ import annotations
