@@ -15,6 +15,7 @@ from codegen.frontend.layout import Layout
 from codegen.ir.interpret import UNIT_ROUNDOFF, Point, interpret_exactly
 from codegen.ir.passes import prune
 from codegen.ir.program import INVARIANTS, RATES, SINGULARITIES, Program
+from eom.displays import display
 from eom.errors import InputError, unknown_name
 from eom.quantities import Quantity
 
@@ -420,6 +421,19 @@ class AccuracyReport:
     rows: tuple[Row, ...] = field(repr=False)
     made: Change
     possible: Change
+
+    def __repr__(self) -> str:
+        """Say what was measured, the worst result, and how many lose digits by their formula."""
+        own = [(f.ulps, r.result) for r in self.rows if r.region == TYPICAL for f in [r.worst] if f]
+        worst = "".join(f"; {name} to {ulps:.2g} ulps" for ulps, name in [max(own)]) if own else ""
+        told = f"; unstable: {len(self.unstable)}" if self.unstable else ""
+        return (
+            f"AccuracyReport({self.system} for {self.target}, {self.samples} samples{worst}{told})"
+        )
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: the errors of each result, and what to do about them."""
+        return str(display("accuracy as page", self))
 
     def row(self, result: str, region: str = REGIONS[0], group: str = RATES) -> Row:
         """Return the row of a result.
