@@ -404,11 +404,32 @@ class Change:
 class AccuracyReport:
     """What was measured of a compiled system: the error of each result against 50 digits.
 
-    ``system``, ``target``, ``stable``: what was measured. ``samples``, ``seed``: as of
-    `codegen.accuracy`. ``domain``: (low, high) by name, in the units of the system; ``unit``: names of
-    states that are one unit quaternion. ``rows``: one a result and region. ``made``: a rewriting of this
-    code; ``possible``: one that ``stable=True`` would add. Errors are in units in the last place (ulps).
-    Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 1.6.
+    Parameters
+    ----------
+    system : str
+        The name of what was measured.
+    target : str
+        For which it was compiled.
+    stable : bool
+        Whether every identity against cancellation was applied.
+    samples : int
+        As of `codegen.accuracy`.
+    seed : int
+        As of `codegen.accuracy`.
+    domain : mapping of str to Range
+        (low, high) by name, in the units of the system.
+    unit : tuple of tuple of str
+        Names of states that are one unit quaternion.
+    rows : tuple of three numbers
+        One a result and region; errors are in units in the last place (ulps).
+    made : Change
+        A rewriting of this code.
+    possible : Change
+        One that ``stable=True`` would add.
+
+    References
+    ----------
+    Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 1.6.
     """
 
     system: str
