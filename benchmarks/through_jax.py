@@ -130,7 +130,7 @@ class Compared:
 
 
 def worst(got: Array, expected: Array, axis: int, least: float = 0.0) -> float:
-    """Return the largest difference over the largest entry along an axis, ``least`` at least; NaN counts."""
+    """Return the largest difference over the largest entry along an axis, or over ``least``; NaN counts."""
     scale = np.maximum(np.abs(expected).max(axis=axis, keepdims=True), least)
     return float((np.abs(got - expected) / np.where(scale == 0, 1.0, scale)).max(initial=0.0))
 

@@ -10,8 +10,9 @@ Rules, for everything that `tests/public.py` finds:
   or by its type where that is a class under these rules;
 - an array that is returned or held has its shape in words in brackets, as (3,) or (n, N);
 - an error that the function raises, or what it calls directly, is named behind "Raises";
-- what takes arguments, and each public class with fields, says them in sections: those of numpydoc in their order, its arguments in the order
-  in which they are taken, each with a text, what is returned and, where there are any, errors;
+- what takes arguments, and each public class with fields, says them in sections: those of numpydoc in
+  their order, its arguments in the order in which they are taken, each with a text, what is returned and,
+  where there are any, errors;
 - each public function has an example that runs, but for what takes seconds (`SLOW`).
 """
 
