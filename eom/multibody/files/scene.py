@@ -165,6 +165,11 @@ class TreeScene(BaseScene, TreeDescription):
     def _asked(self) -> tuple[str, ...]:
         return self.outputs or (*self._start, *self._angles, POINTS)
 
+    def asking(self, more: Sequence[str]) -> Self:
+        """Return the scene with all states and points asked for, and ``more`` outputs by name."""
+        wanted = (*self._start, *self._angles, POINTS, *more)
+        return self.model_copy(update={"outputs": tuple(dict.fromkeys(wanted))})
+
     @cached_property
     def _joint_angles(self) -> tuple[JointAngles, ...]:
         return angles_of(self.joints, self.tree)

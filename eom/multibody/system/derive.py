@@ -28,7 +28,7 @@ from eom.multibody.constrained.constraint_plan import (
     plan,
 )
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import GROUND, Joint, Tree
+from eom.multibody.model.model import GROUND, Tree
 from eom.multibody.model.names import (
     assumptions,
     attitudes_of,
@@ -51,6 +51,7 @@ from eom.multibody.recursion.quantities import (
     first_moments,
     flow,
     gravity_potential,
+    joint_forces,
     kinetic_energy,
     mass,
     momentum,
@@ -414,7 +415,8 @@ def _applied(tree: Tree, q: Sequence[Any], u: Sequence[Any], work: Naming) -> li
     first = 0
     for joint in tree.ordered:
         own = slice(first, first + len(joint.coordinates))
-        tau += _forces(joint, q[own], u[len(tau) : len(tau) + len(joint.speeds)], work)
+        speeds = u[len(tau) : len(tau) + len(joint.speeds)]
+        tau += joint_forces(joint, q[own], speeds, work.atom, work)
         first = own.stop
     return tau
 
@@ -423,21 +425,6 @@ def _prescribed(work: Naming, quantities: Sequence[Quantity], given: Sequence[An
     """Return numbers as they are, expressions under the names of the quantities."""
     pairs = zip(quantities, given, strict=True)
     return [v if is_number(v) else work.define(q, work.atom(v)) for q, v in pairs]
-
-
-def _forces(joint: Joint, q: Sequence[Any], u: Sequence[Any], work: Naming) -> list[Any]:
-    """Return the generalised forces of a joint: motor, applied force, damper, spring."""
-    motors = [work.atom(m.symbol) for m in joint.motors if joint.motion is None] or [0] * len(u)
-    found = []
-    for k, coordinate in enumerate(joint.row.paired(joint.attitude)):
-        force = add(motors[k], work.atom(joint.force[k]))
-        force = sub(force, mul(work.atom(joint.damping[k]), u[k]))
-        if coordinate is not None:
-            stretch = sub(q[coordinate], work.atom(joint.rest[k]))
-            force = sub(force, mul(work.atom(joint.stiffness[k]), stretch))
-        suffix = joint.row.speeds(joint.attitude)[k].suffix
-        found.append(work.keep("tau", joint.name, suffix, force))
-    return found
 
 
 def _system(

@@ -30,7 +30,7 @@ from eom.views.draw.meshes import Mesh, of_solid
 
 Floats = NDArray[np.float64]
 
-BODY_AXES = ("b₁", "b₂", "b₃")
+BODY_AXES = (r"$\mathbf{b}_1$", r"$\mathbf{b}_2$", r"$\mathbf{b}_3$")
 EQUAL = 1e-6
 """Moments of inertia that differ by less than this share are drawn as equal."""
 THINNEST = 0.05

@@ -20,12 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.errors import InputError
-from eom.views.animation.animation import ACTING, Animation, at, level
+from eom.views.animation.animation import ACTING, Animation, at, level, scales_of
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
 from eom.views.draw import placing as labels
 from eom.views.draw.depth import View, rgba
 from eom.views.draw.picture import COLOURS
+from eom.views.draw.printed import typeset
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -96,7 +97,7 @@ class Filming:
 
     def __init__(self, animation: Animation, film: Film) -> None:
         self.animation, self.film = animation, film
-        self.scales = _scales(animation)
+        self.scales = scales_of(animation)
 
     def moved(self, place: float) -> Floats:
         """Return how far the body that the camera follows is from its start (m), (3,)."""
@@ -140,16 +141,6 @@ class Filming:
         times = self.animation.times
         shown = number / self.film.fps * self.animation.speed
         return min(shown / float(times[1] - times[0]), len(times) - 1.0)
-
-
-def _scales(animation: Animation) -> dict[str, float]:
-    """Return the length (m) of a unit of each kind of vector: the longest arrow fits the picture."""
-    largest: dict[str, float] = {}
-    for arrow in animation.arrows:
-        size = float(np.linalg.norm(arrow.values, axis=1).max())
-        largest[arrow.kind] = max(size, largest.get(arrow.kind, 0.0))
-    share = {"omega": 0.95, "momentum": 0.8, "torque": 0.65, "force": 0.5}
-    return {k: share[k] * animation.view.radius / v for k, v in largest.items() if v > 0}
 
 
 def _triangles(shapes: Sequence[Any], colour: str) -> Triangles:
@@ -339,9 +330,9 @@ def _vectors(filming: Filming, place: float, camera: Camera, axes: Any, back: st
                  "linewidth": 1.2 if colour == "grey" else 2.4, "shrinkA": 0, "shrinkB": 0}  # fmt: skip
         axes.annotate("", end, start, arrowprops=style, zorder=5)
         halo = [patheffects.withStroke(linewidth=3, foreground=back)]
-        axes.annotate(text, tuple(words), (0, 0), textcoords="offset points", color=ink, ha="center",
-                      va="center", weight="bold", zorder=6, path_effects=halo, parse_math=False,
-                      annotation_clip=False)  # fmt: skip
+        style = {"color": ink, "ha": "center", "va": "center", "weight": "bold", "zorder": 6,
+                 "path_effects": halo, "annotation_clip": False}  # fmt: skip
+        axes.annotate(typeset(text), tuple(words), (0, 0), textcoords="offset points", **style)
 
 
 def _shown_vectors(filming: Filming, place: float) -> Iterator[tuple[Floats, Floats, str, str]]:
@@ -356,8 +347,8 @@ def _shown_vectors(filming: Filming, place: float) -> Iterator[tuple[Floats, Flo
             axis = turned(q[None], (1.1 * figure.extent * np.eye(3)[k])[None])[0]
             yield origin, axis, figure.axes[k], "grey"
     for arrow in animation.arrows:
-        if arrow.kind in filming.scales and (arrow.kind in ACTING or not several):
-            vector = filming.scales[arrow.kind] * _between(arrow.values, place)
+        if arrow.unit in filming.scales and (arrow.kind in ACTING or not several):
+            vector = filming.scales[arrow.unit] * _between(arrow.values, place)
             here = _between(arrow.places, place) if several else origin
             yield here, vector, arrow.text, arrow.colour
 

@@ -26,18 +26,9 @@ from eom.multibody.model.model import GROUND, Constraint, Joint, Tree
 from eom.multibody.recursion.motion import places
 from eom.opening import AnyScene
 from eom.scenes.assembly import torques_of
-from eom.views.animation.bodies import (
-    ARRAYS,
-    Bodies,
-    ManyBodies,
-    OneBody,
-    Posture,
-    at_start,
-    bodies_of,
-    number,
-    numbers,
-)
+from eom.views.animation.bodies import Bodies, ManyBodies, OneBody, at_start, bodies_of
 from eom.views.animation.figures import central, equivalent
+from eom.views.animation.posture import ARRAYS, Posture, number, numbers
 from eom.views.animation.tracks import from_third, matrices
 from eom.views.body.frame_sketches import SPACE, Frame, arc_points, triads
 from eom.views.draw.formulas import formula, name, short
