@@ -33,6 +33,7 @@ from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import OUTPUTS, derive
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
+from eom.multibody.system.vectors import Drawn
 from eom.scenes.description import (
     Description,
     check_end,
@@ -553,7 +554,7 @@ FORCES, LAMBDA = "constraint_forces", "lambda_"
 """The row whose outputs depend on the constraints, and how their names begin."""
 REACTIONS, DRIVES, POINTS = "reactions", "drives", "points"
 """Words for outputs whose names depend on the tree: of joints, of prescribed motions, of points."""
-Source = str | Reaction | Point
+Source = str | Reaction | Point | Drawn
 
 
 @dataclass(frozen=True)

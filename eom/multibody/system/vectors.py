@@ -15,6 +15,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
+import sympy as sp
+
+from eom.multibody.algebra.lazy_sums import plain
 from eom.multibody.algebra.scalars import Scalar, add, is_zero, mul, negative, reciprocal, sub
 from eom.multibody.algebra.spatial import (
     ZERO,
@@ -45,6 +48,8 @@ from eom.multibody.recursion.quantities import (
     momentum,
 )
 from eom.multibody.recursion.recursions import End, end, pull
+from eom.quantities import Definition, Quantity
+from eom.system import System
 
 FORCE, TORQUE, OMEGA, MOMENTUM = "force", "torque", "omega", "momentum"
 UNITS = {FORCE: "N", TORQUE: "N m", OMEGA: "rad/s", MOMENTUM: "N m s"}
@@ -150,6 +155,37 @@ class Moment:
             if x is not None:
                 found.setdefault(bound.constraint, []).append((bound, free, x))
         return found
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """All vectors of a tree, to ask `eom.multibody.derive` for as outputs.
+
+    Vector number k of `vectors_of` has the outputs ``<prefix>k_1`` to 6: components, then place (m), in the
+    ground's axes. Those that are zero by structure have none.
+    """
+
+    prefix: str
+
+    def name(self, number: int, component: int) -> str:
+        """Return the name of an output."""
+        return f"{self.prefix}{number}_{component}"
+
+    def definitions(self, tree: Tree, moment: Moment) -> Iterator[Definition]:
+        """Yield the outputs of a tree over named scalars."""
+        for k, vector in enumerate(vectors_of(tree)):
+            found = vector.at(moment)
+            if found is None or all(map(is_zero, found[0])):
+                continue
+            for n, x in enumerate((*found[0], *found[1]), 1):
+                unit = UNITS[vector.kind] if n <= 3 else "m"
+                symbol = sp.Symbol(self.name(k, n), real=True)
+                yield Definition(Quantity(symbol, unit), plain(x))
+
+    def of(self, system: System, tree: Tree) -> tuple[VectorOf, ...]:
+        """Return the vectors of a tree that a system has outputs of."""
+        names = set(system.output_names)
+        return tuple(v for k, v in enumerate(vectors_of(tree)) if self.name(k, 1) in names)
 
 
 def vectors_of(tree: Tree) -> tuple[VectorOf, ...]:

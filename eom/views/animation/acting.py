@@ -19,6 +19,8 @@ from eom.multibody.system.vectors import (
     JET,
     JOINT,
     LOAD,
+    MOMENTUM,
+    OMEGA,
     ROTOR,
     SPRING,
     TORQUE,
@@ -40,6 +42,16 @@ LETTERS = {
     (CONSTRAINT, TORQUE): r"\tau", (GRADIENT, TORQUE): r"\tau",
 }  # fmt: skip
 """Letters of what acts; its part of the tree is the index."""
+STYLES = {
+    "omega": ("rad/s", "red"),
+    "momentum": ("N m s", "purple"),
+    "torque": ("N m", "green"),
+    "force": ("N", "blue"),
+    "reaction": ("N", "orange"),
+    "weight": ("N", "sky"),
+}
+"""Unit and colour of what is drawn alike; the reactions are those of constraints."""
+MOVES = {OMEGA: r"\omega", MOMENTUM: "H"}
 GROUPS = {
     (LOAD, FORCE): "force", (JET, FORCE): "force", (JOINT, FORCE): "force", (SPRING, FORCE): "force",
     (CONSTRAINT, FORCE): "reaction", (WEIGHT, FORCE): "weight",
@@ -62,20 +74,25 @@ def _acting(tree: Tree, moment: Moment, count: int) -> Iterator[Acting]:
 
 
 def group(vector: VectorOf) -> str:
-    """Return what a force or torque is shown and hidden with."""
+    """Return what a vector is shown and hidden with: a key of `STYLES`."""
     return GROUPS.get((vector.source, vector.kind), vector.kind)
 
 
 def label(vector: VectorOf) -> str:
-    r"""Return what stands at a force or torque, a formula: $F_{spring}$."""
+    r"""Return what stands at a vector, a formula: $F_{spring}$."""
     index = name(vector.name).strip("$")
+    if vector.kind in MOVES:
+        return f"${MOVES[vector.kind]}_{{{index}}}$" if index else f"${MOVES[vector.kind]}$"
     if vector.source == WEIGHT:
         return rf"$m_{{{index}}}\,g$"
     return f"${LETTERS[vector.source, vector.kind]}_{{{index}}}$"
 
 
 def words(vector: VectorOf) -> str:
-    """Return what a force or torque comes from, and what it acts on: spring s on rod."""
+    """Return what a vector comes from, and what it acts on: spring s on rod."""
+    if vector.kind in MOVES:
+        whole = "angular momentum about the centre of mass of all"
+        return f"angular velocity of {vector.body}" if vector.body else whole
     if vector.name == vector.body:
         return f"{vector.source} on {vector.body}"
     return f"{vector.source} {vector.name} on {vector.body}"

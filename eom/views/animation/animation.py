@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from eom.errors import InputError, unknown_name
 from eom.opening import AnyScene
+from eom.views.animation.acting import STYLES
 from eom.views.animation.bodies import Bodies, bodies_of, tracks_of, with_attitude
 from eom.views.animation.figures import Figure, Figures, Shape, equivalent
 from eom.views.animation.tracks import (
@@ -54,13 +55,6 @@ ORBIT_AXES = (f"{SPACE_AXES[0]} radial", f"{SPACE_AXES[1]} along", f"{SPACE_AXES
 STAYS = "none"
 """The word for a camera that follows nothing."""
 
-ACTING = {
-    "force": ("N", "blue"),
-    "reaction": ("N", "orange"),
-    "weight": ("N", "sky"),
-    "torque": ("N m", "green"),
-}
-"""Unit and colour of what acts on bodies of a tree; the reactions are those of constraints."""
 OMEGA, H, TAU = r"$\omega$", "$H$", r"$\tau$"
 
 Integrate = Callable[[AnyScene], "Result"]
@@ -280,14 +274,13 @@ def speed_of(span: float) -> float:
 def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
     """Yield the vectors of a motion: omega of each body, momentum, and torque where it acts."""
     for k, body in enumerate(tracks.bodies):
-        yield Arrows("omega", OMEGA, "rad/s", "red", body.omega, body.positions, k)
-    yield Arrows("momentum", H, "N m s", "purple", tracks.momentum, tracks.centre)
+        yield Arrows("omega", OMEGA, *STYLES["omega"], body.omega, body.positions, k)
+    yield Arrows("momentum", H, *STYLES["momentum"], tracks.momentum, tracks.centre)
     if tracks.torque is not None and np.any(tracks.torque):
-        yield Arrows("torque", TAU, "N m", "green", tracks.torque, tracks.centre)
+        yield Arrows("torque", TAU, *STYLES["torque"], tracks.torque, tracks.centre)
     for load in tracks.acting:
-        unit, colour = ACTING[load.kind]
         told = load.values, load.places
-        yield Arrows(load.kind, load.letter, unit, colour, *told, words=load.name)
+        yield Arrows(load.kind, load.letter, *STYLES[load.kind], *told, words=load.name)
 
 
 SHARES = {"rad/s": 0.95, "N m s": 0.8, "N m": 0.65, "N": 0.5}

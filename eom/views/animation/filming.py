@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.errors import InputError
-from eom.views.animation.animation import ACTING, Animation, at, level, scales_of
+from eom.views.animation.animation import Animation, at, level, scales_of
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
 from eom.views.draw import placing as labels
@@ -347,7 +347,7 @@ def _shown_vectors(filming: Filming, place: float) -> Iterator[tuple[Floats, Flo
             axis = turned(q[None], (1.1 * figure.extent * np.eye(3)[k])[None])[0]
             yield origin, axis, figure.axes[k], "grey"
     for arrow in animation.arrows:
-        if arrow.unit in filming.scales and (arrow.kind in ACTING or not several):
+        if arrow.unit in filming.scales and (arrow.words or not several):
             vector = filming.scales[arrow.unit] * _between(arrow.values, place)
             here = _between(arrow.places, place) if several else origin
             yield here, vector, arrow.text, arrow.colour

@@ -413,6 +413,7 @@
   darkness.addEventListener("change", () => dress(darkness.matches));
 
   dress(darkness.matches);
+  window.animation = {viewer, go};
   go(0);
   play(!still);
 })();

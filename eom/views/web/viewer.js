@@ -1,7 +1,7 @@
 /* Bodies in space, drawn by three.js: what the animation and the live page share.
 
    createViewer(canvas, description) returns an object with the methods at the end of this file; nothing
-   is drawn before render(). createViewer.colours: colours by name. Lengths are in metres, vectors in the space frame a1, a2, a3.
+   is drawn before render(). createViewer.colours: colours by name; createViewer.triad(letter): names of three axes. Lengths are in metres, vectors in the space frame a1, a2, a3.
    A quaternion is [q0, q1, q2, q3], the scalar first as everywhere in eom: it takes components in the
    body frame to the space frame, which is the transpose of C_BA of the same quaternion.
 
@@ -42,8 +42,9 @@ const createViewer = (() => {
   const ROUND = 48;
 
   /* Labels: room between boxes, ways and distances that are tried round a point (pixels), how far a box is from its
-     point where a line leads to it; what a half turn costs, and what it is worth to stay, against one distance. */
-  const GAP = 2, WAYS = 24, RINGS = 40, RING = 7, LEADING = 12, TURNED = 0.8, STAY = 1.5;
+     point where a line leads to it; what a half turn costs, and what it is worth to stay, against one distance. A label
+     goes back to where it stands by itself when there is more room. */
+  const GAP = 2, WAYS = 24, RINGS = 40, RING = 7, LEADING = 12, TURNED = 0.8, STAY = 0.9, MORE = 8;
   const NAME = 0, NUMBER = 1, AT_TIP = 2, AT_AXIS = 3, AT_PLACE = 4;
 
   const PAPERS = {light: "#ffffff", dark: "#14171c"};
@@ -600,10 +601,10 @@ const createViewer = (() => {
 
     /* The best free box round a point: the nearest, the one that the label has now if it is little farther. */
     function freeBox(home, tip, taken, before) {
-      const free = (box) => within(box) && taken.every((other) => apart(box, other, GAP));
+      const free = (box, gap = GAP) => within(box) && taken.every((other) => apart(box, other, gap));
       let [best, least] = [null, Infinity];
-      if (free(home)) {
-        [best, least] = [home, before ? STAY : 0];
+      if (free(home, before ? MORE : GAP)) {
+        [best, least] = [home, 0];
       }
       const [dx, dy] = [home.x - tip[0], home.y - tip[1]];
       const start = Math.hypot(dx, dy) < 1 ? -Math.PI / 2 : Math.atan2(dy, dx);
@@ -619,7 +620,7 @@ const createViewer = (() => {
           }
         }
       }
-      return best;
+      return best || (free(home) ? home : null);
     }
 
     /* Move labels that would cover others to where they do not, with a line to what they name; leave out numbers of
@@ -923,7 +924,7 @@ const createViewer = (() => {
       const shown = (node) => node.visible && (!node.parent || shown(node.parent));
       return [...labels].filter((sprite) => shown(sprite) && sprite.material.visible && sprite.userData.words.text.length)
         .map(({userData}) => ({text: runsOf(userData.words.text).map((run) => run[0]).join(""), x: userData.box.x,
-                               y: userData.box.y, size: userData.pixels, moved: Boolean(userData.box.ring)}));
+                               y: userData.box.y, size: userData.pixels, rank: userData.rank, moved: Boolean(userData.box.ring)}));
     }
 
     function placed(object, position, quaternion) {
@@ -947,6 +948,8 @@ const createViewer = (() => {
       /* Show an arrow from a point; a vector of null or (almost) zero hides it. options: colour, text, layer,
          size of the text, thickness and gap (of the text from the tip) as shares of the radius. */
       arrow,
+      /* The names of all arrows. */
+      arrows: () => [...named.arrows.keys()],
       /* A line through points (flat or in triples), broken where one is no number. options: colour, width, opacity,
          dash: lengths of dashes and gaps, layer, or the number of a body that it is fixed to, with points in its frame. */
       trail,
@@ -991,7 +994,7 @@ const createViewer = (() => {
       },
       /* Turn the camera (radians), move it nearer (factor below 1) or farther, put it back. */
       orbit, zoom, home,
-      resize, camera, controls, scene,
+      resize, camera, controls, scene, canvas,
       dispose() {
         watcher.disconnect();
         controls.dispose();
@@ -1001,5 +1004,5 @@ const createViewer = (() => {
       },
     };
   };
-  return Object.assign(make, {colours: COLOURS});
+  return Object.assign(make, {colours: COLOURS, triad});
 })();

@@ -72,7 +72,7 @@ def rate(values, times):
     ],
 )
 def test_what_acts_from_outside_changes_the_momentum(name):
-    """Euler's laws of all bodies that nothing but weights, loads and contacts holds: no joint to the ground."""
+    """Euler's laws of bodies that nothing but weights, loads and contacts holds: no joint to the ground."""
     animation = animated(name, 0.3)
     tracks, known = animation.tracks, load_scene(name).numbers
     acting = [a for a in tracks.acting if not a.name.startswith("joint")]
