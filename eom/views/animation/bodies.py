@@ -25,6 +25,7 @@ from eom.multibody.files.sections import Reading
 from eom.multibody.model.constraints import Distance, Loop, Rolling
 from eom.multibody.model.jets import changes
 from eom.multibody.model.model import GROUND, Body, Joint, Rotor
+from eom.multibody.model.names import inputs_of
 from eom.multibody.recursion.quantities import about_centre, first_moments, mass, momentum
 from eom.opening import AnyScene
 from eom.quantities import TIME
@@ -44,6 +45,7 @@ from eom.views.animation.figures import (
     equivalent,
     held,
     rod,
+    rolling,
     stalk,
     wheel,
 )
@@ -290,6 +292,8 @@ class Drawing:
 
     scene: TreeScene
     robot: Robot
+    spokes: bool = True
+    """Whether wheels have spokes, or are discs."""
 
     def array(self, given: Any) -> Floats:
         """Return the values of a vector or matrix."""
@@ -330,10 +334,22 @@ class Drawing:
             )
             return (Shape(mesh.moved(centre, axes)),), words
         J, m = self.array(body.central_inertia), float(self.array(body.mass))
+        rolls = (c for c in self.scene.tree.constraints if isinstance(c, Rolling))
+        touching = next((c for c in rolls if c.body == body.name), None)
+        if touching is not None:
+            return self._rolling(touching, J, m)
         if m <= 0 or not np.any(J):
             return (), ""
         found = equivalent(J, m)
         return (Shape(found.mesh.moved(centre)),), found.words
+
+    def _rolling(self, c: Rolling, J: Floats, m: float) -> tuple[tuple[Shape, ...], str]:
+        axis = np.zeros(3) if c.axis is None else self.array(c.axis)
+        about = float(axis @ J @ axis) / (float(axis @ axis) or 1.0) / (m or 1.0)
+        radius, half = float(self.array(c.radius)), float(self.array(c.half_axis))
+        shapes, words = rolling(radius, half, axis, about, spokes=self.spokes)
+        centre = self.array(c.centre)
+        return tuple(replace(s, mesh=s.mesh.moved(centre)) for s in shapes), words
 
     def _sizes(self, sizes: Mapping[str, Any]) -> dict[str, float]:
         read = Reading(self.scene).plain
@@ -458,11 +474,13 @@ def bodies_of(scene: AnyScene) -> Bodies:
 
 
 def at_start(bodies: Bodies) -> Motion:
-    """Return the numbers of a scene at t = 0; states that it leaves open are zero.
+    """Return the numbers of a scene at t = 0; states that it leaves open are zero, and inputs of control.
 
     Raises `InputError` as the scene does.
     """
     still = dict.fromkeys(bodies.scene.full_system.state_names, 0.0)
+    if isinstance(bodies, ManyBodies):  # what laws of control set
+        still |= {q.name: 0.0 for q in inputs_of(bodies.scene.tree)}
     return Motion(np.zeros(1), {**still, **bodies.known, **bodies.start})
 
 

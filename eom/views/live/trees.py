@@ -35,7 +35,7 @@ from eom.scenes.reduce import cost
 from eom.system import System, as_expression
 from eom.views.animation.acting import STYLES, group
 from eom.views.animation.bodies import ManyBodies
-from eom.views.draw.formulas import name
+from eom.views.draw import formulas
 from eom.views.live.fittings import fittings_of, sizes_of
 from eom.views.live.subject import (
     ALL,
@@ -148,7 +148,7 @@ def _notes(tree: Tree, drawn: System) -> Iterator[str]:
     free = [j for j in tree.ordered if j.motion is None]
     follow = [s for j in free for s in j.speeds if s.name not in drawn.state_names]
     if follow:
-        names = ", ".join(name(s.name) for s in follow)
+        names = ", ".join(formulas.name(s.name) for s in follow)
         yield f"By the constraints these speeds follow from the others, and have no sliders: {names}."
 
 

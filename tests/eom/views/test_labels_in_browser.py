@@ -1,4 +1,4 @@
-"""Words of pages in space at many viewpoints: no two boxes overlap, none leaves the picture, lines lead to them."""
+"""Words of pages in space at many viewpoints: no two boxes overlap, none leaves the picture."""
 
 import itertools
 import shutil
