@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,15 +43,25 @@ LETTERS = {
     (CONSTRAINT, TORQUE): r"\tau", (GRADIENT, TORQUE): r"\tau",
 }  # fmt: skip
 """Letters of what acts; its part of the tree is the index."""
+
+
+class Style(NamedTuple):
+    """How vectors are drawn that are hidden and shown together: unit, colour, and what they are."""
+
+    unit: str
+    colour: str
+    words: str
+
+
 STYLES = {
-    "omega": ("rad/s", "red"),
-    "momentum": ("N m s", "purple"),
-    "torque": ("N m", "green"),
-    "force": ("N", "blue"),
-    "reaction": ("N", "orange"),
-    "weight": ("N", "sky"),
+    "omega": Style("rad/s", "red", r"$\omega$, angular velocity"),
+    "momentum": Style("N m s", "purple", "$H$, angular momentum"),
+    "torque": Style("N m", "green", r"$\tau$, torque"),
+    "force": Style("N", "blue", "$F$, force"),
+    "reaction": Style("N", "orange", "$R$, reaction"),
+    "weight": Style("N", "sky", "$m g$, weight"),
 }
-"""Unit and colour of what is drawn alike; the reactions are those of constraints."""
+"""What is drawn alike; reactions are those of constraints, and of the fixed point of one body."""
 MOVES = {OMEGA: r"\omega", MOMENTUM: "H"}
 GROUPS = {
     (LOAD, FORCE): "force", (JET, FORCE): "force", (JOINT, FORCE): "force", (SPRING, FORCE): "force",

@@ -274,13 +274,13 @@ def speed_of(span: float) -> float:
 def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
     """Yield the vectors of a motion: omega of each body, momentum, and torque where it acts."""
     for k, body in enumerate(tracks.bodies):
-        yield Arrows("omega", OMEGA, *STYLES["omega"], body.omega, body.positions, k)
-    yield Arrows("momentum", H, *STYLES["momentum"], tracks.momentum, tracks.centre)
+        yield Arrows("omega", OMEGA, *STYLES["omega"][:2], body.omega, body.positions, k)
+    yield Arrows("momentum", H, *STYLES["momentum"][:2], tracks.momentum, tracks.centre)
     if tracks.torque is not None and np.any(tracks.torque):
-        yield Arrows("torque", TAU, *STYLES["torque"], tracks.torque, tracks.centre)
+        yield Arrows("torque", TAU, *STYLES["torque"][:2], tracks.torque, tracks.centre)
     for load in tracks.acting:
         told = load.values, load.places
-        yield Arrows(load.kind, load.letter, *STYLES[load.kind], *told, words=load.name)
+        yield Arrows(load.kind, load.letter, *STYLES[load.kind][:2], *told, words=load.name)
 
 
 SHARES = {"rad/s": 0.95, "N m s": 0.8, "N m": 0.65, "N": 0.5}

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from eom.views.animation.acting import STYLES
 from eom.views.animation.animation import Animation, scales_of
 from eom.views.animation.figures import Figure, Shape
 from eom.views.animation.tracks import Track
@@ -31,12 +32,13 @@ PALETTE = ("blue", "orange", "green", "sky", "red", "purple", "yellow", "grey")
 def page(animation: Animation) -> str:
     """Return the page of an animation: one file of HTML that asks for nothing; the same bytes each time.
 
-    >>> import eom
-    >>> from eom.views.animation.animation import animation_of
-    >>> from eom.views.time.histories import run
-    >>> made = page(animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0]))
-    >>> made[:15], "<title>Tumbling T-handle" in made
-    ('<!DOCTYPE html>', True)
+        >>> import eom
+        >>> from eom.views.animation.acting import STYLES
+    from eom.views.animation.animation import animation_of
+        >>> from eom.views.time.histories import run
+        >>> made = page(animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0]))
+        >>> made[:15], "<title>Tumbling T-handle" in made
+        ('<!DOCTYPE html>', True)
     """
     words = animation.words
     parts = {
@@ -72,6 +74,9 @@ def data(animation: Animation) -> dict[str, Any]:
         "follow": view.follow,
         "axes": [as_runs(a) for a in animation.axes],
         "scales": {unit: _number(x) for unit, x in scales_of(animation).items()},
+        "kinds": {
+            kind: as_runs(STYLES[kind].words) for kind in {a.kind: 0 for a in animation.arrows}
+        },
         "bodies": bodies,
         "stand": [meshes.shape(s) for s in figures.ground],
         "meshes": meshes.listed,

@@ -50,7 +50,15 @@ from eom.views.animation.figures import (
     wheel,
 )
 from eom.views.animation.posture import Motion, Posture, filled, numbers
-from eom.views.animation.tracks import Floats, Track, Tracks, continuous, of_matrices, turned
+from eom.views.animation.tracks import (
+    Acting,
+    Floats,
+    Track,
+    Tracks,
+    continuous,
+    of_matrices,
+    turned,
+)
 from eom.views.draw.meshes import Mesh, of_solid
 
 if TYPE_CHECKING:
@@ -126,7 +134,26 @@ class OneBody:
             turned(frame, v) for v in (motion.triple("h"), motion.triple("torque"), omega)
         )
         body = Track(self.scene.title or self.scene.name, still, whole, omega)
-        return Tracks(motion.t, (body,), h, still, torque)
+        return Tracks(motion.t, (body,), h, still, torque, tuple(self._held(motion, frame)))
+
+    def _held(self, motion: Motion, frame: Floats) -> Iterator[Acting]:
+        """Yield the weight and the reaction of the fixed point: m times acceleration less gravity's.
+
+        With J alpha = M - omega x h about that point, in axes in which J is constant; those of a spinner's
+        frame, too. ``frame``: their quaternions.
+        """
+        weight = self.scene.torque.weight
+        if weight is None:
+            return
+        r, h = np.array(weight.centre_of_mass), motion.triple("h")
+        omega = np.linalg.solve(self.inertia, h.T).T
+        alpha = np.linalg.solve(self.inertia, (motion.triple("torque") - np.cross(omega, h)).T).T
+        moved = np.cross(alpha, r) + np.cross(omega, np.cross(omega, r))
+        down = np.broadcast_to([0.0, 0.0, -weight.mass * weight.gravity], h.shape)
+        reaction = weight.mass * turned(frame, moved) - down
+        centre = turned(frame, np.broadcast_to(r, h.shape))
+        yield Acting("weight", r"$m\,g$", "weight", down, centre)
+        yield Acting("reaction", "$R$", "reaction of the fixed point", reaction, np.zeros_like(h))
 
     def turns(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return the quaternions of the body, and of the frame that h and torque have components in."""

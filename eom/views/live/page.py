@@ -38,6 +38,7 @@ from eom.typeset.markup import render
 from eom.typeset.notation import NOTATIONS, equation_parts
 from eom.typeset.pages import html_body
 from eom.views.animation import acting
+from eom.views.animation.acting import STYLES
 from eom.views.draw import pages
 from eom.views.draw.formulas import as_html, as_runs
 from eom.views.draw.pages import web
@@ -54,15 +55,11 @@ GROUPS = {
     "start": "Start",
 }
 SHOWN = {
-    "omega": "<i>ω</i>, angular velocity",
-    "H": "<i>H</i>, angular momentum",
-    "torque": "<i>τ</i>, torque",
-    "all omega": "<i>ω</i>, angular velocities",
-    "all momentum": "<i>H</i>, angular momentum",
-    "all torque": "<i>τ</i>, torques",
-    "all force": "<i>F</i>, forces",
-    "all reaction": "<i>R</i>, forces of constraints",
-    "all weight": "weights",
+    **{
+        name: STYLES[kind].words
+        for name, kind in (("omega", "omega"), ("H", "momentum"), ("torque", "torque"))
+    },
+    **{f"{ALL}{kind}": style.words for kind, style in STYLES.items()},
     "trails": "trail",
     "body frames": "axes of the body",
     "space frame": "axes of space",
@@ -186,7 +183,7 @@ def _switches(switches: tuple[Switch, ...]) -> str:
 def _shown(subject: Subject) -> str:
     return "\n".join(
         f'<label class="check"><input type="checkbox" data-show="{name}"{" checked" * on}> '
-        f"{SHOWN[name]}</label>"
+        f"{as_html(SHOWN[name])}</label>"
         for name, on in subject.shown.items()
     )
 
@@ -338,9 +335,9 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
 
 def _vector(one: VectorOf) -> dict[str, Any]:
     """Return how a vector is drawn; where its values are among the outputs, its number says."""
-    kind, (measure, colour) = acting.group(one), acting.STYLES[acting.group(one)]
+    kind, style = acting.group(one), STYLES[acting.group(one)]
     told = {"text": as_runs(acting.label(one)), "words": acting.words(one)}
-    return {"layer": f"{ALL}{kind}", "unit": measure, "colour": colour, **told}
+    return {"layer": f"{ALL}{kind}", "unit": style.unit, "colour": style.colour, **told}
 
 
 def _sampled(law: Sampling) -> dict[str, Any]:

@@ -113,12 +113,8 @@
 
   const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, follow: data.follow};
   const shown = {};
-  const [OMEGA, H, TAU, F, R] = ["\u03c9", "H", "\u03c4", "F", "R"].map((letter) => [letter, "i", ""]);
+  const OMEGA = ["\u03c9", "i", ""];
   const plain = (text) => [text, "", ""];
-  const WORDS = {
-    omega: [OMEGA, plain(", angular velocity")], momentum: [H, plain(", angular momentum")], torque: [TAU, plain(", torques")],
-    force: [F, plain(", forces")], reaction: [R, plain(", forces of constraints")], weight: [plain("weights")],
-  };
   const FEW = 8;
 
   function swatch(colour) {
@@ -151,7 +147,7 @@
     const colour = arrows.find((a) => a.kind === kind).colour;
     const own = arrows.filter((a) => a.kind === kind && a.words).length;
     const seen = !several || data.ground === null || (own > 0 && own <= FEW);
-    box(kind, WORDS[kind], seen, (on) => { shown[kind] = on; }, colour);
+    box(kind, data.kinds[kind], seen, (on) => { shown[kind] = on; }, colour);
   });
   if (several) {
     const label = document.createElement("label");

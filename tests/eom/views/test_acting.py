@@ -194,6 +194,22 @@ def test_a_gradient_of_gravity_pulls_and_turns():
     assert pull.values == pytest.approx(2.0 * n * n * np.stack([2 * x, -y, -z], axis=-1), abs=1e-12)
 
 
+@pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel"])
+def test_a_fixed_point_gives_what_the_weight_does_not(name):
+    """Newton's law of the centre of mass, by differences; the moment about the point is the weight's."""
+    animation = animated(name)
+    weight, reaction = (found(animation, words, kind) for words, kind in (
+        ("weight", "weight"), ("reaction of the fixed point", "reaction")))  # fmt: skip
+    assert not np.any(reaction.places)
+    mass = load_scene(name).torque.weight.mass
+    taken = mass * rate(rate(weight.places, animation.times), animation.times)
+    given = (weight.values + reaction.values)[8:-8]
+    assert taken == pytest.approx(given, abs=1e-5 * np.abs(weight.values).max())
+    assert animation.tracks.torque == pytest.approx(
+        np.cross(weight.places, weight.values), abs=1e-9
+    )
+
+
 def test_a_top_stands_on_its_tip():
     (figure,) = animated("heavy-top").figures.bodies
     mesh = figure.shapes[0].mesh
