@@ -20,6 +20,8 @@ from eom.multibody.model.model import Joint, Tree
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.quantities import Flow, flow, joint_forces
 from eom.multibody.system.vectors import Moment
+from eom.quantities import TIME, Definition, Quantity
+from eom.system import System
 from eom.views.animation.tracks import (
     Floats,
     Track,
@@ -30,6 +32,8 @@ from eom.views.animation.tracks import (
     turned,
 )
 
+STILL, VALUE = "eom_still", "eom_value"
+"""Names that no scene has."""
 MULTIPLIER = "lambda_"
 """How the names of outputs begin that are multipliers of constraints."""
 
@@ -111,8 +115,34 @@ class Posture:
         changing = {n: v for n, v in at.items() if not isinstance(v, float)}
         if not changing:
             return number(given, at)
-        rows = ({**at, **{n: v[k] for n, v in changing.items()}} for k in range(self.count))
-        return np.array([number(given, row) for row in rows])
+        if given not in self._lifted:
+            self._lifted[given] = self._over_time(given, at, changing)
+        return self._lifted[given]
+
+    @cached_property
+    def _lifted(self) -> dict[Any, Floats]:
+        """The arrays of expressions that change over time."""
+        return {}
+
+    def _over_time(self, given: Any, at: Mapping[str, Any], changing: Mapping[str, Any]) -> Floats:
+        """Return the values of an expression at all times, compiled: its symbols are states at rest."""
+        import codegen
+
+        moving = [n for n in changing if n != TIME.name] or [STILL]
+        constant = [n for n in at if n not in changing]
+        system = System(
+            name="values",
+            states=tuple(Quantity(sp.Symbol(n, real=True)) for n in moving),
+            rates=(sp.S.Zero,) * len(moving),
+            parameters=tuple(Quantity(sp.Symbol(n, real=True)) for n in constant),
+            outputs=(Definition(Quantity(sp.Symbol(VALUE, real=True)), _named(given)),),
+        )
+        states = np.array([np.broadcast_to(at.get(n, 0.0), (self.count,)) for n in moving])
+        compiled = codegen.compile(system, "numpy")
+        found = compiled.outputs(
+            self.motion.t, states, np.array([at[n] for n in constant], dtype=float)
+        )
+        return np.asarray(np.broadcast_to(found[0], (self.count,)))
 
     @cached_property
     def bones(self) -> LumpedTree:
@@ -209,6 +239,12 @@ class Posture:
             continuous(multiplied(multiplied(body.quaternions, tilt), spin)),
             body.omega + within[:, None] * space,
         )
+
+
+def _named(given: Any) -> Any:
+    """Return an expression over symbols that are told apart by their names alone; time stays."""
+    own = {s: sp.Symbol(s.name, real=True) for s in given.free_symbols if s != TIME}
+    return sp.sympify(given, strict=True).xreplace(own)
 
 
 def without_forces(tree: Tree) -> Tree:

@@ -123,9 +123,9 @@ def _seen(variants: Iterable[Variant], heavy: bool) -> dict[str, bool]:
         for name, count in Counter(map(group, variant.vectors)).items():
             most[name] = max(count, most.get(name, 0))
     return {
-        f"{ALL}{name}": count <= CROWD and (name not in {OMEGA, MOMENTUM} or not heavy)
+        f"{ALL}{name}": most[name] <= CROWD and (name not in {OMEGA, MOMENTUM} or not heavy)
         for name in STYLES
-        if (count := most.get(name))
+        if name in most
     }
 
 
@@ -210,7 +210,7 @@ def _variant(
         for k, b in enumerate(tree.bodies)
         for n, tip in enumerate(TIPS)
     ]
-    own, moving = (scene.of_tree(tree, asked, stay) for asked in ((), (*points, VECTORS)))
+    own, moving = scene.of_tree(tree, (), stay), scene.of_tree(tree, (*points, VECTORS), stay)
     drawn, vectors = _with_shapes(moving, scene, tree, fittings), VECTORS.of(moving, tree)
     saved = savings(tree)
     return Variant(own, drawn, tuple(saved.reasons), saved.without, cost(own), vectors=vectors)

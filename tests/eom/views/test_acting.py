@@ -3,13 +3,19 @@
 import numpy as np
 import pytest
 
+import codegen
 from eom import load_scene
 from eom.commands.simulating import job_of
 from eom.multibody.files.scene import TreeScene
+from eom.views.animation.acting import group, words
 from eom.views.animation.animation import animation_of
+from eom.views.animation.bodies import Drawing, ManyBodies
 from eom.views.animation.figures import shapes_of_file
 from eom.views.animation.tracks import matrices, turned
+from eom.views.draw.picture import Arrow
 from eom.views.draw.placing import overlaps
+from eom.views.live.scenes import subject_of
+from eom.views.tree.sketches import TreeAtStart, sketch
 
 
 def animated(name, seconds=0.5):
@@ -21,8 +27,8 @@ def animated(name, seconds=0.5):
     return animation_of(scene, integrate, seconds=seconds, robot=robot)
 
 
-def found(animation, words, kind):
-    return next(a for a in animation.tracks.acting if (a.name, a.kind) == (words, kind))
+def found(animation, name, kind):
+    return next(a for a in animation.tracks.acting if (a.name, a.kind) == (name, kind))
 
 
 def test_weights_act_at_centres_of_mass_downwards():
@@ -198,7 +204,7 @@ def test_a_gradient_of_gravity_pulls_and_turns():
 def test_a_fixed_point_gives_what_the_weight_does_not(name):
     """Newton's law of the centre of mass, by differences; the moment about the point is the weight's."""
     animation = animated(name)
-    weight, reaction = (found(animation, words, kind) for words, kind in (
+    weight, reaction = (found(animation, *asked) for asked in (
         ("weight", "weight"), ("reaction of the fixed point", "reaction")))  # fmt: skip
     assert not np.any(reaction.places)
     mass = load_scene(name).torque.weight.mass
@@ -237,3 +243,69 @@ def test_no_names_overlap_in_films():
         figure = Figure(figsize=(6.4, 4.8), dpi=100)
         filming.draw(film, place, figure)
         assert overlaps(figure) == []
+
+
+@pytest.mark.parametrize("name", ["rolling-disc", "four-bar-linkage", "reaction-wheels", "rocket"])
+def test_live_pages_draw_the_same_vectors(name):
+    """The vectors of a live page, outputs of its system, are those of the animation, from arrays."""
+    scene = load_scene(name)
+    about = subject_of(scene)
+    variant = about.variants[about.choice]
+    compiled = codegen.compile(variant.drawn, "python")
+    given = {n: v.value for n, v in scene.inputs.items()}
+    start = {**scene.start, **scene.numbers}
+    state = np.array([start[n] for n in variant.drawn.state_names])
+    parameters = np.array([start[n] for n in variant.drawn.parameter_names])
+    inputs = np.array([given.get(n, 0.0) for n in variant.drawn.input_names])
+    values = np.asarray(compiled.outputs(0.0, state, parameters, inputs))
+    vectors = values[-6 * len(variant.vectors) :].reshape(-1, 2, 3)
+    animation = animated(name, 0.1)
+    drawn = {(a.name, a.kind): a for a in animation.tracks.acting}
+    acting = [(v, x) for v, x in zip(variant.vectors, vectors, strict=True) if v.source != "motion"]
+    assert {(words(v), group(v)) for v, x in acting if np.any(np.abs(x[0]) > 1e-12)} <= set(drawn)
+    for vector, (value, place) in acting:
+        if (words(vector), group(vector)) in drawn:
+            shown = drawn[words(vector), group(vector)]
+            size = np.abs(shown.values).max()
+            assert shown.values[0] == pytest.approx(value, abs=1e-9 * size)
+            assert shown.places[0] == pytest.approx(place, abs=1e-9)
+    tracks = {b.name: b for b in animation.tracks.bodies}
+    for vector, (value, place) in zip(variant.vectors, vectors, strict=True):
+        if vector.kind == "omega":
+            assert tracks[vector.body].omega[0] == pytest.approx(value, abs=1e-9)
+            assert tracks[vector.body].positions[0] == pytest.approx(place, abs=1e-9)
+        elif vector.kind == "momentum":
+            assert animation.tracks.momentum[0] == pytest.approx(value, abs=1e-9)
+            assert animation.tracks.centre[0] == pytest.approx(place, abs=1e-9)
+
+
+def test_what_rolls_touches_its_plane_in_animations_and_sketches():
+    for name, body in (
+        ("whipple-bicycle", "rear"),
+        ("rolling-ellipsoid", "egg"),
+        ("rolling-disc", "disc"),
+    ):
+        scene = load_scene(name)
+        start = TreeAtStart(ManyBodies(scene))
+        for spokes in (True, False):
+            shapes, _ = Drawing(scene, {}, spokes=spokes).own(scene.tree.body[body])
+            vertices = np.concatenate([s.mesh.vertices for s in shapes])
+            place = start.bodies[body]
+            normal = np.array([float(x) for x in scene.tree.constraints[0].normal])
+            lowest = float((place.origin @ normal + vertices @ place.C @ normal).min())
+            assert lowest == pytest.approx(0.0, abs=0.02 * np.ptp(vertices))
+
+
+def test_sketches_draw_the_torque_of_a_gradient():
+    n = 0.3
+    scene = bob(gravity_gradient=[[2 * n * n, 0, 0], [0, -n * n, 0], [0, 0, -n * n]],
+                initial_attitude={"joint": {"sequence": "3-2-1", "degrees": [30, 0, 0]}})  # fmt: skip
+    data = {**scene.model_dump(exclude_unset=True), "initial": {}}
+    data["bodies"] = {"bob": {"mass": 2.0, "moments": (0.1, 0.2, 0.25)}}
+    items = sketch(TreeScene(**data)).rows[0][0].items
+    (couple,) = (i for i in items if isinstance(i, Arrow) and i.label == "torque")
+    way = (couple.end - couple.start) / np.linalg.norm(couple.end - couple.start)
+    assert way == pytest.approx(
+        [0, 0, -1], abs=1e-9
+    )  # J_2 > J_1 turns axis 1 to the attracting centre
+    assert "gradient" in sketch(TreeScene(**data)).caption
