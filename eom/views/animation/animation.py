@@ -362,7 +362,8 @@ def _view(bodies: Bodies, tracks: Tracks, figures: Figures, follow: str | None) 
     floor = bodies.floor
     if floor is None:
         lowest = min(float((p @ up).min()) for p in _places(tracks, figures))
-        floor = lowest - GROUND_GAP * view.radius
+        stands = [float((s.mesh.vertices @ up).min()) for s in figures.ground]
+        floor = min([lowest - GROUND_GAP * view.radius, *stands])
     a, b, c = (float(x) for x in up)
     return replace(view, up=(a, b, c), camera=_camera(tracks, up), ground=floor)
 

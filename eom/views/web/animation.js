@@ -7,7 +7,7 @@
   const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
   const darkness = window.matchMedia("(prefers-color-scheme: dark)");
   const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
-  const LONGEST_FRAME = 0.1;
+  const LONGEST_FRAME = 0.1, SHORTEST = 0.02;
 
   // -- data ---------------------------------------------------------------------------------------
 
@@ -86,6 +86,7 @@
   }
 
   const factor = (arrow) => data.scales[arrow.unit] || 0;
+  const short = (vector) => length(vector) < SHORTEST * data.radius;
 
   const TRAIL = {width: 2, opacity: 0.75, layer: "trails"};
   const trailColour = (n) => (several ? data.bodies[n].colour : "orange");
@@ -207,7 +208,7 @@
     line.append(head);
     const cell = line.insertCell();
     line.insertCell().textContent = unit;
-    rows.push({cell, head, value, name: words.text(name), unit});
+    rows.push({line, cell, head, value, name: words.text(name), unit});
   }
   const places = Math.max(0, Math.min(6, 3 - Math.floor(Math.log10(span))));
   const timeText = () => (data.start + state.time).toFixed(places);
@@ -230,7 +231,10 @@
   readouts.forEach((t) => row(t.name, t.unit, (k, part) => between(t.values, 1, k, part)[0]));
   const acting = arrows.filter((a) => a.words);
   byId("acting").hidden = !acting.length;
-  acting.forEach((a) => row(a.text, a.unit, size(a), {table: "forces", colour: a.colour, title: a.words}));
+  acting.forEach((a) => {
+    row(a.text, a.unit, size(a), {table: "forces", colour: a.colour, title: a.words});
+    rows[rows.length - 1].arrow = a;
+  });
 
   if (several) {
     bodies.forEach((body) => {
@@ -250,7 +254,7 @@
       return found;
     }));
     return Number(most.toPrecision(3)) + " " + unit;
-  }).join(", ") + ". Momentum " + (several ? "is about the common centre of mass. Forces and torques are those on the body that is named."
+  }).join(", ") + ". Momentum " + (several ? "is about the common centre of mass. Forces and torques are those on the body that is named; in grey are those too short to be drawn."
     : "and torque are about the body's origin.");
 
   // -- one moment -----------------------------------------------------------------------------------
@@ -287,7 +291,8 @@
     arrows.forEach((arrow, n) => {
       const seen = shown[arrow.kind] && (arrow.kind !== "omega" || n === state.chosen);
       const origin = arrow.body >= 0 ? at[arrow.body] : (arrow.places ? between(arrow.places, 3, k, part) : ORIGIN);
-      const vector = seen ? between(arrow.values, 3, k, part).map((x) => x * factor(arrow)) : null;
+      const whole = between(arrow.values, 3, k, part).map((x) => x * factor(arrow));
+      const vector = seen && !short(whole) ? whole : null;
       viewer.arrow(arrow.kind + n, origin, vector, {colour: arrow.colour, text: arrow.text});
     });
     if (state.follow >= 0) {
@@ -302,7 +307,12 @@
 
   function say() {
     const [k, part] = moment();
-    rows.forEach((r) => { r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part)); });
+    rows.forEach((r) => {
+      r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part));
+      if (r.arrow) {
+        r.line.classList.toggle("faint", r.value(k, part) * factor(r.arrow) < SHORTEST * data.radius);
+      }
+    });
     if (!state.playing) {
       byId("status").textContent = rows.slice(0, 4).map((r) => r.name + " " + r.cell.textContent + " " + r.unit).join(", ");
     }

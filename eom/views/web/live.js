@@ -295,7 +295,7 @@
 
   // -- vectors of a tree: components and places are the last six outputs of each ---------------------
 
-  const most = {}, ROOM = {"rad/s": 0.6, "N m s": 0.55, "N m": 0.5, N: 0.45};
+  const most = {}, ROOM = {"rad/s": 0.6, "N m s": 0.55, "N m": 0.5, N: 0.45}, SHORTEST = 0.02;
   let vectorCells = [];
 
   function vectorAt(n) {
@@ -329,7 +329,8 @@
     vectors.forEach(({unit}, n) => { most[unit] = Math.max(most[unit] || 0, length(found[n][0])); });
     vectors.forEach(({unit, layer, colour, text}, n) => {
       const [vector, place] = found[n];
-      const shownVector = most[unit] > 0 ? scaledTo(vector, most[unit], ROOM[unit] * radius) : null;
+      const long = length(vector) * ROOM[unit] > SHORTEST * most[unit]; // others would be dots with names
+      const shownVector = long ? scaledTo(vector, most[unit], ROOM[unit] * radius) : null;
       viewer.arrow(words.text(text) + " " + layer + " " + n, place, shownVector, {colour, text, layer});
     });
   }

@@ -223,7 +223,9 @@ def test_a_top_stands_on_its_tip():
     tip = mesh.vertices[np.argmin(mesh.vertices[:, 2])]
     assert tip == pytest.approx([0, 0, 0], abs=1e-12)
     assert "tip" in figure.words
-    assert animated("heavy-top").figures.ground
+    animation = animated("heavy-top")
+    feet = [float(np.min(s.mesh.vertices[:, 2])) for s in animation.figures.ground]
+    assert animation.view.ground == pytest.approx(min(feet), abs=1e-12)  # it stands on the ground
 
 
 def test_a_robot_stands_on_a_plate_at_the_height_of_its_base():
