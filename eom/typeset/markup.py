@@ -573,6 +573,8 @@ def _mathml_grid(box: Grid, inner: Render) -> str:
 
 _MATHML_FORMS = {
     "negative": ' form="prefix"',
+    "plus": ' form="infix"',
+    "minus": ' form="infix"',
     "open": ' stretchy="false"',
     "close": ' stretchy="false"',
 }
