@@ -22,6 +22,7 @@ from eom.derivations import SOLIDS
 from eom.derivations.derived import Derived
 from eom.derivations.showing import Item, meaning_of, only_names, separate, symbols
 from eom.derivations.steps import Step
+from eom.derivations.wording import notation_of
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
@@ -283,15 +284,19 @@ class Sheet:
         return self.right.steps[self.number - 1]
 
     @property
+    def letters(self) -> Notation:
+        """The notation, as its lines take it. Raises `InputError` for an unknown one."""
+        return notation_of(self.right, notation_named(self.asked.notation))
+
+    @property
     def legend(self) -> tuple[Item, ...]:
         """Symbols of the lines with their meanings, of both versions of the false one: none is told.
 
         Raises `InputError` for an unknown notation.
         """
         both = (*self.right.steps, *self.wrong.steps)
-        notation = notation_named(self.asked.notation)
         shown = only_scalars_of(replace(self.right, steps=both))
-        return tuple(self.asked.lesson.legend(shown, notation))
+        return tuple(self.asked.lesson.legend(shown, self.letters))
 
 
 @dataclass(frozen=True)
@@ -384,7 +389,7 @@ def task(exercise: Sheet) -> Said:
 
 def key(exercise: Exercise) -> Iterator[Said]:
     """Yield the key: the line, the term, what is right, small numbers, and what of the lines behind."""
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     slip = exercise.planted.slip
     wrong = exercise.wrong.steps[exercise.number - 1]
     yield said(f"Line ({exercise.number}) is false: {slip.words}. It says")
@@ -408,7 +413,7 @@ def _carried(exercise: Exercise) -> Iterator[Said]:
             "itself, so that one line alone is to be blamed."
         )
         return
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     *most, last = (f"({number})" for number, _ in exercise.carried)
     places = f"{', '.join(most)} and {last}" if most else last
     yield said(
@@ -458,7 +463,7 @@ def student(exercise: Sheet, lexicon: bool = True) -> str:
 
 
 def _student(exercise: Sheet) -> Iterator[Block]:
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     yield Heading(f"Which line is false? {_line(exercise.right.title)}", 1)
     yield Paragraph(markdown(task(exercise)))
     yield Heading("Symbols")
@@ -500,7 +505,7 @@ def solutions(exercises: Sequence[Exercise]) -> str:
 
 
 def _solution(exercise: Exercise) -> Iterator[str]:
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     slip, wrong = exercise.planted.slip, exercise.wrong
     yield from (f"## {_line(exercise.right.title)}, {exercise.asked.seed}", "")
     yield from (f"Line ({exercise.number}): {slip.words}.", "")

@@ -267,7 +267,7 @@ def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
 
 def _written(made: Exercise, equation: Equation) -> str:
     step = replace(made.step, statement=equation)
-    return line_latex(made.right, step, notation_named(made.asked.notation))
+    return line_latex(made.right, step, made.letters)
 
 
 # -- lines that carry it on ---------------------------------------------------------------------------

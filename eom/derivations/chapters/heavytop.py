@@ -111,7 +111,7 @@ class Top:
                 label="omega-turns",
             )
             .then(
-                "the vertical lies in the plane of e2 and e3",
+                "the vertical lies in the plane of f2 and f3",
                 along_turned(d.own, "F"),
                 chain(d.scalars),
                 distribute,
