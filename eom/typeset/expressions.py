@@ -1,9 +1,9 @@
 r"""SymPy expressions as boxes, in the order of the field: ``(I_3 - I_2)\,\omega_2\omega_3``.
 
 A product has its number first, then sizes (symbols that are positive), sums of these, letters of either
-sign, other sums, functions, integrals; of letters Latin ones, Greek ones, numbered ones, time. A sum begins with what
-is added, a polynomial with its highest power, what is no polynomial with its number. A minus before a
-difference is taken up by it.
+sign, functions, integrals; of letters Latin ones, then other sums, Greek letters, numbered ones, time. A sum
+begins with what is added; a polynomial with its highest power, an equation of motion with its highest rates,
+what is neither with its number. A minus before a difference is taken up by it.
 What is no sum, product, power, known function, integral, derivative or matrix stays a formula for SymPy's
 own printers.
 """
@@ -102,17 +102,39 @@ def in_order(value: Expr) -> list[Expr]:
     """Return the terms of a sum in the order of the field, any other value alone.
 
     A polynomial in a letter of either sign, of which each term has another power, begins with the highest
-    one; else SymPy's order, with a number first. One that is added begins, if there is one.
+    one; rates with what they are rates of begin with the highest; else SymPy's order, with a number, or
+    with squares of sums first. One that is added begins, if there is one.
     """
     if not isinstance(value, sp.Add):
         return [value]
     terms = value.as_ordered_terms()
-    powers = _powers_of(_variable(terms), terms)
+    powers = _rates_in(terms) or _powers_of(_variable(terms), terms)
     if powers:
         terms = [t for _, t in sorted(zip(powers, terms, strict=True), key=lambda pair: -pair[0])]
     elif any(t.is_Number for t in terms):
         terms.sort(key=_degree)
+    else:
+        terms.sort(key=lambda t: not (t.is_Pow and t.base.is_Add and t.exp.is_Integer))
     return _added_first(terms)
+
+
+_RATE = re.compile(r"(.*?)(_\d+)?_(d+)ot")
+
+
+def _rates_in(terms: Sequence[Expr]) -> list[int]:
+    """Return which rate stands in each term, 2 for a second one; none unless they are rates of others."""
+    names = {s.name for t in terms for s in t.free_symbols}
+    found = {name: m for name in names if (m := _RATE.fullmatch(name))}
+    highest = max((len(m[3]) for m in found.values()), default=0)
+    stems = {m[1] for m in found.values()}
+    beside = any(re.split(r"_\d", name)[0] in stems for name in names - found.keys())
+    if not highest or (highest == 1 and not beside):
+        return []
+    orders = [
+        max((len(found[s.name][3]) for s in t.free_symbols if s.name in found), default=0)
+        for t in terms
+    ]
+    return [int(n == highest) for n in orders]
 
 
 def _degree(term: Expr) -> int:
@@ -182,7 +204,7 @@ def _unsigned(factors: list[Expr], names: Names) -> Box:
 
     Sums and integrals above stand beside the fraction where they are long.
     """
-    above, below = _divided(factors)
+    above, below = _divided(_contents(factors))
     if not below:
         return _product(above, names, alone=True)
     denominator = _product(below, names, alone=True)
@@ -191,6 +213,24 @@ def _unsigned(factors: list[Expr], names: Names) -> Box:
         front = [f for f in above if f not in behind]
         return Row((Fraction(_product(front, names), denominator), THIN, _product(behind, names)))
     return Fraction(_product(above, names, alone=True), denominator)
+
+
+def _contents(factors: Sequence[Expr]) -> list[Expr]:
+    """Return factors with the numbers common to all terms of a sum in front: 2 (a - b) of 2 a - 2 b."""
+    single = len(factors) == 1 and isinstance(factors[0], sp.Add)
+    if single or any(f.is_Float for f in factors):
+        return list(factors)
+    number, found = sp.S.One, []
+    for f in factors:
+        base, power = f.as_base_exp()
+        content = base.primitive()[0] if isinstance(base, sp.Add) else sp.S.One
+        if content != 1 and content.is_Integer and power.is_Integer:
+            number *= content**power
+            f = sp.Add(*(t / content for t in base.args)) ** power  # noqa: PLW2901 - as it is shown
+        elif f.is_Rational:
+            number, f = number * f, sp.S.One  # noqa: PLW2901 - put in front
+        found.append(f)
+    return [number, *(f for f in found if f != 1)]
 
 
 def _divided(factors: Sequence[Expr]) -> tuple[list[Expr], list[Expr]]:
@@ -209,8 +249,8 @@ def _divided(factors: Sequence[Expr]) -> tuple[list[Expr], list[Expr]]:
     return above, below
 
 
-_NUMBER, _SIZE, _SUM, _LETTER, _MIXED, _FUNCTION, _LAST = range(7)
-"""What stands before what in a product; a mixed sum is one of letters of either sign."""
+_NUMBER, _SIZE, _SUM, _LETTER, _FUNCTION, _LAST = range(6)
+"""What stands before what in a product; a sum of letters of either sign counts as a letter."""
 _MASSES = re.compile(r"[mM](_\w+|\d+)?")
 """Masses stand before other sizes."""
 _MOMENTS = re.compile(r"[IJ]_?[123]")
@@ -227,7 +267,7 @@ def _rank(factor: Expr) -> int:
         return _SIZE if _is_size(base) else _LETTER
     if isinstance(base, sp.Add):
         whole = factor is base or factor.exp.is_Integer
-        return _FUNCTION if not whole else _SUM if _is_of_sizes(base) else _MIXED
+        return _FUNCTION if not whole else _SUM if _is_of_sizes(base) else _LETTER
     return _LAST if isinstance(base, sp.Integral | sp.Derivative) else _FUNCTION
 
 
@@ -257,17 +297,19 @@ def _place(factor: Expr) -> tuple[int, bool, int]:
     """Return the rank, then masses before others, and the place of a letter among letters."""
     base = factor.base if isinstance(factor, sp.Pow) else factor
     rank = _rank(factor)
-    return rank, not _is_mass(base), _place_of_letter(base.name) if rank == _LETTER else 0
+    return rank, not _is_mass(base), _place_of_letter(base) if rank == _LETTER else 0
 
 
-def _place_of_letter(name: str) -> int:
-    """Return the place: Latin letters, Greek ones, what is numbered with rates of turning first, time."""
-    stem = re.split(r"_|\d", name)[0]
-    if name == "t":
-        return 4
-    if re.search(r"\d", name):
-        return 2 if stem == "omega" else 3
-    return int(stem in GREEK_NAMES)
+def _place_of_letter(base: Expr) -> int:
+    """Return the place: Latin letters, sums, Greek letters; numbered rates of turning, others; time."""
+    if not base.is_Symbol:
+        return 1
+    if base.name == "t":
+        return 6
+    stem = re.split(r"_|\d", base.name)[0]
+    if not re.search(r"\d", base.name):
+        return 2 if stem in GREEK_NAMES else 0
+    return 3 if stem == "omega" else 5 if stem in GREEK_NAMES else 4
 
 
 def _is_indexed(factor: Expr) -> bool:
