@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from eom.derivations import showing
 from eom.derivations.handout import handout
 from eom.derivations.showing import FORMATS, Drawn, Shown, check_choices
-from eom.derivations.wording import notation_of
+from eom.derivations.wording import notation_of, spelt
 from eom.errors import InputError, unknown_name
 from eom.typeset import pages
 from eom.typeset.notation import notation_named
@@ -35,6 +35,7 @@ def show_derivation(
     if form not in FORMS:
         raise unknown_name("form", form, FORMS)
     chosen = notation_of(derivation, notation_named(notation))
+    derivation = spelt(derivation, chosen)
     if form == "full":
         return FORMATS[style](list(showing.blocks(derivation, chosen, steps, drawn)))
     if not steps:

@@ -17,7 +17,7 @@ import sympy as sp
 from eom.derivations.corrections import CLAIMS, NOTES
 from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
-from eom.derivations.wording import frames_of, letters_in_words, notation_of
+from eom.derivations.wording import frames_of, letters_in_words, notation_of, spelt
 from eom.errors import unknown_name
 from eom.system import System
 from eom.terms.terms import (
@@ -119,6 +119,7 @@ def show_steps(
     """
     check_choices(style, notation)
     chosen = notation_of(derivation, notation_named(notation))
+    derivation = spelt(derivation, chosen)
     return FORMATS[style](list(_derived(derivation, chosen, labels)))
 
 

@@ -10,11 +10,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from eom.terms.terms import INERTIAL, Term, der, nodes
+from eom.terms.rules import entrywise
+from eom.terms.terms import INERTIAL, Equation, Term, der, nodes
 from eom.terms.vocabulary import CENTRE, QUANTITIES, unit
 from eom.typeset.boxes import GREEK_NAMES, Box, Symbol, symbol
 from eom.typeset.letters import ROLES, Notation, letter_box
-from eom.typeset.notation import term_box
+from eom.typeset.notation import term_box, write
 
 FRAME_LABELS: dict[str, tuple[int, ...]] = {
     "angular_velocity": (1, 2),
@@ -58,6 +59,27 @@ def notation_of(derivation: Any, notation: Notation) -> Notation:
         return second if label == CENTRE else notation.point(label)
 
     return replace(notation, point=point)
+
+
+def spelt(derivation: Any, notation: Notation) -> Any:
+    """Return a derivation whose scalars are called as the notation calls the quantities they stand for."""
+    names = {}
+    for s, meaning in derivation.scalars.items():
+        letter = write(meaning, notation, "ascii") if meaning.head == "atom" else s.name
+        if letter != s.name and letter.isalpha() and meaning.data[0] in notation.letters:
+            names[s] = type(s)(letter, **s.assumptions0)
+    if not names:
+        return derivation
+    renamed = entrywise(lambda e: e.xreplace(names))
+
+    def called(equation: Equation) -> Equation:
+        return replace(equation, left=renamed(equation.left), right=renamed(equation.right))
+
+    return replace(
+        derivation,
+        steps=tuple(replace(s, statement=called(s.statement)) for s in derivation.steps),
+        scalars={names.get(s, s): renamed(t) for s, t in derivation.scalars.items()},
+    )
 
 
 def terms_of(derivation: Any) -> list[Term]:

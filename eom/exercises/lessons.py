@@ -21,6 +21,7 @@ from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
 from eom.derivations.derived import Derived
 from eom.derivations.showing import Item, meaning_of, only_names, separate, symbols
+from eom.derivations.small_numbers import Judge
 from eom.derivations.steps import Step
 from eom.derivations.wording import notation_of
 from eom.errors import InputError, typed, unknown_name
@@ -44,29 +45,25 @@ RELATIONS = ("=", ":=")
 class Lesson:
     """A ``topic``: its ``derivation``, with the steps that can be lines of an exercise, and its lexicon.
 
-    ``front``: from the name of a notation to front matter that `eom check` reads; ``legend``: from lines
-    and a notation to symbols with their meanings.
+    ``front``: from the name of a notation to front matter that `eom check` reads, "" where no note can say
+    it; ``legend``: from lines and a notation to symbols with their meanings; ``judge``: what proves a line
+    false in a derivation with frames, bodies or laws of its own, None where notes are checked.
     """
 
     topic: str
     derivation: Derived
     front: Callable[[str], str]
     legend: Callable[[Derived, Notation], Iterable[Item]] = symbols
+    judge: Judge | None = field(default=None, compare=False)
 
 
 def topics() -> dict[str, dict[str, str]]:
     """Return the title of each topic, by group and name: those of the derivations.
 
-    Left out are those with frames, bodies or laws of their own: no note can tell the checker of these.
-
     >>> topics()["Particles"]["point-mass"]
     'Dynamics of a point mass'
     """
-    found = {
-        group: {name: title for name, title in made.items() if name not in derivations.FURNISHED}
-        for group, made in derivations.titles().items()
-    }
-    return {group: made for group, made in found.items() if made}
+    return derivations.titles()
 
 
 @typed
@@ -85,7 +82,13 @@ def lesson(topic: str) -> Lesson:
         return Lesson(topic, made, lambda _: front_matter_of(solid), lambda *_: legend(solid))
     made = derivations.derive(topic)
     lines = tuple(s for s in made.steps if _is_line(s))
-    return Lesson(topic, _with(made, lines), lambda notation: front_matter(made, notation))
+    judge = Judge(made.scalars, made.own) if made.own else None
+    return Lesson(topic, _with(made, lines), lambda notation: _front(made, notation), judge=judge)
+
+
+def _front(made: Derived, notation: str) -> str:
+    """Return front matter for a note of a derivation, none where no note can say what it is about."""
+    return "" if made.own.configured else front_matter(made, notation)
 
 
 def _is_line(step: Step) -> bool:
@@ -96,7 +99,7 @@ def _is_line(step: Step) -> bool:
 
 
 def _with(made: Derived, steps: tuple[Step, ...]) -> Derived:
-    return Derived(made.name, made.title, made.group, steps, made.scalars, {})
+    return replace(made, steps=steps, result={})
 
 
 Expr = Any

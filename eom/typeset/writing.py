@@ -392,7 +392,10 @@ def _since(writer: Writer, term: Term) -> Written:
 
 
 def _start(writer: Writer, term: Term) -> Written:
-    """Return the value at t0."""
+    """Return the value at t0, that of time by its own letter."""
+    (inside,) = term.args
+    if inside.head == "expr" and inside.data[0].is_Symbol and inside.data[0].name == "t":
+        return symbol("t_0"), ATOM
     place = Row((Operator("open"), Scripts(Symbol("t"), Symbol("0")), Operator("close")))
     return Row((writer.box(term.args[0], ATOM), place)), ATOM
 

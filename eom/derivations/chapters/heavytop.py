@@ -17,6 +17,7 @@ from eom.terms.rules import (
     Rule,
     along_turned,
     chain,
+    collect,
     compute,
     differentiate,
     distribute,
@@ -115,6 +116,7 @@ class Top:
                 along_turned(d.own, "F"),
                 chain(d.scalars),
                 distribute,
+                collect,
                 label="omega",
             )
         )
