@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from eom.derivations.verification import is_plain, verify
+from eom.derivations.derived import Derived
+from eom.derivations.verification import IDENTITY, decide, has_meaning, is_plain, verify
+from eom.errors import InputError
 from eom.terms import rules
 from eom.terms.own import Own
 from eom.terms.rules import Rule
@@ -14,6 +16,7 @@ from eom.terms.terms import Equation, Term
 from eom.worlds.evaluate import NoSlope
 from eom.worlds.generators import worlds
 from eom.worlds.own import Furnished
+from eom.worlds.worlds import closure
 
 
 @dataclass
@@ -82,3 +85,18 @@ class Deciding:
     ) -> str:
         with_own = self.worlds() if self.own else worlds
         return verify(equation, assumed, scalars, where=where, drawn=with_own)
+
+
+def surplus(derivation: Derived) -> Iterator[tuple[str, str]]:
+    """Yield labels of steps with an assumption that each names though it holds without that."""
+    lines, scalars = Deciding(derivation.own, derivation.scalars), derivation.scalars
+    for step in derivation.steps:
+        line = step.statement
+        for spared in step.assumptions if line.relation != ":=" else ():
+            rest = closure(step.assumptions) - {spared}
+            try:
+                if lines.decided(line, rest) == IDENTITY and has_meaning(line, scalars):
+                    decide(line, rest, scalars, count=1)  # its symbols, too, have to exist
+            except InputError:
+                continue
+            yield step.label, spared

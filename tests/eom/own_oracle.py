@@ -190,9 +190,7 @@ class Mechanics:
         if key not in self.numbers:
             known = self._known(what)
             drawn = sp.Rational(random.Random(f"{what} {seed}").randint(400, 1600), 1009)
-            self.numbers[key] = (
-                drawn.evalf(2 * DIGITS) if known is None else self.at(known, seed)
-            )
+            self.numbers[key] = drawn.evalf(2 * DIGITS) if known is None else self.at(known, seed)
         return self.numbers[key]
 
     def _known(self, what):
