@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.deciding import Deciding
 from eom.derivations.derived import Derived
 from eom.derivations.reached import (
     ASSUMPTION,
@@ -35,7 +36,6 @@ from eom.derivations.verification import (
     check_signs,
     decide,
     has_meaning,
-    verify,
 )
 from eom.errors import InputError, typed, typed_fields
 from eom.expressions import as_expression
@@ -61,7 +61,6 @@ from eom.terms.terms import (
 )
 from eom.terms.vocabulary import definition, omega, position, quantity, velocity
 from eom.worlds.evaluate import Evaluator
-from eom.worlds.generators import worlds
 from eom.worlds.own import Furnished
 from eom.worlds.worlds import closure
 
@@ -313,9 +312,10 @@ class Derivation:
     own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
     letters: dict[Any, str] = field(default_factory=dict, init=False)
-    _drawn: tuple[tuple[Any, ...], Furnished] | None = field(default=None, init=False, repr=False)
+    _lines: Deciding = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        self._lines = Deciding(self.own, self.scalars)
         self.only(*self.assumed)
 
     @typed
@@ -454,7 +454,7 @@ class Derivation:
     def _defined(self, named: Term, words: str) -> None:
         """State what a new quantity is; nothing of it is kept where it has no value."""
         try:
-            for world in self._worlds()(self.assumed, 1):
+            for world in self._lines.worlds()(self.assumed, 1):
                 Evaluator(world, self.scalars).value(named)
             self.define(named, words)
         except InputError:
@@ -600,7 +600,7 @@ class Derivation:
         if not unknowns:
             yield
             return
-        self.own.laws.append(Law(self._carried(equation), tuple(unknowns)))
+        self.own.laws.append(Law(self._lines.carried(equation), tuple(unknowns)))
         try:
             yield
         except InputError:
@@ -639,48 +639,17 @@ class Derivation:
         words = reason or "it rolls: where it touches, it does not move"
         return self.determine(Equation(speed, zero(VECTOR)), *unknowns, reason=words)
 
-    def _carry(self, term: Term) -> Term:
-        """Return a term with bodies of its own spelt out and partial derivatives carried out."""
-        return rules.slopes(self.scalars, self.own)(rules.spelt_out(self.own)(term))
-
-    def _carried(self, equation: Equation) -> Equation:
-        return replace(equation, left=self._carry(equation.left), right=self._carry(equation.right))
-
-    def _worlds(self) -> Furnished:
-        """Return worlds with what stands so far: the same as long as nothing new is said."""
-        own = self.own
-        named = (own.frames, own.points, own.bodies)
-        key = (*(tuple(part.items()) for part in named), tuple(own.laws), own.configured)
-        if self._drawn is None or self._drawn[0] != key:
-            self._drawn = key, Furnished(own, {})
-        drawn = self._drawn[1]
-        for s, t in self.scalars.items():  # what is new was not there when laws were stated
-            if s not in drawn.scalars:
-                drawn.scalars[s] = self._carry(t)
-        return drawn
-
     def _verified(self, equation: Equation, reason: str) -> str:
-        where = f"{self.name}: {reason}"
+        where, lines = f"{self.name}: {reason}", self._lines
         try:
-            return self._decided(equation, self.assumed, where)
+            return lines.decided(equation, self.assumed, where)
         except DerivationError as error:
             if error.what != FALSE:
                 raise
-            why = disagreement(self._carried(equation), self._worlds(), self.assumed)
+            why = disagreement(lines.carried(equation), lines.worlds(), self.assumed)
             raise DerivationError(
                 FALSE, where=where, got=error.got, expected=error.expected, hint=why
             ) from None
-
-    def _decided(self, equation: Equation, assumed: Iterable[str], where: str) -> str:
-        """Return how a line holds under assumptions. Raises `InputError` where it does not."""
-        if equation.relation == ":=" and self.own.meaning(equation.left) == equation.right:
-            return "definition"
-        defines = equation.relation == ":="
-        shown = equation if defines else self._carried(equation)
-        drawn = self._worlds()
-        known = self.scalars if defines else drawn.scalars
-        with_own = drawn if self.own else worlds
-        return verify(shown, assumed, known, where=where, drawn=with_own)
 
     def _needed(self, equation: Equation, reason: str, evidence: str) -> tuple[str, ...]:
         """Return a smallest set of the assumptions made so far under which a line holds.
@@ -693,7 +662,7 @@ class Derivation:
         def holds(names: Iterable[str]) -> None:
             found = evidence
             if found != IDENTITY:
-                found = self._decided(line, names, f"{self.name}: {reason}")
+                found = self._lines.decided(line, names, f"{self.name}: {reason}")
             if found == IDENTITY and has_meaning(line, self.scalars):
                 decide(line, names, self.scalars, count=1)
 
@@ -1004,8 +973,8 @@ class Derivation:
 
         Of letters that stand for no term nothing is known.
         """
-        free, carried = Furnished(replace(self.own, laws=[]), {}), self._carry(term)
-        scalars = {s: self._carry(t) for s, t in self.scalars.items()}
+        free, carried = Furnished(replace(self.own, laws=[]), {}), self._lines.carry(term)
+        scalars = {s: self._lines.carry(t) for s, t in self.scalars.items()}
         free.scalars.update(scalars)
         if not _is_known(carried, scalars):
             return True

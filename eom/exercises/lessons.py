@@ -21,7 +21,9 @@ from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
 from eom.derivations.derived import Derived
 from eom.derivations.showing import Item, meaning_of, only_names, separate, symbols
+from eom.derivations.small_numbers import Judge
 from eom.derivations.steps import Step
+from eom.derivations.wording import notation_of
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
@@ -50,30 +52,28 @@ class Lesson:
     derivation : Derived
         With the steps that can be lines of an exercise.
     front : callable
-        From the name of a notation to front matter that `eom check` reads.
+        From the name of a notation to front matter that `eom check` reads, "" where no note can say it.
     legend : callable, optional
         From lines and a notation to symbols with their meanings.
+    judge : callable, optional
+        What proves a line false in a derivation with frames, bodies or laws of its own; none where
+        notes are checked.
     """
 
     topic: str
     derivation: Derived
     front: Callable[[str], str]
     legend: Callable[[Derived, Notation], Iterable[Item]] = symbols
+    judge: Judge | None = field(default=None, compare=False)
 
 
 def topics() -> dict[str, dict[str, str]]:
     """Return the title of each topic, by group and name: those of the derivations.
 
-    Left out are those with frames, bodies or laws of their own: no note can tell the checker of these.
-
     >>> topics()["Particles"]["point-mass"]
     'Dynamics of a point mass'
     """
-    found = {
-        group: {name: title for name, title in made.items() if name not in derivations.FURNISHED}
-        for group, made in derivations.titles().items()
-    }
-    return {group: made for group, made in found.items() if made}
+    return derivations.titles()
 
 
 @typed
@@ -109,7 +109,13 @@ def lesson(topic: str) -> Lesson:
         return Lesson(topic, made, lambda _: front_matter_of(solid), lambda *_: legend(solid))
     made = derivations.derive(topic)
     lines = tuple(s for s in made.steps if _is_line(s))
-    return Lesson(topic, _with(made, lines), lambda notation: front_matter(made, notation))
+    judge = Judge(made.scalars, made.own) if made.own else None
+    return Lesson(topic, _with(made, lines), lambda notation: _front(made, notation), judge=judge)
+
+
+def _front(made: Derived, notation: str) -> str:
+    """Return front matter for a note of a derivation, none where no note can say what it is about."""
+    return "" if made.own.configured else front_matter(made, notation)
 
 
 def _is_line(step: Step) -> bool:
@@ -120,7 +126,7 @@ def _is_line(step: Step) -> bool:
 
 
 def _with(made: Derived, steps: tuple[Step, ...]) -> Derived:
-    return Derived(made.name, made.title, made.group, steps, made.scalars, {})
+    return replace(made, steps=steps, result={})
 
 
 Expr = Any
@@ -318,15 +324,19 @@ class Sheet:
         return self.right.steps[self.number - 1]
 
     @property
+    def letters(self) -> Notation:
+        """The notation, as its lines take it. Raises `InputError` for an unknown one."""
+        return notation_of(self.right, notation_named(self.asked.notation))
+
+    @property
     def legend(self) -> tuple[Item, ...]:
         """Symbols of the lines with their meanings, of both versions of the false one: none is told.
 
         Raises `InputError` for an unknown notation.
         """
         both = (*self.right.steps, *self.wrong.steps)
-        notation = notation_named(self.asked.notation)
         shown = only_scalars_of(replace(self.right, steps=both))
-        return tuple(self.asked.lesson.legend(shown, notation))
+        return tuple(self.asked.lesson.legend(shown, self.letters))
 
 
 @dataclass(frozen=True)
@@ -421,7 +431,7 @@ def task(exercise: Sheet) -> Said:
 
 def key(exercise: Exercise) -> Iterator[Said]:
     """Yield the key: the line, the term, what is right, small numbers, and what of the lines behind."""
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     slip = exercise.planted.slip
     wrong = exercise.wrong.steps[exercise.number - 1]
     yield said(f"Line ({exercise.number}) is false: {slip.words}. It says")
@@ -445,7 +455,7 @@ def _carried(exercise: Exercise) -> Iterator[Said]:
             "itself, so that one line alone is to be blamed."
         )
         return
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     *most, last = (f"({number})" for number, _ in exercise.carried)
     places = f"{', '.join(most)} and {last}" if most else last
     yield said(
@@ -507,7 +517,7 @@ def student(exercise: Sheet, lexicon: bool = True) -> str:
 
 
 def _student(exercise: Sheet) -> Iterator[Block]:
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     yield Heading(f"Which line is false? {_line(exercise.right.title)}", 1)
     yield Paragraph(markdown(task(exercise)))
     yield Heading("Symbols")
@@ -577,7 +587,7 @@ def solutions(exercises: Sequence[Exercise]) -> str:
 
 
 def _solution(exercise: Exercise) -> Iterator[str]:
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     slip, wrong = exercise.planted.slip, exercise.wrong
     yield from (f"## {_line(exercise.right.title)}, {exercise.asked.seed}", "")
     yield from (f"Line ({exercise.number}): {slip.words}.", "")

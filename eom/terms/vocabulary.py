@@ -90,7 +90,10 @@ def definition(term: Term) -> Term | None:
 
 def words(term: Term) -> str:
     """Return the meaning of an atom in words."""
-    return QUANTITIES[term.data[0]].words.format(*(_LABEL_WORDS.get(n, n) for n in term.data[1:]))
+    said, labels = QUANTITIES[term.data[0]].words, [_LABEL_WORDS.get(n, n) for n in term.data[1:]]
+    if "about {1}" in said and labels[0] == labels[1]:
+        labels[1] = "its centre of mass"
+    return said.format(*labels)
 
 
 _HEAD_WORDS = {

@@ -33,6 +33,7 @@ from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import OUTPUTS, derive
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
+from eom.multibody.system.vectors import Drawn
 from eom.scenes.description import (
     Description,
     check_end,
@@ -164,6 +165,11 @@ class TreeScene(BaseScene, TreeDescription):
     @property
     def _asked(self) -> tuple[str, ...]:
         return self.outputs or (*self._start, *self._angles, POINTS)
+
+    def asking(self, more: Sequence[str]) -> Self:
+        """Return the scene with all states and points asked for, and ``more`` outputs by name."""
+        wanted = (*self._start, *self._angles, POINTS, *more)
+        return self.model_copy(update={"outputs": tuple(dict.fromkeys(wanted))})
 
     @cached_property
     def _joint_angles(self) -> tuple[JointAngles, ...]:
@@ -564,7 +570,7 @@ FORCES, LAMBDA = "constraint_forces", "lambda_"
 """The row whose outputs depend on the constraints, and how their names begin."""
 REACTIONS, DRIVES, POINTS = "reactions", "drives", "points"
 """Words for outputs whose names depend on the tree: of joints, of prescribed motions, of points."""
-Source = str | Reaction | Point
+Source = str | Reaction | Point | Drawn
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from eom.multibody.constrained.constraint_plan import (
     plan,
 )
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import GROUND, Joint, Tree
+from eom.multibody.model.model import GROUND, Tree
 from eom.multibody.model.names import (
     assumptions,
     attitudes_of,
@@ -51,6 +51,7 @@ from eom.multibody.recursion.quantities import (
     first_moments,
     flow,
     gravity_potential,
+    joint_forces,
     kinetic_energy,
     mass,
     momentum,
@@ -59,6 +60,7 @@ from eom.multibody.recursion.quantities import (
 from eom.multibody.recursion.recursions import applied, end, twice_potential
 from eom.multibody.system import reactions
 from eom.multibody.system.reactions import Reaction, joint_named, of_all
+from eom.multibody.system.vectors import Drawn, Moment
 from eom.quantities import TIME, Definition, Quantity
 from eom.system import BodyAttitude, Expr, System
 
@@ -101,6 +103,15 @@ class Derived:
         held = self.variables.binding
         further = constraint_loads(held) if self.tree.constraints else None
         return reactions.Wrenches(self.tree, self.work.atom, self.work, motion, self.asked, further)
+
+    @cached_property
+    def moment(self) -> Moment:
+        """The tree with all that acts on it."""
+        given, held = self.variables, self.variables.binding
+        multipliers = (
+            dict(zip(held.held.names, held.multipliers(), strict=True)) if held.held.names else {}
+        )
+        return Moment(self.tree, held.arithmetic, given.q, given.u, given.tau, multipliers)
 
     def potential(self) -> Any:
         """Return the potential energy of gravity and springs."""
@@ -199,18 +210,24 @@ OUTPUTS: dict[str, Callable[[Derived], list[Definition]]] = {
 """What can be asked for beside the motion, and single reactions."""
 
 
-def check(tree: Tree, wanted: str | Reaction | Point) -> None:
+Wanted = str | Reaction | Point | Drawn
+"""What can be asked for: rows of `OUTPUTS`, a reaction, a point, all vectors to draw."""
+
+
+def check(tree: Tree, wanted: Wanted) -> None:
     """Raise `InputError` for outputs that are not known."""
     if isinstance(wanted, Reaction):
         joint_named(tree, wanted.joint, f"tree {tree.name!r}: reaction")
-    elif not isinstance(wanted, Point) and wanted not in OUTPUTS:
+    elif not isinstance(wanted, Point | Drawn) and wanted not in OUTPUTS:
         raise unknown_name("output", wanted, OUTPUTS, f"tree {tree.name!r}")
 
 
-def output_of(derived: Derived, wanted: str | Reaction | Point) -> list[Definition]:
-    """Return the definitions of an output, a reaction or a point."""
+def output_of(derived: Derived, wanted: Wanted) -> list[Definition]:
+    """Return the definitions of an output, a reaction, a point or all vectors."""
     if isinstance(wanted, Reaction):
         return reactions.definitions(derived.wrenches, wanted)
+    if isinstance(wanted, Drawn):
+        return list(wanted.definitions(derived.tree, derived.moment))
     return _point(derived, wanted) if isinstance(wanted, Point) else OUTPUTS[wanted](derived)
 
 
@@ -278,7 +295,7 @@ def conservative(tree: Tree) -> bool:
 @typed
 def derive(
     tree: Tree,
-    outputs: Iterable[str | Reaction | Point] = (),
+    outputs: Iterable[Wanted] = (),
     *,
     invariants: bool = True,
     start: Mapping[str, float] | None = None,
@@ -362,7 +379,7 @@ def _accelerations(lumped: LumpedTree, given: Variables, work: Naming) -> list[A
     return forward(lumped, given.q, given.u, given.tau, work, given.prescribed)
 
 
-def _asked(tree: Tree, wanted: Iterable[str | Reaction | Point]) -> frozenset[str]:
+def _asked(tree: Tree, wanted: Iterable[Wanted]) -> frozenset[str]:
     """Return the joints of which reactions are wanted."""
     every = of_all(tree) if "reactions" in wanted else ()
     return frozenset(w.joint for w in (*wanted, *every) if isinstance(w, Reaction))
@@ -414,7 +431,8 @@ def _applied(tree: Tree, q: Sequence[Any], u: Sequence[Any], work: Naming) -> li
     first = 0
     for joint in tree.ordered:
         own = slice(first, first + len(joint.coordinates))
-        tau += _forces(joint, q[own], u[len(tau) : len(tau) + len(joint.speeds)], work)
+        speeds = u[len(tau) : len(tau) + len(joint.speeds)]
+        tau += joint_forces(joint, q[own], speeds, work.atom, work)
         first = own.stop
     return tau
 
@@ -423,21 +441,6 @@ def _prescribed(work: Naming, quantities: Sequence[Quantity], given: Sequence[An
     """Return numbers as they are, expressions under the names of the quantities."""
     pairs = zip(quantities, given, strict=True)
     return [v if is_number(v) else work.define(q, work.atom(v)) for q, v in pairs]
-
-
-def _forces(joint: Joint, q: Sequence[Any], u: Sequence[Any], work: Naming) -> list[Any]:
-    """Return the generalised forces of a joint: motor, applied force, damper, spring."""
-    motors = [work.atom(m.symbol) for m in joint.motors if joint.motion is None] or [0] * len(u)
-    found = []
-    for k, coordinate in enumerate(joint.row.paired(joint.attitude)):
-        force = add(motors[k], work.atom(joint.force[k]))
-        force = sub(force, mul(work.atom(joint.damping[k]), u[k]))
-        if coordinate is not None:
-            stretch = sub(q[coordinate], work.atom(joint.rest[k]))
-            force = sub(force, mul(work.atom(joint.stiffness[k]), stretch))
-        suffix = joint.row.speeds(joint.attitude)[k].suffix
-        found.append(work.keep("tau", joint.name, suffix, force))
-    return found
 
 
 def _system(

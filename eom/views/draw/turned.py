@@ -84,7 +84,7 @@ def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
         "keys": TURN * (3 in kinds) + ZOOM * (2 in kinds) + LEGEND * bool(data["labels"]),
     }
     solid = ("three.js", "viewer.js") if 3 in kinds else ()
-    names = (*solid, "packed.js", "plane.js", "picture.js")
+    names = (*solid, "packed.js", "words.js", "plane.js", "picture.js")
     return pages.page("picture", parts, data, [pages.web(name) for name in names])
 
 
