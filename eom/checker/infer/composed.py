@@ -115,6 +115,8 @@ def _slide(p: Plan, subject: str, fact: Fact) -> None:
         if len(rounds) != 1:
             raise UnknownSystem(fact.words)
         p.over[subject] = rounds[0]
+        bodies = [k for k in p.of_kind(objects, "point", "round") if k != rounds[0]]
+        p.ends.setdefault(subject, []).extend(bodies)
         return
     if p.kind(subject) in _FIXED | {"spring", "damper", "motor"}:
         return
@@ -162,6 +164,8 @@ def _hang(p: Plan, subject: str, fact: Fact) -> None:
         return
     if kind not in MOVING:
         raise UnknownSystem(fact.words)
+    if kind == "rod" and "end" not in objects and (subject in fact.to() or _INSIDE.search(fact.words)):
+        raise UnknownSystem(fact.words)
     springs = p.of_kind(objects, "spring")
     strings = [k for k in objects if k in p.over or k in p.wound]
     links = [k for k in objects if p.light(k)]
@@ -181,8 +185,13 @@ def _hang(p: Plan, subject: str, fact: Fact) -> None:
         raise UnknownSystem(fact.words)
 
 
+_INSIDE = re.compile(r"\b(?:middle|cent(?:re|er)|third|quarter|half|distance)\b")
+"""Words of a point of a rod that is not its end."""
+
+
 def _on_spring(p: Plan, subject: str, springs: Sequence[str], bodies: Sequence[str]) -> None:
-    if len(springs) != 1 or len(bodies) > 1 or springs[0] in p.springs:
+    swings = re.search(r"\b(?:swing\w*|pendul\w+)\b", p.setup.text)
+    if swings or len(springs) != 1 or len(bodies) > 1 or springs[0] in p.springs:
         raise UnknownSystem(subject)
     p.springs[springs[0]] = (subject, bodies[0] if bodies else GROUND)
     if subject not in p.guides:
@@ -228,10 +237,15 @@ def _glue(p: Plan, subject: str, fact: Fact) -> None:
 
 
 def _carry(p: Plan, subject: str, fact: Fact) -> None:
-    bodies = p.of_kind(fact.to(), *MOVING)
-    if len(bodies) != 1 or p.kind(subject) not in MOVING:
+    links = [k for k in fact.to() if p.light(k)]
+    bodies = [k for k in p.of_kind(fact.to(), *MOVING) if k not in links]
+    if len(bodies) > 1:
+        bodies = [k for k in bodies if p.kind(k) != "pendulum"]
+    if len(bodies) != 1 or len(links) > 1 or p.kind(subject) not in MOVING:
         raise UnknownSystem(fact.words)
-    if p.kind(subject) == "rod" and "end" in fact.to():
+    if links:
+        _place(p.hinges, bodies[0], Hinge(subject, links[0], p.kind(subject) == "rod"), p)
+    elif p.kind(subject) == "rod" and "end" in fact.to():
         _place(p.glued, bodies[0], subject, p)
     elif p.kind(bodies[0]) in {"pendulum", "rod"} and p.kind(subject) == "point":
         _place(p.hinges, bodies[0], Hinge(subject), p)
@@ -290,6 +304,8 @@ def _whole(p: Plan) -> None:
         elif open_ and not (thing.kind == "pendulum" and links - {""}):
             raise UnknownSystem(key)
         if thing.kind in {"spring", "damper", "twist"} and key not in p.springs:
+            raise UnknownSystem(key)
+        if thing.kind in {"string", "spring"} and thing.adjectives & {"heavy", "massive"}:
             raise UnknownSystem(key)
         if thing.kind == "string" and key not in {*links, *p.over, *p.wound}:
             raise UnknownSystem(key)
@@ -500,7 +516,7 @@ def _swing(b: Built, key: str, hinge: Hinge) -> None:
         length = b.size(key, "length")
         b.at[key], b.tips[key] = _moved(pivot, angle, f"{length}/2"), _moved(pivot, angle, length)
         moments = {"moments": [f"{mass}*{length}^2/12"], "omega": [f"{angle}_dot"]}
-    elif thing.kind in {"point", "pendulum"} and not (thing.noun == "body" and not hinge.link):
+    elif _small(b, thing, hinge):
         length = b.size(hinge.link if p.setup.size(hinge.link, "length") else key, "length")
         b.at[key] = b.tips[key] = _moved(pivot, angle, length)
         moments = {}
@@ -513,6 +529,13 @@ def _swing(b: Built, key: str, hinge: Hinge) -> None:
     where = "a fixed pivot" if hinge.on == GROUND else f"the {_noun(p, hinge.on)}"
     by = f" by a {_noun(p, hinge.link)}" if hinge.link else ""
     b.phrases.append(f"the {_noun(p, key)} swings about {where}{by}")
+
+
+def _small(b: Built, thing: Thing, hinge: Hinge) -> bool:
+    """Return whether a part hangs as a particle does."""
+    if thing.kind == "round":
+        return bool(hinge.link) and b.plan.setup.size(thing.key, "radius") is None
+    return thing.kind == "pendulum" or bool(hinge.link) or thing.noun in {"bob", "particle"}
 
 
 def _fix(b: Built, key: str, rod: str, *, farther: bool) -> None:
@@ -562,6 +585,8 @@ def _rope(b: Built, rope: str) -> None:
     b.bodies[drum] = {"mass": 0, "at": [0, 0, 0], "omega": [f"{name}_dot/{radius}"], "moments": [
         "0" if p.setup.things[drum].light else _moment(b, drum, radius)
     ]}
+    b.values["omega"] = {"is": f"{name}_dot/{radius}", "unit": "rad/s"}
+    b.letters["omega"] = r"\omega \Omega", "angular (?:velocity|speed)"
     b.phrases.append(f"a {_noun(p, rope)} joins {' and '.join(_noun(p, m) for m in masses)} over the {_noun(p, drum)}")
 
 
@@ -633,16 +658,15 @@ def _loads(b: Built) -> None:
         names = b.moves if size.quantity == "force" else b.turns
         name = names.get(size.of) if size.of else next(iter(names.values()), None) if len(names) == 1 else None
         if name is None or name not in b.coordinates:
-            if re.search(r"\b(?:applied|external|driv\w+|pull\w*|push\w*|acts?)\b", size.words):
-                raise UnknownSystem(size.words)
-            continue
+            raise UnknownSystem(size.words)
+        of = size.of if size.of in names else next(k for k, n in names.items() if n == name)
         letter = "F" if size.quantity == "force" else "M"
-        letter = letter if letter not in b.given else f"{letter}_{size.of}"
+        letter = letter if letter not in b.given else f"{letter}_{of}"
         b.given[letter] = "N" if size.quantity == "force" else "N*m"
         b.letters[letter] = "F u f" if letter[0] == "F" else r"M \tau", size.quantity
         b.ties[letter] = Tie(size.look, letter, size.words, size.line)
         b.forces.setdefault(name, []).append(f"+{letter}")
-        b.phrases.append(f"a {size.quantity} on the {_noun(b.plan, size.of)}")
+        b.phrases.append(f"a {size.quantity} on the {_noun(b.plan, of)}")
 
 
 def _extras(b: Built) -> None:
@@ -655,7 +679,7 @@ def _extras(b: Built) -> None:
         (name,) = b.coordinates
         if name in b.moves.values():
             b.values |= {"v": {"is": f"{name}_dot", "unit": "m/s"}, "a": {"is": f"{name}_ddot", "unit": "m/s^2"}}
-            b.letters |= {"v": ("v", "speed|velocity"), "a": ("a", "acceleration")}
+            b.letters |= {"v": ("v", "(?<!angular )(?:speed|velocity)"), "a": ("a", "(?<!angular )acceleration")}
         else:
             _about_pivot(b, name)
 
@@ -746,7 +770,7 @@ def _row(b: Built, setup: Setup) -> Row:
         bound=tuple(b.ties.values()),
         lines=setup.lines,
         until=setup.until,
-        turns=_turns(setup.text),
+        turns=_turns(setup.sizes),
     )
 
 
@@ -758,9 +782,9 @@ _COUNTED = (
 )
 
 
-def _turns(text: str) -> tuple[int, ...]:
+def _turns(sizes: Iterable[Size]) -> tuple[int, ...]:
     """Return from which directions angles are counted by what the words say of angles."""
-    said = " ".join(re.findall(r"\bangles?\b[^.;]*|[^.;]*\bangles?\b", text))
+    said = "; ".join(s.words for s in sizes if s.quantity == "slope")
     return next((DIRECTIONS[k] for k, w in _COUNTED if re.search(w, said)), (0, 1, 2, 3))
 
 

@@ -116,7 +116,8 @@ def _noun() -> re.Pattern[str]:
     kinds = "|".join(f"(?P<{k}>{w})" for k, w in words["things"].items())
     adjectives = words["adjectives"]["words"]
     return re.compile(
-        rf"\b(?:(?P<det>an?|the|two|both|each|its|one|another|this|that|every)\s+)?"
+        rf"\b(?:(?P<det>an?|the|two|both|each|its|one|another|this|that|every|"
+        rf"three|four|five|six|several|many|some|all|n)\s+)?"
         rf"(?P<adj>(?:(?:{adjectives})(?:\s*,\s*|\s+(?:and\s+)?))*)"
         rf"(?:(?P<ord>first|second|upper|lower|left|right|other)\s+)?"
         rf"(?P<adj2>(?:(?:{adjectives})\s+)*)"
@@ -127,6 +128,7 @@ def _noun() -> re.Pattern[str]:
 
 _ORDINALS = {"first": "1", "upper": "1", "left": "1", "second": "2", "lower": "2", "right": "2",
              "other": "2"}  # fmt: skip
+_MANY = frozenset({"three", "four", "five", "six", "several", "many", "some", "n"})
 _NO_MASS = re.compile(r"(?:\b(?:of|with|has|have|whose|and|is|its|total|reduced)(?: an?| the)?|,|\()\s*$")
 """Words before "mass" where it is a quantity and no part."""
 TOKEN = re.compile(r"«(\w+)»")
@@ -138,6 +140,7 @@ class Reading:
 
     things: dict[str, Thing] = field(default_factory=dict)
     sizes: list[Size] = field(default_factory=list)
+    many: bool = False
 
     def marked(self, sentence: str) -> str:
         """Return a sentence in which parts are marks with their keys."""
@@ -159,19 +162,29 @@ class Reading:
         adjectives = frozenset(
             re.findall(r"[\w-]+", f"{match['adj']} {match['adj2']}".lower())
         ) - {"and"}
+        self.many = self.many or (match["det"] or "").lower() in _MANY
         two = (match["det"] or "").lower() in {"two", "both"} and match["plural"]
         one = match["num"] or _ORDINALS.get((match["ord"] or "").lower(), "")
         letters = re.match(rf"\s+(?P<of>of mass(?:es)?\s+)?({LIST})", behind)
         several = letters[2].count("⟦") if letters and match["plural"] else 2 if two else 1
-        numbers = [str(k + 1) for k in range(several)] if several > 1 else [one]
+        known = [t.number for t in self.things.values() if t.noun == noun]
+        if match["plural"] and len(known) > 1:
+            numbers = known
+        elif (match["det"] or "").lower() == "another" and known:
+            numbers = ["2"]
+        else:
+            numbers = [str(k + 1) for k in range(several)] if several > 1 else [one]
         keys = [self._add(Thing(kind, noun, n, adjectives)) for n in numbers]
         mass = " of mass" if noun == "mass" and letters and not letters["of"] else ""
         return f" {' and '.join(f'«{k}»' for k in keys)}{mass} "
 
     def _add(self, thing: Thing) -> str:
         several = [t for t in self.things.values() if t.noun == thing.noun]
-        if not thing.number and len(several) == 1:
-            thing = replace(thing, number=several[0].number)
+        first = next((t for t in several if t.number in {"", "1"}), None)
+        if len(several) == 1 and not thing.number:
+            first = several[0]
+        if first is not None and thing.number in {"", "1"}:
+            thing = replace(thing, number=first.number)
         known = self.things.get(thing.key)
         if known is not None:
             thing = replace(known, adjectives=known.adjectives | thing.adjectives)
@@ -203,6 +216,10 @@ def _size() -> re.Pattern[str]:
 _NUMBERED = re.compile(r"[\s,]*\)")
 
 
+_ON = re.compile(r"[^«;.]*?\b(?:on|to|upon|pushes|pulls|drives|turns)\s+«(\w+)»")
+"""What stands behind a force up to the part on which it acts."""
+
+
 def sized(sentence: str, text: Prose, reading: Reading, line: int, last: str) -> str:
     """Return a sentence without the letters of sizes, which are noted."""
 
@@ -210,8 +227,13 @@ def sized(sentence: str, text: Prose, reading: Reading, line: int, last: str) ->
         quantity = next(k for k in vocabulary()["sizes"] if match[k])
         owners = TOKEN.findall(sentence[: match.start()])
         own = _owners(sentence[: match.start()], owners) or ([last] if last else [""])
+        pushed = _ON.match(sentence[match.end() :])
+        if quantity in {"force", "torque"} and pushed is not None:
+            own = [pushed[1]]
         mentions = text.marked(match["of"])
         looks: list[Look | None] = [m.look for m in mentions] or [None]
+        if len(looks) == 1 < len(own):
+            looks *= len(own)
         own = own if len(own) == len(looks) else own[-1:] * len(looks)
         where = mentions[0].line if mentions else line
         words = text.shown(TOKEN.sub(r"\1", match[0]))
@@ -275,6 +297,7 @@ class _Clause:
     unknown: list[str] = field(default_factory=list)
     preposition: str = ""
     last: str = ""
+    its: bool = False
 
     def close(self) -> None:
         """End what a verb says."""
@@ -311,6 +334,7 @@ def facts(
         token = TOKEN.fullmatch(behind)
         if token is None or things[token[1]].kind != "place" or _known(word):
             _step(clause, word)
+            clause.its = word.lower() == "its"
     clause.close()
     return clause.found, clause.unknown
 
@@ -335,6 +359,8 @@ def _step(c: _Clause, word: str) -> None:
     elif plain == ",":
         c.preposition = ""
     elif plain == "it" and c.it:
+        c.thing(c.it)
+    elif plain in {"centre", "center"} and c.its and c.it:
         c.thing(c.it)
     elif verb is not None and plain not in _PREPOSITIONS:
         if c.verb and c.verb != "is" and not (verb == "is"):
@@ -392,11 +418,13 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
         line = next((m.line for m in text.marked(sentence)), 0)
         clean = sized(marked, text, reading, line, last)
         found, unknown = facts(clean, last, reading.things)
+        if not _CASE.match(sentence) and any(_moved(f, reading.things) for f in found):
+            return None
         found = [f for f in found if _joins(f, reading.things)]
         if _CASE.match(sentence) or "|" in sentence or not _joined(found, reading.things):
             found = []
         last = next(iter(TOKEN.findall(clean)), last)
-        if found and unknown:
+        if found and (unknown or reading.many):
             return None
         if not found:
             reading.things = {k: t for k, t in reading.things.items() if k in known or _sized(k, reading)}
@@ -417,6 +445,12 @@ _CASE = re.compile(
     re.IGNORECASE,
 )
 """Beginnings of sentences that are about letters or cases, not about how parts of a system are joined."""
+
+
+def _moved(fact: Fact, things: Mapping[str, Thing]) -> bool:
+    """Return whether something moves that is fixed in all systems that are read."""
+    kinds = {things[k].kind for k in fact.subjects if k in things}
+    return kinds <= {"place", "line"} and fact.verb in {"slide", "roll", "turn", "hang"}
 
 
 def _joined(found: Sequence[Fact], things: Mapping[str, Thing]) -> bool:

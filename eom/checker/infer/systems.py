@@ -366,12 +366,25 @@ def spoken(text: Prose, sayings: Iterable[Said]) -> tuple[Spoken, ...]:
             noun = words = re.split(r"[;(]|, (?=⟦)", one.words)[0]
         words = _BOTH.sub(r"\1 energy and \2 energy", words)
         each = re.split(r",? and |, ", words) if len(one.of) > 1 else [words]
-        each = list(_whole(each)) if len(each) == len(one.of) else [words] * len(one.of)
+        apart = len(each) == len(one.of) and not _of_all(each)
+        each = list(_whole(each)) if apart else [words] * len(one.of)
         for mention, own in zip(one.of, each, strict=True):
             shown = text.shown(own)
             near = text.shown(noun) if one.before else shown[:HEAD].split(", ")[0]
             found.append(Spoken(mention.look, shown, mention.line, not one.before, near))
     return tuple(found)
+
+
+_SEVERAL = re.compile(r"\b(?:masses|lengths|angles|positions|displacements|coordinates|distances|velocities|radii)\b")
+
+
+def _of_all(each: Sequence[str]) -> bool:
+    """Return whether the first of several items names them all: "the angles of the rods, counted ..."."""
+    return (
+        len(each) > 1
+        and _SEVERAL.search(each[0]) is not None
+        and not any(_NOUN.search(e) or _SEVERAL.search(e) or _OF.match(e) for e in each[1:])
+    )
 
 
 _OF = re.compile(r"\s*(?:about|of|in|on|from|at|along|after|before|to)\b")
