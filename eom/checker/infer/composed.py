@@ -1,9 +1,7 @@
 r"""Systems composed of the parts that sentences name: a trolley on a rail, a beam hinged to it, a buffer.
 
-`plan` sorts what is said (`eom.checker.infer.setups`) into guides, hinges, springs, ropes and loads; every part
-with a mass has to be placed once, every spring and damper to have two ends, and what does not fit into that leaves
-the system unknown. `rows` writes a plan down as a description with coordinates and places, from which the
-equations are derived: nothing here is a result.
+`rows` writes a plan (`eom.checker.infer.plans`) down as a description with coordinates and places, from
+which the equations are derived: nothing here is a result.
 """
 
 from __future__ import annotations
@@ -14,306 +12,10 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
-from eom.checker.infer.setups import GROUND, MOVING, Fact, Setup, Size, Thing, vocabulary
+from eom.checker.infer.plans import Guide, Hinge, Plan, UnknownSystem, plan
+from eom.checker.infer.setups import GROUND, MOVING, Setup, Size, Thing, vocabulary
 from eom.checker.infer.systems import DIRECTIONS, Row, Tie, table_row
 from eom.checker.read.symbol_shape import Look
-
-_FIXED = frozenset({"line", "place"})
-
-
-class UnknownSystem(Exception):
-    """What is said does not make a system that can be composed."""
-
-
-# -- plans ---------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Guide:
-    """A line along which a part moves: "horizontal", "vertical" or "incline"; whether the part rolls."""
-
-    way: str
-    rolls: bool = False
-
-
-@dataclass(frozen=True)
-class Hinge:
-    """A pivot about which a part swings: on what, by which string or light rod, whether at its end."""
-
-    on: str
-    link: str = ""
-    at_end: bool = False
-
-
-@dataclass
-class Plan:
-    """What each part does."""
-
-    setup: Setup
-    guides: dict[str, Guide] = field(default_factory=dict)
-    hinges: dict[str, Hinge] = field(default_factory=dict)
-    glued: dict[str, str] = field(default_factory=dict)
-    rotors: list[str] = field(default_factory=list)
-    springs: dict[str, tuple[str, str]] = field(default_factory=dict)
-    wound: dict[str, str] = field(default_factory=dict)
-    over: dict[str, str] = field(default_factory=dict)
-    ends: dict[str, list[str]] = field(default_factory=dict)
-    tied: dict[str, str] = field(default_factory=dict)
-    braked: list[str] = field(default_factory=list)
-
-    def kind(self, key: str) -> str:
-        """Return the kind of a part."""
-        thing = self.setup.things.get(key)
-        return "" if thing is None else thing.kind
-
-    def of_kind(self, keys: Iterable[str], *kinds: str) -> list[str]:
-        """Return the keys of parts of some kinds."""
-        return [k for k in keys if self.kind(k) in kinds]
-
-    def light(self, key: str) -> bool:
-        """Whether a part is a rod or string without mass."""
-        thing = self.setup.things.get(key)
-        if thing is None or thing.kind not in {"rod", "string"}:
-            return False
-        return thing.kind == "string" or (thing.light and not self.setup.size(key, "mass"))
-
-    @property
-    def placed(self) -> list[str]:
-        """Parts that have a place."""
-        pulled = [b for s in (*self.over, *self.wound) for b in self.ends.get(s, ())]
-        return [*self.guides, *self.hinges, *self.glued, *self.rotors,
-                *(b for b in pulled if b not in self.guides)]  # fmt: skip
-
-
-def plan(setup: Setup) -> Plan:
-    """Return what each part of a setup does. Raises `UnknownSystem`."""
-    made = Plan(setup)
-    for fact in _ordered(setup.facts):
-        rule = _RULES.get(fact.verb)
-        if rule is None:
-            raise UnknownSystem(fact.words)
-        for subject in _each(fact):
-            rule(made, subject, fact)
-    _whole(made)
-    return made
-
-
-def _ordered(facts: Sequence[Fact]) -> list[Fact]:
-    """Return facts in an order in which ropes are laid before masses hang from them."""
-    first = ("wind", "slide", "roll", "carry", "turn")
-    return sorted(facts, key=lambda f: first.index(f.verb) if f.verb in first else len(first))
-
-
-def _each(fact: Fact) -> tuple[str, ...]:
-    return fact.subjects if fact.verb not in {"join"} else fact.subjects[:1]
-
-
-def _slide(p: Plan, subject: str, fact: Fact) -> None:
-    objects = fact.to()
-    if p.kind(subject) == "string":
-        rounds = p.of_kind(fact.to("over", "around", "on"), "round")
-        if len(rounds) != 1:
-            raise UnknownSystem(fact.words)
-        p.over[subject] = rounds[0]
-        bodies = [k for k in p.of_kind(objects, "point", "round") if k != rounds[0]]
-        p.ends.setdefault(subject, []).extend(bodies)
-        return
-    if p.kind(subject) in _FIXED | {"spring", "damper", "motor"}:
-        return
-    lines = p.of_kind(fact.to("on", "along", "upon", "over", "in", "down", "up", "against"), "line")
-    others = p.of_kind(objects, *MOVING, "string", "spring")
-    if others or len(lines) != 1 or p.kind(subject) not in {"point", "round"}:
-        raise UnknownSystem(fact.words)
-    rolls = p.kind(subject) == "round"
-    if rolls and (fact.verb == "slide" and "slid" in fact.words or not re.search(r"roll\w* .{0,30}without slip", p.setup.text)):
-        raise UnknownSystem(fact.words)
-    _place(p.guides, subject, Guide(_way(p.setup.things[lines[0]], p.setup.words), rolls), p)
-
-
-def _way(line: Thing, words: str) -> str:
-    """Return how a line lies."""
-    if line.noun in {"slope", "incline", "ramp"} or "inclined" in line.adjectives:
-        return "incline"
-    if re.search(rf"{line.noun}\s+(?:\S+\s+){{0,2}}(?:inclin|of slope|of inclination)", words):
-        return "incline"
-    if "vertical" in line.adjectives:
-        return "vertical"
-    level = {"horizontal", "level"} & line.adjectives
-    if level or line.noun in {"table", "floor", "ground", "bench", "track", "rail"}:
-        return "horizontal"
-    raise UnknownSystem(line.noun)
-
-
-def _place(where: dict[str, Any], key: str, new: Any, p: Plan) -> None:
-    """Give a part a place; it has one, or the same again."""
-    if key in p.placed and where.get(key) != new:
-        old = where.get(key)
-        if isinstance(old, Hinge) and isinstance(new, Hinge) and GROUND in {old.on, new.on}:
-            where[key] = old if new.on == GROUND and not new.link else new
-            return
-        raise UnknownSystem(key)
-    where[key] = new
-
-
-def _hang(p: Plan, subject: str, fact: Fact) -> None:
-    objects = [k for k in fact.to() if k != subject]
-    kind = p.kind(subject)
-    if kind in _FIXED | {"string", "spring"}:
-        if kind == "string":
-            _tie(p, subject, objects)
-        return
-    if kind not in MOVING:
-        raise UnknownSystem(fact.words)
-    if kind == "rod" and "end" not in objects and (subject in fact.to() or _INSIDE.search(fact.words)):
-        raise UnknownSystem(fact.words)
-    springs = p.of_kind(objects, "spring")
-    strings = [k for k in objects if k in p.over or k in p.wound]
-    links = [k for k in objects if p.light(k)]
-    bodies = [k for k in p.of_kind(objects, *MOVING) if k not in links]
-    if springs:
-        _on_spring(p, subject, springs, bodies)
-    elif strings or ({"ends", "end"} & set(objects) and not bodies and (p.over or p.wound) and kind != "rod"):
-        rope = (strings or [*p.over, *p.wound])[0]
-        p.ends.setdefault(rope, []).append(subject)
-    elif len(links) <= 1 and len(bodies) <= 1:
-        on = bodies[0] if bodies else p.tied.get(links[0], GROUND) if links else GROUND
-        if on == GROUND and not links and not {"place"} & {p.kind(k) for k in objects}:
-            if subject in p.hinges or not ("end" in objects or p.of_kind(objects, "line") == []):
-                return
-        _place(p.hinges, subject, Hinge(on, links[0] if links else "", p.kind(on) == "rod"), p)
-    else:
-        raise UnknownSystem(fact.words)
-
-
-_INSIDE = re.compile(r"\b(?:middle|cent(?:re|er)|third|quarter|half|distance)\b")
-"""Words of a point of a rod that is not its end."""
-
-
-def _on_spring(p: Plan, subject: str, springs: Sequence[str], bodies: Sequence[str]) -> None:
-    swings = re.search(r"\b(?:swing\w*|pendul\w+)\b", p.setup.text)
-    if swings or len(springs) != 1 or len(bodies) > 1 or springs[0] in p.springs:
-        raise UnknownSystem(subject)
-    p.springs[springs[0]] = (subject, bodies[0] if bodies else GROUND)
-    if subject not in p.guides:
-        p.guides[subject] = Guide("vertical")
-
-
-def _tie(p: Plan, string: str, objects: Sequence[str]) -> None:
-    """Note where the upper end of a string is."""
-    bodies = p.of_kind(objects, *MOVING)
-    if bodies and string not in p.over:
-        p.tied[string] = bodies[0]
-
-
-def _join(p: Plan, subject: str, fact: Fact) -> None:
-    keys = [*fact.subjects, *fact.to()]
-    elastic = p.of_kind(keys, "spring", "damper", "twist", "buffer")
-    bodies = list(dict.fromkeys(p.of_kind(keys, *MOVING)))
-    links = [k for k in keys if p.light(k)]
-    bodies = [b for b in bodies if b not in links]
-    fixed = p.of_kind(keys, *_FIXED)
-    if elastic and 1 <= len(bodies) <= 2 and not (len(bodies) == 2 and p.of_kind(fixed, "place")):
-        for one in elastic:
-            p.springs[one] = (bodies[0], bodies[1] if len(bodies) > 1 else GROUND)
-    elif links and len(bodies) == 1 and "end" in keys:
-        _place(p.hinges, bodies[0], Hinge(p.tied.get(links[0], GROUND), links[0]), p)
-    elif len(bodies) == 2 and "end" in keys and p.kind(bodies[1]) == "rod":
-        _glue(p, subject, fact)
-    elif links and not bodies:
-        return
-    elif links and p.kind(subject) == "string":
-        _tie(p, subject, bodies)
-    elif bodies or elastic:
-        raise UnknownSystem(fact.words)
-
-
-def _glue(p: Plan, subject: str, fact: Fact) -> None:
-    rods = [k for k in p.of_kind(fact.to("to", "at", "of", "on"), "rod") if k != subject]
-    if len(rods) != 1 or "end" not in fact.to() or p.kind(subject) not in {"point", "round"}:
-        raise UnknownSystem(fact.words)
-    if p.light(rods[0]):
-        raise UnknownSystem(fact.words)
-    _place(p.glued, subject, rods[0], p)
-
-
-def _carry(p: Plan, subject: str, fact: Fact) -> None:
-    links = [k for k in fact.to() if p.light(k)]
-    bodies = [k for k in p.of_kind(fact.to(), *MOVING) if k not in links]
-    if len(bodies) > 1:
-        bodies = [k for k in bodies if p.kind(k) != "pendulum"]
-    if len(bodies) != 1 or len(links) > 1 or p.kind(subject) not in MOVING:
-        raise UnknownSystem(fact.words)
-    if links:
-        _place(p.hinges, bodies[0], Hinge(subject, links[0], p.kind(subject) == "rod"), p)
-    elif p.kind(subject) == "rod" and "end" in fact.to():
-        _place(p.glued, bodies[0], subject, p)
-    elif p.kind(bodies[0]) in {"pendulum", "rod"} and p.kind(subject) == "point":
-        _place(p.hinges, bodies[0], Hinge(subject), p)
-    else:
-        raise UnknownSystem(fact.words)
-
-
-def _wind(p: Plan, subject: str, fact: Fact) -> None:
-    rounds = p.of_kind(fact.to(), "round")
-    if p.kind(subject) != "string" or len(rounds) != 1:
-        raise UnknownSystem(fact.words)
-    p.wound[subject] = rounds[0]
-
-
-def _turn(p: Plan, subject: str, fact: Fact) -> None:
-    others = p.of_kind(fact.to(), *MOVING, "string", "spring")
-    if others or p.kind(subject) not in {"round", "rod"}:
-        raise UnknownSystem(fact.words)
-    if p.kind(subject) == "rod":
-        _place(p.hinges, subject, Hinge(GROUND), p)
-    elif subject not in p.rotors:
-        p.rotors.append(subject)
-
-
-def _act(p: Plan, subject: str, fact: Fact) -> None:
-    if p.kind(subject) not in {*_FIXED, "motor"}:
-        raise UnknownSystem(fact.words)
-
-
-def _brake(p: Plan, subject: str, fact: Fact) -> None:  # noqa: ARG001
-    bodies = p.of_kind(fact.to(), "point")
-    if len(bodies) != 1 or "viscous" not in fact.words:
-        raise UnknownSystem(fact.words)
-    p.braked.append(bodies[0])
-
-
-_RULES = {
-    "slide": _slide, "roll": _slide, "hang": _hang, "join": _join, "glue": _glue, "carry": _carry,
-    "wind": _wind, "turn": _turn, "act": _act, "brake": _brake,
-}  # fmt: skip
-
-
-def _whole(p: Plan) -> None:
-    """Complete a plan: pulleys turn, pendulums hang. Raises `UnknownSystem` where a part has no place."""
-    for rope, drum in (*p.over.items(), *p.wound.items()):
-        if drum not in p.rotors:
-            p.rotors.append(drum)
-        if len(p.ends.get(rope, ())) != (2 if rope in p.over else 1):
-            raise UnknownSystem(rope)
-    things = p.setup.things
-    links = {h.link for h in p.hinges.values()}
-    for key, thing in things.items():
-        open_ = thing.kind in MOVING and key not in p.placed and key not in links
-        if open_ and thing.kind == "pendulum" and not p.hinges:
-            p.hinges[key] = Hinge(GROUND)
-        elif open_ and not (thing.kind == "pendulum" and links - {""}):
-            raise UnknownSystem(key)
-        if thing.kind in {"spring", "damper", "twist"} and key not in p.springs:
-            raise UnknownSystem(key)
-        if thing.kind in {"string", "spring"} and thing.adjectives & {"heavy", "massive"}:
-            raise UnknownSystem(key)
-        if thing.kind == "string" and key not in {*links, *p.over, *p.wound}:
-            raise UnknownSystem(key)
-    if not p.placed or len(p.placed) != len(set(p.placed)):
-        raise UnknownSystem("nothing is placed")
-
-
-# -- descriptions --------------------------------------------------------------------------------
 
 Point = tuple[str, str]
 
@@ -335,6 +37,7 @@ class Built:
     letters: dict[str, tuple[str, str]] = field(default_factory=dict)
     ties: dict[str, Tie] = field(default_factory=dict)
     angles: list[str] = field(default_factory=list)
+    assume: list[str] = field(default_factory=list)
     at: dict[str, Point] = field(default_factory=dict)
     tips: dict[str, Point] = field(default_factory=dict)
     moves: dict[str, str] = field(default_factory=dict)
@@ -368,7 +71,7 @@ class Built:
         """Return whether other parts have such a quantity, too."""
         kinds = MOVING if quantity == "mass" else {self.plan.kind(key)}
         alike = self.plan.of_kind(self.plan.setup.things, *kinds)
-        return len([k for k in alike if not (quantity == "mass" and self.plan.light(k))]) > 1
+        return len([k for k in alike if quantity != "mass" or k in self.plan.placed]) > 1
 
     def _unowned(self, key: str, quantity: str) -> Size | None:
         """Return a letter of which no part is named, where this part alone lacks one."""
@@ -380,7 +83,11 @@ class Built:
         ]
         if len(lacking) != 1:
             return None
-        whole = [k for k in self.plan.of_kind(self.plan.setup.things, "buffer") if k not in self.plan.springs]
+        whole = [
+            k
+            for k in self.plan.of_kind(self.plan.setup.things, "buffer")
+            if k not in self.plan.springs
+        ]
         found = (self.plan.setup.size(k, quantity) for k in ("", *whole))
         return next((f for f in found if f is not None), None)
 
@@ -420,7 +127,10 @@ def _moved(point: Point, angle: str, length: str) -> Point:
     return _sum(point[0], f"({length})*sin({angle})"), _sum(point[1], f"-({length})*cos({angle})")
 
 
-_TRANSLATION = r"x s y q u z", "position|displacement|travel|coordinate|distance|deflection|elongation"
+_TRANSLATION = (
+    r"x s y q u z",
+    "position|displacement|travel|coordinate|distance|deflection|elongation",
+)
 _ANGLE = r"\theta \varphi \phi \alpha \vartheta \psi", "angle|deflection"
 
 
@@ -445,14 +155,16 @@ def build(p: Plan, *, level: bool = False, farther: bool = False) -> Built:
     for key, ends in p.springs.items():
         _spring(b, key, ends)
     for key in p.braked:
-        b.forces.setdefault(b.moves[key], []).append(f"-{b.size(key, 'damping')}*{b.moves[key]}_dot")
-        b.phrases.append(f"viscous friction on the {_noun(p, key)}")
+        b.forces.setdefault(b.moves[key], []).append(
+            f"-{b.size(key, 'damping')}*{b.moves[key]}_dot"
+        )
+        b.phrases.append(f"viscous friction on the {_noun(key)}")
     _loads(b)
     _extras(b)
     return b
 
 
-def _noun(p: Plan, key: str) -> str:
+def _noun(key: str) -> str:
     return "ground" if key == GROUND else key.replace("_", " ")
 
 
@@ -463,6 +175,9 @@ def _own_words(b: Built, key: str, words: str) -> str:
 
 
 def _guide(b: Built, key: str, guide: Guide) -> None:
+    if guide.way == "turning":
+        _turned(b, key, guide.by)
+        return
     usual, words = _TRANSLATION
     name = b.coordinate("x", "m", key, usual, _own_words(b, key, words))
     at = {
@@ -482,7 +197,33 @@ def _guide(b: Built, key: str, guide: Guide) -> None:
     b.bodies[key] = body
     does = "rolls" if guide.rolls else "moves"
     line = {"incline": "down an incline"}.get(guide.way, f"along a {guide.way} line")
-    b.phrases.append(f"the {_noun(b.plan, key)} {does} {line}")
+    b.phrases.append(f"the {_noun(key)} {does} {line}")
+
+
+def _turned(b: Built, key: str, by: str) -> None:
+    """Put a part on a straight line that turns in a horizontal plane."""
+    setup = b.plan.setup
+    if (
+        not re.search(r"horizontal plane|vertical (?:axis|axle|shaft)", setup.text)
+        or "inclin" in setup.text
+    ):
+        raise UnknownSystem(by)
+    name = b.coordinate(
+        "r", "m", key, r"r s x \rho", _own_words(b, key, "distance|position|coordinate")
+    )
+    b.given["phi"] = "rad"
+    b.letters["phi"] = r"\varphi \phi \theta", "angle"
+    b.letters["phi_dot"] = r"\omega \Omega", "rate|angular (?:velocity|speed)"
+    rate = setup.size(by, "rate")
+    if rate is not None and rate.look is not None:
+        b.ties["phi_dot"] = Tie(rate.look, "phi_dot", rate.words, rate.line)
+    if re.search(r"\b(?:constant|uniform|steady)\b", rate.words if rate is not None else ""):
+        b.assume.append("phi_dot constant")
+    b.moves[key] = name
+    b.bodies[key] = {"mass": b.size(key, "mass"), "at": [f"{name}*cos(phi)", 0, f"{name}*sin(phi)"]}
+    b.reactions["N"] = {"on": key, "along": ["-sin(phi)", 0, "cos(phi)"]}
+    b.letters["N"] = "N S F", "force"
+    b.phrases.append(f"the {_noun(key)} moves along a {_noun(by)} that turns in a horizontal plane")
 
 
 _SHAPES = (
@@ -493,11 +234,14 @@ _SHAPES = (
 )
 
 
+_EVEN = frozenset({"uniform", "homogeneous", "solid", "thin-walled", "hollow", "thin"})
+
+
 def _moment(b: Built, key: str, radius: str) -> str:
     """Return the moment of inertia of a round part: a letter, or by its shape if it is uniform."""
     thing, setup = b.plan.setup.things[key], b.plan.setup
     shape = " ".join((*sorted(thing.adjectives), thing.noun))
-    if setup.size(key, "inertia") is None and thing.adjectives & {"uniform", "homogeneous", "solid", "thin-walled", "hollow", "thin"}:
+    if setup.size(key, "inertia") is None and thing.adjectives & _EVEN:
         factor = next(f for s, f in _SHAPES if re.search(s, shape))
         return f"{factor}*{b.size(key, 'mass')}*{radius}^2"
     return b.size(key, "inertia")
@@ -505,7 +249,7 @@ def _moment(b: Built, key: str, radius: str) -> str:
 
 def _swing(b: Built, key: str, hinge: Hinge) -> None:
     p, thing = b.plan, b.plan.setup.things[key]
-    pivot = ("0", "0") if hinge.on == GROUND else (b.tips if hinge.at_end else b.at)[hinge.on]
+    pivot = _support(b) if hinge.on == GROUND else (b.tips if hinge.at_end else b.at)[hinge.on]
     usual, words = _ANGLE
     noun = thing.noun if not hinge.link else f"{thing.noun}|{p.setup.things[hinge.link].noun}"
     angle = b.coordinate("theta", "rad", key, usual, rf"(?:{words}).{{0,60}}\b(?:{noun})|{words}")
@@ -526,9 +270,25 @@ def _swing(b: Built, key: str, hinge: Hinge) -> None:
     else:
         raise UnknownSystem(key)
     b.bodies[key] = {"mass": mass, "at": [*b.at[key], 0], **moments}
-    where = "a fixed pivot" if hinge.on == GROUND else f"the {_noun(p, hinge.on)}"
-    by = f" by a {_noun(p, hinge.link)}" if hinge.link else ""
-    b.phrases.append(f"the {_noun(p, key)} swings about {where}{by}")
+    where = "a fixed pivot" if hinge.on == GROUND else f"the {_noun(hinge.on)}"
+    by = f" by a {_noun(hinge.link)}" if hinge.link else ""
+    b.phrases.append(f"the {_noun(key)} swings about {where}{by}")
+
+
+def _support(b: Built) -> Point:
+    """Return the place of a pivot that is not on a part: a fixed one, or one that is moved."""
+    moved = [s for s in b.plan.setup.sizes if s.quantity in {"sideways", "upwards"}]
+    if len(moved) > 1 or (
+        moved and (len(b.plan.hinges) > 1 or b.plan.kind(moved[0].of) != "place")
+    ):
+        raise UnknownSystem("moved supports")
+    if not moved or moved[0].look is None:
+        return "0", "0"
+    b.given["u"] = "m"
+    b.letters["u"] = "u", "displacement|motion"
+    b.ties["u"] = Tie(moved[0].look, "u", moved[0].words, moved[0].line)
+    b.phrases.append(f"the {_noun(moved[0].of)} is moved {moved[0].quantity}")
+    return ("u", "0") if moved[0].quantity == "sideways" else ("0", "u")
 
 
 def _small(b: Built, thing: Thing, hinge: Hinge) -> bool:
@@ -552,7 +312,10 @@ def _fix(b: Built, key: str, rod: str, *, farther: bool) -> None:
     at = _moved(("0", "0"), angle, length)
     b.at[key] = at
     b.bodies[key] = {"mass": mass, "at": [at[0], at[1], 0], **moments}
-    b.phrases.append(f"the {_noun(b.plan, key)} is fixed to the end of the {_noun(b.plan, rod)}")
+    b.phrases.append(f"the {_noun(key)} is fixed to the end of the {_noun(rod)}")
+
+
+_PULL = "tension|force (?:in|of) the (?:string|rope|cord)|rope force"
 
 
 def _rope(b: Built, rope: str) -> None:
@@ -560,34 +323,32 @@ def _rope(b: Built, rope: str) -> None:
     p = b.plan
     drum, masses = (p.over.get(rope) or p.wound[rope]), p.ends[rope]
     slid = [m for m in masses if m in p.guides]
-    if len(slid) > 1 or any(p.guides[m].way == "vertical" for m in slid):
+    if len(slid) > 1 or any(p.guides[m].way not in {"horizontal", "incline"} for m in slid):
         raise UnknownSystem(rope)
-    if slid:
-        name = b.moves[slid[0]]
-    else:
-        usual, words = _TRANSLATION
-        name = b.coordinate("x", "m", masses[0], usual, _own_words(b, masses[0], words))
-    sign = "-" if not slid else ""
-    for key in masses:
-        if key in slid:
-            continue
-        at = ("0", f"{sign}{name}") if not slid else ("0", f"-{name}")
-        b.bodies[key] = {"mass": b.size(key, "mass"), "at": [*at, 0]}
-        b.at[key], b.moves[key], sign = at, name, ""
+    usual, words = _TRANSLATION
+    own = _own_words(b, masses[0], words)
+    name = b.moves[slid[0]] if slid else b.coordinate("x", "m", masses[0], usual, own)
+    signs = iter(["-", ""])
     for number, key in enumerate(masses, 1):
-        side = f"S_{number}" if len(masses) > 1 else "S"
-        along = [-1, 0, 0] if key in slid else [0, 1, 0]
         if key not in slid:
-            b.reactions[side] = {"on": key, "along": along}
-            b.letters[side] = f"{side} T_{number} F_{number} S T F", "tension|force (?:in|of) the (?:string|rope)|rope force"
+            b.at[key], b.moves[key] = ("0", f"{next(signs)}{name}"), name
+            b.bodies[key] = {"mass": b.size(key, "mass"), "at": [*b.at[key], 0]}
+            side = f"S_{number}" if len(masses) > 1 else "S"
+            b.reactions[side] = {"on": key, "along": [0, 1, 0]}
+            b.letters[side] = f"{side} T_{number} F_{number} S T F", _PULL
     radius = b.size(drum, "radius")
+    light = p.setup.things[drum].light
     b.turns[drum] = f"{name}/{radius}"
-    b.bodies[drum] = {"mass": 0, "at": [0, 0, 0], "omega": [f"{name}_dot/{radius}"], "moments": [
-        "0" if p.setup.things[drum].light else _moment(b, drum, radius)
-    ]}
+    b.bodies[drum] = {
+        "mass": 0,
+        "at": [0, 0, 0],
+        "omega": [f"{name}_dot/{radius}"],
+        "moments": ["0" if light else _moment(b, drum, radius)],
+    }
     b.values["omega"] = {"is": f"{name}_dot/{radius}", "unit": "rad/s"}
     b.letters["omega"] = r"\omega \Omega", "angular (?:velocity|speed)"
-    b.phrases.append(f"a {_noun(p, rope)} joins {' and '.join(_noun(p, m) for m in masses)} over the {_noun(p, drum)}")
+    joined = " and ".join(map(_noun, masses))
+    b.phrases.append(f"a {_noun(rope)} joins {joined} over the {_noun(drum)}")
 
 
 def _rotor(b: Built, key: str) -> None:
@@ -595,10 +356,15 @@ def _rotor(b: Built, key: str) -> None:
         return
     name = b.coordinate("phi", "rad", key, r"\varphi \phi \theta", "angle")
     b.turns[key] = name
-    b.bodies[key] = {"mass": 0, "at": [0, 0, 0], "moments": [_inertia(b, key)], "omega": [f"{name}_dot"]}
+    b.bodies[key] = {
+        "mass": 0,
+        "at": [0, 0, 0],
+        "moments": [_inertia(b, key)],
+        "omega": [f"{name}_dot"],
+    }
     b.values["omega"] = {"is": f"{name}_dot", "unit": "rad/s"}
     b.letters["omega"] = r"\omega \Omega", "angular (?:velocity|speed)"
-    b.phrases.append(f"the {_noun(b.plan, key)} turns about a fixed axis")
+    b.phrases.append(f"the {_noun(key)} turns about a fixed axis")
 
 
 def _inertia(b: Built, key: str) -> str:
@@ -608,36 +374,44 @@ def _inertia(b: Built, key: str) -> str:
 
 
 def _spring(b: Built, key: str, ends: tuple[str, str]) -> None:
+    """Put a spring, a damper or both between two parts, or a part and the ground."""
     kind = b.plan.kind(key)
-    if kind == "twist":
-        places = [b.turns.get(e) for e in ends if e != GROUND]
-    else:
-        places = [b.moves.get(e) for e in ends if e != GROUND]
-    if None in places or len(set(places)) < len(places):
+    held = b.turns if kind == "twist" else b.moves
+    places = [held.get(e, "") for e in ends if e != GROUND]
+    if "" in places or len(set(places)) < len(places):
         raise UnknownSystem(key)
+    damped = kind == "damper" or (kind == "buffer" and b.plan.setup.size(key, "damping"))
+    if damped:
+        _damping(b, b.size(key, "damping"), places)
     if kind == "buffer" and not b.plan.setup.size(key, "stiffness"):
         raise UnknownSystem(key)
-    between = f"({places[0]} - {places[1]})" if len(places) == 2 else str(places[0])
-    if kind == "damper":
-        c = b.size(key, "damping")
-        rate = " - ".join(f"{q}_dot" for q in places)
-        for sign, q in zip("-+", places, strict=False):
-            b.forces.setdefault(str(q), []).append(f"{sign}{c}*({rate})")
-        b.values["D"] = {"is": f"{c}*({rate})^2/2", "unit": "W"}
-        b.letters["D"] = r"D \mathcal{D} \mathcal{F} R", "dissipation|rayleigh"
+    if kind != "damper":
+        _stiffness(b, key, ends, places)
+    nouns = " and ".join(f"the {_noun(e)}" for e in ends)
+    b.phrases.append(f"a {_noun(key)} between {nouns}")
+
+
+def _damping(b: Built, c: str, places: Sequence[str]) -> None:
+    rate = " - ".join(f"{q}_dot" for q in places)
+    for sign, q in zip("-+", places, strict=False):
+        b.forces.setdefault(q, []).append(f"{sign}{c}*({rate})")
+    before = f"{b.values['D']['is']} + " if "D" in b.values else ""
+    b.values["D"] = {"is": f"{before}{c}*({rate})^2/2", "unit": "W"}
+    b.letters["D"] = r"D \mathcal{D} \mathcal{F} R", "dissipation|rayleigh"
+
+
+def _stiffness(b: Built, key: str, ends: tuple[str, str], places: Sequence[str]) -> None:
+    k, twist = b.size(key, "stiffness"), b.plan.kind(key) == "twist"
+    natural = bool(b.plan.setup.size(key, "natural")) and not b.level
+    if twist:
+        b.parameters[k] = "N*m"
+    if twist or natural:
+        between = f"({' - '.join(places)})"
+        less = f" - {b.size(key, 'natural')}" if natural else ""
+        b.potential.append(f"{k}*({between}{less})^2/2")
     else:
-        k = b.size(key, "stiffness")
-        natural = bool(b.plan.setup.size(key, "natural")) and not b.level
-        if kind == "twist":
-            b.parameters[k] = "N*m"
-        if kind == "twist" or natural:
-            stretched = f"({between} - {b.size(key, 'natural')})" if natural else between
-            b.potential.append(f"{k}*{stretched}^2/2")
-        else:
-            held = [e if e != GROUND else [0, 0, 0] for e in ends]
-            b.springs[key] = {"between": held, "stiffness": k}
-    nouns = " and ".join(f"the {_noun(b.plan, e)}" for e in ends)
-    b.phrases.append(f"a {_noun(b.plan, key)} between {nouns}")
+        held = [e if e != GROUND else [0, 0, 0] for e in ends]
+        b.springs[key] = {"between": held, "stiffness": k}
 
 
 _REACTION = re.compile(
@@ -651,22 +425,21 @@ _REACTION = re.compile(
 def _loads(b: Built) -> None:
     """Add forces and torques that are applied. Raises `UnknownSystem` for one on an unknown part."""
     for size in b.plan.setup.sizes:
-        if size.quantity not in {"force", "torque"} or size.look is None:
-            continue
-        if _REACTION.search(size.words):
+        applied = size.quantity in {"force", "torque"} and not _REACTION.search(size.words)
+        if size.look is None or not applied:
             continue
         names = b.moves if size.quantity == "force" else b.turns
-        name = names.get(size.of) if size.of else next(iter(names.values()), None) if len(names) == 1 else None
+        of = size.of or (next(iter(names)) if len(names) == 1 else "")
+        name = names.get(of)
         if name is None or name not in b.coordinates:
             raise UnknownSystem(size.words)
-        of = size.of if size.of in names else next(k for k, n in names.items() if n == name)
         letter = "F" if size.quantity == "force" else "M"
         letter = letter if letter not in b.given else f"{letter}_{of}"
         b.given[letter] = "N" if size.quantity == "force" else "N*m"
         b.letters[letter] = "F u f" if letter[0] == "F" else r"M \tau", size.quantity
         b.ties[letter] = Tie(size.look, letter, size.words, size.line)
         b.forces.setdefault(name, []).append(f"+{letter}")
-        b.phrases.append(f"a {size.quantity} on the {_noun(b.plan, of)}")
+        b.phrases.append(f"a {size.quantity} on the {_noun(of)}")
 
 
 def _extras(b: Built) -> None:
@@ -678,8 +451,14 @@ def _extras(b: Built) -> None:
     if len(b.coordinates) == 1:
         (name,) = b.coordinates
         if name in b.moves.values():
-            b.values |= {"v": {"is": f"{name}_dot", "unit": "m/s"}, "a": {"is": f"{name}_ddot", "unit": "m/s^2"}}
-            b.letters |= {"v": ("v", "(?<!angular )(?:speed|velocity)"), "a": ("a", "(?<!angular )acceleration")}
+            b.values |= {
+                "v": {"is": f"{name}_dot", "unit": "m/s"},
+                "a": {"is": f"{name}_ddot", "unit": "m/s^2"},
+            }
+            b.letters |= {
+                "v": ("v", "(?<!angular )(?:speed|velocity)"),
+                "a": ("a", "(?<!angular )acceleration"),
+            }
         else:
             _about_pivot(b, name)
 
@@ -692,22 +471,31 @@ def _rod_values(b: Built, key: str, angle: str) -> None:
     b.values["I_centre"] = {"is": f"{mass}*{length}^2/12", "unit": "kg m^2"}
     b.letters["x_centre"] = "x_G x_C x_S x_{cm}", "x|horizontal coordinate"
     b.letters["y_centre"] = "y_G y_C y_S y_{cm} z_G z_C z_S", "height|vertical coordinate"
-    b.letters["I_centre"] = r"I_G J_G I_C J_C I_S J_S \Theta_S", "moment of inertia .{0,60}(?:centre|center|about [GCS])"
+    b.letters["I_centre"] = (
+        r"I_G J_G I_C J_C I_S J_S \Theta_S",
+        "moment of inertia .{0,60}(?:centre|center|about [GCS])",
+    )
     on = b.plan.hinges[key].on
     if on in b.moves and b.plan.guides.get(on) == Guide("horizontal"):
         q, w = f"{b.moves[on]}_dot", f"{length}/2*{angle}_dot"
         square = f"{q}^2 + 2*{q}*{w}*cos({angle}) + ({w})^2"
         b.values["v_centre"] = {"is": f"sqrt({square})", "unit": "m/s"}
         b.letters["v_centre"] = "v_G v_C v_S", "speed"
-        b.letters[f"position of {key}"] = r"\mathbf{r}_C \vec{r}_C \mathbf{r}_S \vec{r}_S \mathbf{r}_G \vec{r}_G", "position"
-        b.letters[f"velocity of {key}"] = r"\mathbf{v}_C \vec{v}_C \mathbf{v}_S \vec{v}_S \mathbf{v}_G \vec{v}_G", "velocity"
+        b.letters[f"position of {key}"] = (
+            r"\mathbf{r}_C \vec{r}_C \mathbf{r}_S \vec{r}_S \mathbf{r}_G \vec{r}_G",
+            "position",
+        )
+        b.letters[f"velocity of {key}"] = (
+            r"\mathbf{v}_C \vec{v}_C \mathbf{v}_S \vec{v}_S \mathbf{v}_G \vec{v}_G",
+            "velocity",
+        )
         b.reactions["N"] = {"on": key, "along": [0, 1, 0]}
         b.letters["N"] = "N V", "vertical force"
 
 
 def _about_pivot(b: Built, angle: str) -> None:
-    """Add the moment of inertia about the pivot and the distance of the centre of mass of a rigid pendulum."""
-    keys = [k for k in (*b.plan.hinges, *b.plan.glued)]
+    """Add the moment of inertia about the pivot and the distance of the centre of mass of a pendulum."""
+    keys = (*b.plan.hinges, *b.plan.glued)
     arms = {k: _arm(b.at[k]) for k in keys}
     if angle not in b.turns.values() or "" in arms.values():
         return
@@ -718,7 +506,10 @@ def _about_pivot(b: Built, angle: str) -> None:
     b.values["I"] = {"is": " + ".join(inertia), "unit": "kg m^2"}
     b.letters["I"] = r"I_O J_O I_A J_A I_P I J \Theta_O \Theta", "moments? of inertia|inertia"
     b.values["d"] = {"is": f"({first})/({whole})", "unit": "m"}
-    b.letters["d"] = "d s a", r"distance .{0,60}(?:centre|center)|mass cent(?:er|re) .{0,60}distance"
+    b.letters["d"] = (
+        "d s a",
+        r"distance .{0,60}(?:centre|center)|mass cent(?:er|re) .{0,60}distance",
+    )
 
 
 def _arm(at: Point) -> str:
@@ -755,12 +546,13 @@ def _row(b: Built, setup: Setup) -> Row:
         "springs": b.springs,
         "reactions": b.reactions if not b.potential else {},
         "values": b.values,
+        "assume": b.assume,
         "motions": {"rest": {"constant": still, "zero": [*b.angles, *b.given]}},
     }
     letters = {**b.letters, **_periods(b)}
     if b.potential:
         letters = {k: w for k, w in letters.items() if k not in b.reactions}
-    table = {k: v for k, v in named.items() if v not in ({}, 0)}
+    table = {k: v for k, v in named.items() if v not in ({}, [], 0)}
     row = table_row("; ".join(b.phrases), letters, table)
     return replace(
         row,
@@ -775,7 +567,10 @@ def _row(b: Built, setup: Setup) -> Row:
 
 
 _COUNTED = (
-    ("downward", r"downwards? vertical|vertically down|hangs? (?:straight|vertically) down|from (?:the )?hanging"),
+    (
+        "downward",
+        r"downwards? vertical|vertically down|hangs? (?:straight|vertically) down|from (?:the )?hanging",
+    ),
     ("upward", r"upwards? vertical|upright|vertically up"),
     ("vertical", r"vertical"),
     ("horizontal", r"horizontal"),
@@ -791,7 +586,9 @@ def _turns(sizes: Iterable[Size]) -> tuple[int, ...]:
 def _periods(b: Built) -> dict[str, tuple[str, str]]:
     """Return letters of small oscillations."""
     held = {e for ends in b.plan.springs.values() for e in ends if b.plan.kind(e) in MOVING}
-    swings = sum(n in b.turns.values() or any(b.moves.get(e) == n for e in held) for n in b.coordinates)
+    swings = sum(
+        n in b.turns.values() or any(b.moves.get(e) == n for e in held) for n in b.coordinates
+    )
     if swings <= 1:
         return {
             "frequency at rest": (r"\omega_0 \omega_n \omega \Omega \nu", "frequenc"),

@@ -121,7 +121,9 @@ _LISTED = re.compile(rf"((?:^|[.;,:\n]|- )\s*)({LIST})\s*:\s+(?:the |an? )?(?=[a
 """A letter in a list of such, with what it is behind a colon."""
 
 
-_ROW = re.compile(rf"^[ \t]*\|\s*({LIST})\s*\|\s*(?:the |an? )?([a-z][^|\n]*?)\s*\|[^\n]*$", re.MULTILINE)
+_ROW = re.compile(
+    rf"^[ \t]*\|\s*({LIST})\s*\|\s*(?:the |an? )?([a-z][^|\n]*?)\s*\|[^\n]*$", re.MULTILINE
+)
 """A row of a table: a letter, and in the next column what it is."""
 
 

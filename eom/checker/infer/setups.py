@@ -1,9 +1,10 @@
 r"""What sentences say of a system of bodies: its parts, how they hang together, what acts on them.
 
-"The trolley rolls on a straight horizontal rail. A uniform beam of mass $m$ is hinged to it at one end." Nouns
-become parts, verbs with their prepositions say what is joined to what (`Fact`), letters behind the words for
-sizes belong to the part in front of them. The words are those of ``parts.toml``. A sentence that says how parts
-are joined is to be understood to its last word: with one that is not known the system is not read at all.
+"The trolley rolls on a straight horizontal rail. A uniform beam of mass $m$ is hinged to it at one end."
+Nouns become parts, verbs with their prepositions say what is joined to what (`Fact`), letters behind the
+words for sizes belong to the part in front of them. The words are those of ``parts.toml``. A sentence that
+says how parts are joined is to be understood to its last word: with one that is not known the system is not
+read at all.
 """
 
 from __future__ import annotations
@@ -76,8 +77,8 @@ class Fact:
 class Setup:
     """The parts of a system with their sizes, and what is said of them.
 
-    ``words``: the sentences that say so, ``lines``: where they stand; ``text``: all that was read; ``until``: the
-    line from which on the system is another one, 0 for none.
+    ``words``: the sentences that say so, ``lines``: where they stand; ``text``: all that was read;
+    ``until``: the line from which on the system is another one, 0 for none.
     """
 
     things: Mapping[str, Thing]
@@ -129,7 +130,9 @@ def _noun() -> re.Pattern[str]:
 _ORDINALS = {"first": "1", "upper": "1", "left": "1", "second": "2", "lower": "2", "right": "2",
              "other": "2"}  # fmt: skip
 _MANY = frozenset({"three", "four", "five", "six", "several", "many", "some", "n"})
-_NO_MASS = re.compile(r"(?:\b(?:of|with|has|have|whose|and|is|its|total|reduced)(?: an?| the)?|,|\()\s*$")
+_NO_MASS = re.compile(
+    r"(?:\b(?:of|with|has|have|whose|and|is|its|total|reduced)(?: an?| the)?|,|\()\s*$"
+)
 """Words before "mass" where it is a quantity and no part."""
 TOKEN = re.compile(r"«(\w+)»")
 
@@ -153,15 +156,17 @@ class Reading:
         before, behind = sentence[: match.start()], sentence[match.end() :]
         if noun == "mass" and not _is_part(before, match["det"], behind):
             return match[0]
-        if noun == "plane" and "inclined" not in match["adj"].lower() and not re.match(
-            r"\s+(?:inclined|of inclination|with the inclination)", behind
+        if (
+            noun == "plane"
+            and "inclined" not in match["adj"].lower()
+            and not re.match(r"\s+(?:inclined|of inclination|with the inclination)", behind)
         ):
             return match[0]
         if noun in {"point", "line"} and match["det"] is None:
             return match[0]
-        adjectives = frozenset(
-            re.findall(r"[\w-]+", f"{match['adj']} {match['adj2']}".lower())
-        ) - {"and"}
+        adjectives = frozenset(re.findall(r"[\w-]+", f"{match['adj']} {match['adj2']}".lower())) - {
+            "and"
+        }
         self.many = self.many or (match["det"] or "").lower() in _MANY
         two = (match["det"] or "").lower() in {"two", "both"} and match["plural"]
         one = match["num"] or _ORDINALS.get((match["ord"] or "").lower(), "")
@@ -193,7 +198,7 @@ class Reading:
 
 
 def _is_part(before: str, det: str | None, behind: str) -> bool:
-    """Return whether "mass" is the noun of a part: "a mass m hangs", and no "of mass m", "mass of the rod"."""
+    """Return whether "mass" is the noun of a part: "a mass m hangs", no "of mass m", "mass of the rod"."""
     if _NO_MASS.search(before) or re.match(r"\s*(?:of|centre|center|per|matrix)\b", behind):
         return False
     return det is not None or not before.strip() or before.rstrip()[-1] in ".;:"
@@ -242,7 +247,28 @@ def sized(sentence: str, text: Prose, reading: Reading, line: int, last: str) ->
         ]
         return " "
 
-    return _NUMBERED.sub(" ", _size().sub(found, sentence))
+    def moved(match: re.Match[str]) -> str:
+        (mention,) = text.marked(match["by"])
+        way = (
+            "upwards"
+            if match["way"].lower() in {"vertically", "up and down", "upwards"}
+            else "sideways"
+        )
+        words = text.shown(TOKEN.sub(r"\1", match[0]))
+        reading.sizes.append(Size(match["of"], way, mention.look, words, mention.line))
+        return f" «{match['of']}» "
+
+    return _NUMBERED.sub(" ", _size().sub(found, _MOTION.sub(moved, sentence)))
+
+
+_MOTION = re.compile(
+    r"«(?P<of>\w+)»\s+(?:is\s+|can\s+be\s+)?(?:moves?|moved|driven|displaced|oscillates?)\s+"
+    r"(?P<way>horizontally|vertically|up and down|upwards|sideways)\s+"
+    r"(?:by|as|with|according to|through)\s+"
+    r"(?:(?:the|a|given|displacement|amount|distance|height)\s+)*(?P<by>⟦\d+⟧)",
+    re.IGNORECASE,
+)
+"""A given motion of a support, with its letter."""
 
 
 def _owners(before: str, owners: Sequence[str]) -> list[str]:
@@ -278,7 +304,8 @@ def _told() -> re.Pattern[str]:
 # -- facts ---------------------------------------------------------------------------------------
 
 _PREPOSITIONS = frozenset(
-    "on along upon over down up in from to at about by with between around of onto through against under and into".split()
+    "on along upon over down up in inside from to at about by with between around of onto through against "
+    "under and into".split()
 )
 _WORD = re.compile(r"«\w+»|⟦\d+⟧|…|[a-z][\w’'-]*|[.,;:()]", re.IGNORECASE)
 
@@ -297,7 +324,7 @@ class _Clause:
     unknown: list[str] = field(default_factory=list)
     preposition: str = ""
     last: str = ""
-    its: bool = False
+    previous: str = ""
 
     def close(self) -> None:
         """End what a verb says."""
@@ -322,9 +349,7 @@ class _Clause:
         return self.preposition
 
 
-def facts(
-    sentence: str, before: str, things: Mapping[str, Thing]
-) -> tuple[list[Fact], list[str]]:
+def facts(sentence: str, before: str, things: Mapping[str, Thing]) -> tuple[list[Fact], list[str]]:
     """Return what a sentence of marked parts says, and the words in it that are not known.
 
     ``before``: the part that "it" means at its beginning.
@@ -334,41 +359,31 @@ def facts(
         token = TOKEN.fullmatch(behind)
         if token is None or things[token[1]].kind != "place" or _known(word):
             _step(clause, word)
-            clause.its = word.lower() == "its"
     clause.close()
     return clause.found, clause.unknown
 
 
 def _known(word: str) -> bool:
     """Return whether a word is no mere attribute of a place: "the runway stop"."""
-    return not word.isalpha() or word.lower() in {*_verbs(), *_PREPOSITIONS, *_plain(), "it", "which"}
+    return not word.isalpha() or word.lower() in {
+        *_verbs(),
+        *_PREPOSITIONS,
+        *_plain(),
+        "it",
+        "which",
+    }
 
 
 def _step(c: _Clause, word: str) -> None:
-    plain = word.lower()
-    token = TOKEN.fullmatch(word)
-    verb = _verbs().get(plain)
+    plain, token = word.lower(), TOKEN.fullmatch(word)
+    verb = None if c.previous in _ARTICLES else _verbs().get(plain)
     if token is not None:
         c.thing(token[1])
-    elif plain in {"which", "that", "who"} and c.last:
-        c.close()
-        c.subjects = [c.last]
-    elif plain in {".", ";", ":"}:
-        c.close()
-        c.subjects = c.subjects[:1]
-    elif plain == ",":
-        c.preposition = ""
-    elif plain == "it" and c.it:
-        c.thing(c.it)
-    elif plain in {"centre", "center"} and c.its and c.it:
-        c.thing(c.it)
-    elif verb is not None and plain not in _PREPOSITIONS:
-        if c.verb and c.verb != "is" and not (verb == "is"):
-            c.close()
-        if verb != "is" or not c.verb:
-            c.verb = verb
-        c.preposition = ""
-    elif plain in {"end", "ends", "rim"}:
+    elif _structural(c, plain):
+        pass
+    elif verb is not None:
+        _verb(c, verb)
+    elif plain in {"end", "ends"}:
         c.objects.append((c.preposition, plain))
         c.preposition = ""
     elif plain in _PREPOSITIONS:
@@ -377,6 +392,36 @@ def _step(c: _Clause, word: str) -> None:
         c.preposition = ""
     elif plain not in _plain() and plain not in "().":
         c.unknown.append(plain)
+    c.previous = plain
+
+
+_ARTICLES = frozenset({"a", "an", "the", "its", "this", "that"})
+"""Words behind which a participle is an adjective: "a fixed end"."""
+
+
+def _structural(c: _Clause, plain: str) -> bool:
+    """Take what parts a sentence, and what stands for parts; return whether a word is such."""
+    if plain in {"which", "that", "who"} and c.last:
+        c.close()
+        c.subjects = [c.last]
+    elif plain in {".", ";", ":"}:
+        c.close()
+        c.subjects = c.subjects[:1]
+    elif plain == ",":
+        c.preposition = ""
+    elif c.it and (plain == "it" or (plain in {"centre", "center"} and c.previous == "its")):
+        c.thing(c.it)
+    else:
+        return False
+    return True
+
+
+def _verb(c: _Clause, verb: str) -> None:
+    if c.verb not in {"", "is"} and verb != "is":
+        c.close()
+    if verb != "is" or not c.verb:
+        c.verb = verb
+    c.preposition = ""
 
 
 # -- setups --------------------------------------------------------------------------------------
@@ -427,7 +472,9 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
         if found and (unknown or reading.many):
             return None
         if not found:
-            reading.things = {k: t for k, t in reading.things.items() if k in known or _sized(k, reading)}
+            reading.things = {
+                k: t for k, t in reading.things.items() if k in known or _sized(k, reading)
+            }
         last = last if last in reading.things else ""
         every += found
         used += [sentence] if found else []
@@ -437,14 +484,17 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
     lines = [n for n in (_line(s, text, document) for s in used) if n]
     words = " ".join(map(text.shown, used))
     whole = " ".join(map(text.shown, shown))
-    return Setup(reading.things, tuple(sizes), tuple(every), words, whole, tuple(sorted(lines)), until)
+    return Setup(
+        reading.things, tuple(sizes), tuple(every), words, whole, tuple(sorted(lines)), until
+    )
 
 
 _CASE = re.compile(
-    rf"{LIST}\s+(?:is|are|denotes?|be)\b|[\W\d]*(?:if|when|where|for|as|in the case|suppose|imagine|at the|right|after|until|because|compare)\b",
+    rf"{LIST}\s+(?:is|are|denotes?|be)\b|[\W\d]*(?:if|when|where|for|as|in the case|suppose|imagine|at the|"
+    r"right|after|until|because|compare)\b",
     re.IGNORECASE,
 )
-"""Beginnings of sentences that are about letters or cases, not about how parts of a system are joined."""
+"""Beginnings of sentences about letters or cases, not about how parts of a system are joined."""
 
 
 def _moved(fact: Fact, things: Mapping[str, Thing]) -> bool:
@@ -455,7 +505,9 @@ def _moved(fact: Fact, things: Mapping[str, Thing]) -> bool:
 
 def _joined(found: Sequence[Fact], things: Mapping[str, Thing]) -> bool:
     """Return whether sentences are about the parts of a system, not about forces of what is fixed alone."""
-    fixed = ({"place", "line"} >= {things[s].kind for s in f.subjects if s in things} for f in found)
+    fixed = (
+        {"place", "line"} >= {things[s].kind for s in f.subjects if s in things} for f in found
+    )
     return not all(f.verb == "act" and still for f, still in zip(found, fixed, strict=True))
 
 

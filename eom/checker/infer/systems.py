@@ -216,7 +216,7 @@ _TURNS = (
     ("(pi/2 - {0})", "{2}", "{1}", "-"),
     ("({0} + pi/2)", "{2}", "(-{1})", ""),
 )
-"""An angle counted from the downward vertical, the upward one, up and down from the horizontal (`DIRECTIONS`).
+"""An angle counted from the downward vertical, the upward one, up and down from the horizontal.
 
 Itself, its sine, its cosine, the sign of its rate; by the angle, its sine and its cosine.
 """
@@ -375,7 +375,9 @@ def spoken(text: Prose, sayings: Iterable[Said]) -> tuple[Spoken, ...]:
     return tuple(found)
 
 
-_SEVERAL = re.compile(r"\b(?:masses|lengths|angles|positions|displacements|coordinates|distances|velocities|radii)\b")
+_SEVERAL = re.compile(
+    r"\b(?:masses|lengths|angles|positions|displacements|coordinates|distances|velocities|radii)\b"
+)
 
 
 def _of_all(each: Sequence[str]) -> bool:
