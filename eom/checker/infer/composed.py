@@ -185,7 +185,7 @@ def _guide(b: Built, key: str, guide: Guide) -> None:
         "vertical": ("0", f"-{name}"),
     }.get(guide.way)
     if at is None:
-        slope = b.size(key, "slope") if "alpha" not in b.parameters else "alpha"
+        slope = b.size(guide.by, "slope") if "alpha" not in b.parameters else "alpha"
         at = f"{name}*cos({slope})", f"-{name}*sin({slope})"
     b.at[key], b.moves[key] = at, name
     body = {"mass": b.size(key, "mass"), "at": [at[0], at[1], 0]}
@@ -476,7 +476,7 @@ def _rod_values(b: Built, key: str, angle: str) -> None:
         "moment of inertia .{0,60}(?:centre|center|about [GCS])",
     )
     on = b.plan.hinges[key].on
-    if on in b.moves and b.plan.guides.get(on) == Guide("horizontal"):
+    if on in b.plan.guides and b.plan.guides[on].way == "horizontal":
         q, w = f"{b.moves[on]}_dot", f"{length}/2*{angle}_dot"
         square = f"{q}^2 + 2*{q}*{w}*cos({angle}) + ({w})^2"
         b.values["v_centre"] = {"is": f"sqrt({square})", "unit": "m/s"}

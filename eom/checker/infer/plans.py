@@ -24,7 +24,7 @@ class UnknownSystem(Exception):
 class Guide:
     """A line along which a part moves: "horizontal", "vertical", "incline" or "turning"; whether it rolls.
 
-    ``by``: the part that turns and guides it.
+    ``by``: the part that guides it.
     """
 
     way: str
@@ -131,7 +131,8 @@ def _slide(p: Plan, subject: str, fact: Fact) -> None:
     slips = not re.search(r"roll\w* .{0,30}without slip", p.setup.text)
     if rolls and (slips or (fact.verb == "slide" and "slid" in fact.words)):
         raise UnknownSystem(fact.words)
-    _place(p.guides, subject, Guide(_way(p.setup.things[lines[0]], p.setup.words), rolls), p)
+    way = _way(p.setup.things[lines[0]], p.setup.words)
+    _place(p.guides, subject, Guide(way, rolls, lines[0]), p)
 
 
 def _way(line: Thing, words: str) -> str:

@@ -316,7 +316,7 @@ class _Clause:
 
     sentence: str
     things: Mapping[str, Thing]
-    it: str = ""
+    moving: list[str] = field(default_factory=list)
     subjects: list[str] = field(default_factory=list)
     verb: str = ""
     objects: list[tuple[str, str]] = field(default_factory=list)
@@ -341,7 +341,13 @@ class _Clause:
             self.objects.append((self._preposition(), key))
         self.last, self.preposition = key, ""
         if self.things[key].kind in MOVING:
-            self.it = key
+            self.moving.append(key)
+
+    @property
+    def it(self) -> str:
+        """The part that "it" means: the subject, behind a verb the part with a mass named last besides."""
+        others = [k for k in self.moving if not (self.verb and k in self.subjects)]
+        return next(reversed(others), "")
 
     def _preposition(self) -> str:
         if self.preposition == "and" and self.objects:
@@ -354,7 +360,7 @@ def facts(sentence: str, before: str, things: Mapping[str, Thing]) -> tuple[list
 
     ``before``: the part that "it" means at its beginning.
     """
-    clause = _Clause(sentence, things, before, [before] if before else [])
+    clause = _Clause(sentence, things, [before] * bool(before), [before] * bool(before))
     for word, behind in pairwise([*_WORD.findall(sentence), ""]):
         token = TOKEN.fullmatch(behind)
         if token is None or things[token[1]].kind != "place" or _known(word):
@@ -500,7 +506,8 @@ _CASE = re.compile(
 def _moved(fact: Fact, things: Mapping[str, Thing]) -> bool:
     """Return whether something moves that is fixed in all systems that are read."""
     kinds = {things[k].kind for k in fact.subjects if k in things}
-    return kinds <= {"place", "line"} and fact.verb in {"slide", "roll", "turn", "hang"}
+    guides = fact.verb == "turn" and kinds == {"line"}
+    return kinds <= {"place", "line"} and fact.verb in {"slide", "roll", "turn", "hang"} and not guides
 
 
 def _joined(found: Sequence[Fact], things: Mapping[str, Thing]) -> bool:
