@@ -65,8 +65,8 @@ def test_what_is_not_understood_leaves_the_system_unknown(name):
 
 
 TROLLEY = r"""
-The trolley rolls on a straight horizontal rail. The bar hangs by one end from a pin on the trolley. A buffer
-(spring and dashpot in parallel) connects the trolley to the stop.
+The trolley rolls on a straight horizontal rail. The bar hangs by one end from a pin on the trolley. A
+buffer (spring and dashpot in parallel) connects the trolley to the stop.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -96,10 +96,10 @@ def test_a_trolley_with_a_buffer_is_read_and_its_lines_are_judged():
     found = [f.verdict for f in report.findings if f.kind == "display"]
     assert found == [*["holds"] * 4, "wrong"]
     said = report.drafts[0]
-    read = "system read from lines 2 to 3: the trolley moves along a horizontal line; the bar swings"
-    assert said.startswith(read)
-        "system read from lines 2 to 3: the trolley moves along a horizontal line; the bar "
+    read = (
+        "system read from lines 2 to 3: the trolley moves along a horizontal line; the bar swings"
     )
+    assert said.startswith(read)
     assert "The trolley rolls on a straight horizontal rail" in said
 
 
