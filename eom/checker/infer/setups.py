@@ -119,9 +119,9 @@ def _noun() -> re.Pattern[str]:
     return re.compile(
         rf"\b(?:(?P<det>an?|the|two|both|each|its|one|another|this|that|every|"
         rf"three|four|five|six|several|many|some|all|n)\s+)?"
-        rf"(?P<adj>(?:(?:{adjectives})(?:\s*,\s*|\s+(?:and\s+)?))*)"
+        rf"(?P<adj>(?:(?:{adjectives})(?:\s*,\s*|\s+(?:and\s+)?)){{0,5}})"
         rf"(?:(?P<ord>first|second|upper|lower|left|right|other)\s+)?"
-        rf"(?P<adj2>(?:(?:{adjectives})\s+)*)"
+        rf"(?P<adj2>(?:(?:{adjectives})\s+){{0,3}})"
         rf"(?:{kinds})(?P<plural>e?s)?\b(?:\s+(?P<num>[12])\b)?",
         re.IGNORECASE,
     )
@@ -211,8 +211,8 @@ def _is_part(before: str, det: str | None, behind: str) -> bool:
 def _size() -> re.Pattern[str]:
     words = "|".join(f"(?P<{k}>{w[0]})" for k, w in vocabulary()["sizes"].items())
     return re.compile(
-        rf"(?:\b(?:of|with|has|have|whose|and|its|by|under|at|the)\s+|,\s*|\(\s*)*(?:an?\s+|the\s+|its\s+|equal\s+|"
-        rf"horizontal\s+|constant\s+)*\b"
+        rf"(?:\b(?:of|with|has|have|whose|and|its|by|under|at|the)\s+|,\s*|\(\s*){{0,4}}"
+        rf"(?:an?\s+|the\s+|its\s+|equal\s+|horizontal\s+|constant\s+){{0,4}}\b"
         rf"(?:{words})(?:\s+(?:is|are|of|=))?\s+(?P<of>{LIST}|…)",
         re.IGNORECASE,
     )
@@ -265,7 +265,7 @@ _MOTION = re.compile(
     r"«(?P<of>\w+)»\s+(?:is\s+|can\s+be\s+)?(?:moves?|moved|driven|displaced|oscillates?)\s+"
     r"(?P<way>horizontally|vertically|up and down|upwards|sideways)\s+"
     r"(?:by|as|with|according to|through)\s+"
-    r"(?:(?:the|a|given|displacement|amount|distance|height)\s+)*(?P<by>⟦\d+⟧)",
+    r"(?:(?:the|a|given|displacement|amount|distance|height)\s+){0,4}(?P<by>⟦\d+⟧)",
     re.IGNORECASE,
 )
 """A given motion of a support, with its letter."""
@@ -465,7 +465,7 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
             break
         shown.append(sentence)
         known = dict(reading.things)
-        marked = reading.marked(sentence)
+        marked = reading.marked(re.sub("[«»]", '"', sentence))
         line = next((m.line for m in text.marked(sentence)), 0)
         clean = sized(marked, text, reading, line, last)
         found, unknown = facts(clean, last, reading.things)
@@ -507,7 +507,9 @@ def _moved(fact: Fact, things: Mapping[str, Thing]) -> bool:
     """Return whether something moves that is fixed in all systems that are read."""
     kinds = {things[k].kind for k in fact.subjects if k in things}
     guides = fact.verb == "turn" and kinds == {"line"}
-    return kinds <= {"place", "line"} and fact.verb in {"slide", "roll", "turn", "hang"} and not guides
+    return (
+        kinds <= {"place", "line"} and fact.verb in {"slide", "roll", "turn", "hang"} and not guides
+    )
 
 
 def _joined(found: Sequence[Fact], things: Mapping[str, Thing]) -> bool:
