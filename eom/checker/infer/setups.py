@@ -24,6 +24,8 @@ from eom.checker.read.symbol_shape import Look
 
 MOVING = frozenset({"point", "rod", "round", "pendulum"})
 """Kinds of parts that have a mass, but for light rods."""
+MAX_SENTENCE = 1000
+"""Characters of sentences that are read."""
 GROUND = "ground"
 """What does not move, as the end of a joint or spring."""
 
@@ -280,7 +282,7 @@ def _owners(before: str, owners: Sequence[str]) -> list[str]:
 def told(said: Iterable[Spoken], reading: Reading) -> Iterator[Size]:
     """Yield sizes that words give of letters: "$m$ is the mass of the beam"."""
     for one in said:
-        if not one.told:
+        if not one.told or len(one.words) > MAX_SENTENCE:
             continue
         match = _told().match(one.words)
         if match is not None:
@@ -459,7 +461,7 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
     reading, every, used = Reading(), list[Fact](), list[str]()
     last, until = "", 0
     shown: list[str] = []
-    for sentence in text.sentences:
+    for sentence in (s for s in text.sentences if len(s) <= MAX_SENTENCE):
         if every and re.search(vocabulary()["changes"]["words"], sentence, re.IGNORECASE):
             until = _line(sentence, text, document)
             break
