@@ -166,6 +166,8 @@ class Reading:
             return match[0]
         if noun in {"point", "line"} and match["det"] is None:
             return match[0]
+        if kind == "line" and re.match(r"\s+(?:angle|of\s+⟦)", behind):
+            return match[0]
         adjectives = frozenset(re.findall(r"[\w-]+", f"{match['adj']} {match['adj2']}".lower())) - {
             "and"
         }
@@ -486,12 +488,12 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
         last = last if last in reading.things else ""
         every += found
         used += [sentence] if found else []
-    if not every or foreign(" ".join(map(text.shown, shown))):
+    if not every or foreign(". ".join(map(text.shown, shown))):
         return None
     sizes = (*reading.sizes, *told(said, reading))
     lines = [n for n in (_line(s, text, document) for s in used) if n]
-    words = " ".join(map(text.shown, used))
-    whole = " ".join(map(text.shown, shown))
+    words = ". ".join(map(text.shown, used))
+    whole = ". ".join(map(text.shown, shown))
     return Setup(
         reading.things, tuple(sizes), tuple(every), words, whole, tuple(sorted(lines)), until
     )
