@@ -353,6 +353,6 @@ def test_a_page_to_turn_may_run_its_own_scripts_and_ask_for_nothing(tmp_path):
     assert allowed["script-src"].split() == [
         f"'sha256-{base64.b64encode(d).decode()}'" for d in digests
     ]
-    assert len(digests) == 5
+    assert len(digests) == 6
     assert "connect-src" not in allowed  # as default-src: nothing
     assert "unsafe" not in allowed["script-src"]
