@@ -195,11 +195,27 @@ class TreeScene(BaseScene, TreeDescription):
     def of_tree(
         self, tree: Tree, wanted: Sequence[Source], independent: Sequence[str] | None = None
     ) -> System:
-        """Return the system of ``tree``, which is the scene's with some of it left out, under its control.
+        """Return the system of a tree, which is the scene's with some of it left out, under its control.
 
-        ``wanted``: outputs beside those that laws of control read. ``independent``: speeds that stay where
-        constraints eliminate others, as `eom.multibody.derive` takes them. Raises `InputError` as that
-        does.
+        Parameters
+        ----------
+        tree : Tree
+            As `TreeScene.tree` makes it, or with less.
+        wanted : sequence of str
+            Outputs beside those that laws of control read.
+        independent : sequence of str, optional
+            Speeds that stay where constraints eliminate others, as `eom.multibody.derive` takes
+            them.
+
+        Returns
+        -------
+        System
+            The closed loop where the scene has laws of control.
+
+        Raises
+        ------
+        InputError
+            As `eom.multibody.derive` raises it.
         """
         read = (n for n in sorted(self.control.words) if n in self._choice.sources)
         asked = tuple(dict.fromkeys((*wanted, *self._choice.needed(tuple(read)))))

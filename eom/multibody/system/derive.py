@@ -510,7 +510,18 @@ class TreeFunction:
     symmetric: bool = False
 
     def array(self, values: Sequence[Any]) -> list[Any]:
-        """Return the array as nested lists: ``values`` of the outputs in their order, others 0."""
+        """Return the array as nested lists: ``values`` of the outputs in their order, others 0.
+
+        Parameters
+        ----------
+        values : sequence
+            Of the outputs, in their order.
+
+        Returns
+        -------
+        list
+            Of the function's shape; 0 where no output stands.
+        """
         found = dict(zip(self.places, values, strict=True))
         if self.symmetric:
             found |= {place[::-1]: x for place, x in found.items()}
@@ -601,10 +612,32 @@ def _listed(values: Sequence[Any]) -> dict[tuple[int, ...], Any]:
 def mass_matrix(tree: Tree) -> TreeFunction:
     """Return M(q), symmetric, (n, n), over the speeds of a tree in the order of its joints.
 
-    Units are kg m^2, kg m or kg as the speeds are rad/s or m/s. Constraints are left out: M is that of the
-    tree without them. Signs and axes of speeds are those of `Joint`. Raises `InputError` for prescribed
-    motions. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 6.2, composite bodies.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions; constraints are left out.
 
+    Returns
+    -------
+    TreeFunction
+        M(q), symmetric, (n, n), over the speeds of the tree in the order of its joints. Units are
+        kg m^2, kg m or kg as the speeds are rad/s or m/s.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    Notes
+    -----
+    Signs and axes of speeds are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), table 6.2, composite bodies.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> mass_matrix(Tree("pendulum", (bob,), (hinge,))).expressions
@@ -622,11 +655,32 @@ def mass_matrix(tree: Tree) -> TreeFunction:
 def inverse_dynamics(tree: Tree) -> TreeFunction:
     """Return the generalised forces (N m or N), (n,), that the rates of all speeds take.
 
-    Inputs: ``dot_<speed>`` (rad/s^2 or m/s^2). Gravity, loads, and springs, dampers and forces in the
-    joints act; what is returned is what motors must give beside them. Constraints are left out: their
-    forces are part of it. Signs and axes are those of `Joint`. Raises `InputError` for prescribed motions.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, recursive Newton-Euler.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions; constraints are left out.
 
+    Returns
+    -------
+    TreeFunction
+        The generalised forces (N m or N), (n,), that motors must give beside gravity, loads, and
+        springs, dampers and forces in the joints. Inputs: ``dot_<speed>`` (rad/s^2 or m/s^2).
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    Notes
+    -----
+    The forces of constraints are part of what is returned. Signs and axes are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, recursive Newton-Euler.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> inverse_dynamics(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions
@@ -643,11 +697,32 @@ def inverse_dynamics(tree: Tree) -> TreeFunction:
 def forward_dynamics(tree: Tree) -> TreeFunction:
     """Return the rates of all speeds (rad/s^2 or m/s^2), (n,), under generalised forces at them.
 
-    Inputs: ``tau_<speed>`` (N m or N), beside gravity, loads, and springs, dampers and forces in the
-    joints: the inverse of `inverse_dynamics`. Signs and axes are those of `Joint`. Raises `InputError` for
-    prescribed motions, and for constraints, whose forces it lacks (`derive` has them).
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, articulated bodies.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions and constraints.
 
+    Returns
+    -------
+    TreeFunction
+        The rates of all speeds (rad/s^2 or m/s^2), (n,). Inputs: ``tau_<speed>`` (N m or N),
+        generalised forces beside gravity, loads, and springs, dampers and forces in the joints.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions, and for constraints, whose forces it lacks (`derive` has them).
+
+    Notes
+    -----
+    The inverse of `inverse_dynamics`. Signs and axes are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, articulated bodies.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> forward_dynamics(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions
@@ -669,10 +744,32 @@ def forward_dynamics(tree: Tree) -> TreeFunction:
 def jacobian(tree: Tree, body: str, point: Sequence[Any] = (0, 0, 0)) -> TreeFunction:
     """Return the angular velocity of a ``body`` and the velocity of a ``point`` by the speeds, (6, n).
 
-    ``point``: from the body's origin, in its axes (m). Rows 1 to 3: angular velocity (rad/s); 4 to 6:
-    velocity of the point (m/s); both by speed, in the ground's axes. Raises `InputError` for unknown bodies
-    and prescribed motions. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 4.4.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions.
+    body : str
+        A name of one of its bodies.
+    point : sequence, optional
+        From the body's origin, in its axes (m).
 
+    Returns
+    -------
+    TreeFunction
+        (6, n). Rows 1 to 3: angular velocity (rad/s); 4 to 6: velocity of the point (m/s); both by
+        speed, in the ground's axes.
+
+    Raises
+    ------
+    InputError
+        For unknown bodies and prescribed motions.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), section 4.4.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> jacobian(Tree("pendulum", (bob,), (hinge,)), "bob", (0, 0, -3)).expressions[:, 0].T
@@ -696,10 +793,28 @@ def jacobian(tree: Tree, body: str, point: Sequence[Any] = (0, 0, 0)) -> TreeFun
 def centre_of_mass(tree: Tree) -> TreeFunction:
     """Return the centre of mass (m), (3,), from the ground's origin, in the ground's axes.
 
-    Of all that moves; what is fixed to the ground is none of it. Raises `InputError` for prescribed
-    motions.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.13.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions.
 
+    Returns
+    -------
+    TreeFunction
+        The centre of mass of all that moves (m), (3,), from the ground's origin, in the ground's
+        axes; what is fixed to the ground is none of it.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.13.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> centre_of_mass(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions.T
@@ -714,9 +829,31 @@ def centre_of_mass(tree: Tree) -> TreeFunction:
 def energies(tree: Tree) -> TreeFunction:
     """Return kinetic and potential energy (J), (2,): of gravity and springs, zero at the ground's origin.
 
-    The axes and signs are those of `Joint`. Raises `InputError` for prescribed motions.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.14.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions.
 
+    Returns
+    -------
+    TreeFunction
+        Kinetic and potential energy (J), (2,): of gravity and springs, zero at the ground's origin.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    Notes
+    -----
+    The axes and signs are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.14.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> energies(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions.T

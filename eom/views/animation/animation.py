@@ -145,17 +145,37 @@ def animation_of(
 ) -> Animation:
     """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
 
-    ``scene``: of any model; vectors get components in A, the frame that attitude is measured in, or the
-    ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds`` (s): of the motion, else to
-    the scene's end; ``speed``: seconds of it that are shown in one, else so that it takes a fair time.
-    ``robot``: shapes of bodies by name (`eom.views.animation.figures`). ``follow``: the body that the
-    camera goes with, or ``none``; if left out, the one that the rest stays nearest to, if the motion goes
-    far (`FAR`).
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model; vectors get components in A, the frame that attitude is measured in, or the
+        ground's.
+    integrate : Integrate
+        From a scene to its `codegen.Result`; the scene is given attitude where it has none.
+    seconds : float, optional
+        Of the motion (s), else to the scene's end.
+    speed : float, optional
+        Seconds of it that are shown in one, else so that it takes a fair time.
+    robot : dict of str to tuple of Shape, optional
+        Shapes of bodies by name (`eom.views.animation.figures`).
+    follow : str, optional
+        The body that the camera goes with, or ``none``; if left out, the one that the rest stays
+        nearest to, if the motion goes far (`FAR`).
 
-    Raises `InputError` for an unknown body, for a time or speed that is not positive, for a motion that
-    ends before it can be shown, and for one that turns so fast that its samples would not fit into a page
-    of 2 MB.
+    Returns
+    -------
+    Animation
+        For `eom.views.animation.animation_page.page`.
 
+    Raises
+    ------
+    InputError
+        For an unknown body, for a time or speed that is not positive, for a motion that ends before
+        it can be shown, and for one that turns so fast that its samples would not fit into a page
+        of 2 MB.
+
+    Examples
+    --------
     >>> import eom
     >>> from eom.views.time.histories import run
     >>> made = animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0], seconds=2.0)
@@ -429,15 +449,40 @@ def animation_of_motion(
 ) -> Animation:
     """Return the animation of one body about a point that stays.
 
-    ``times`` (s), shape (N,), equally far apart. ``quaternions`` of C_BA, scalar first, shape (N, 4).
-    ``omega`` (rad/s), ``momentum`` (N m s, by default J omega) and ``torque`` (N m, by default none):
-    components in the body frame B, shape (N, 3). ``inertia`` J (kg m^2): three principal moments or a
-    matrix, and ``mass`` (kg), if known, give the uniform body that is drawn. ``speed``: seconds of the
-    motion that are shown in one.
+    Parameters
+    ----------
+    title : str
+        The heading of the page.
+    times : array
+        In seconds, shape (N,), equally far apart.
+    quaternions : array
+        Of C_BA, scalar first, shape (N, 4).
+    omega : array
+        Angular velocity (rad/s), components in the body frame B, shape (N, 3).
+    inertia : array
+        J (kg m^2): three principal moments or a matrix.
+    mass : float, optional
+        In kg; if known, the uniform body that is drawn has it.
+    momentum : array, optional
+        Angular momentum (N m s), as ``omega``, by default J omega.
+    torque : array, optional
+        In N m, as ``omega``, by default none.
+    speed : float, optional
+        Seconds of the motion that are shown in one.
 
-    Raises `InputError` for arrays that do not fit, quaternions that are none, times that are not equally
-    far apart or so far that the body turns by more than 2 radians between two.
+    Returns
+    -------
+    Animation
+        For `eom.views.animation.animation_page.page`; the body turns about a point that stays.
 
+    Raises
+    ------
+    InputError
+        For arrays that do not fit, quaternions that are none, times that are not equally far apart
+        or so far that the body turns by more than 2 radians between two.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> t = np.linspace(0.0, 4.0, 41)
     >>> q = np.stack([np.cos(t / 2), 0 * t, 0 * t, np.sin(t / 2)], axis=1)  # 1 rad/s about b3

@@ -32,13 +32,24 @@ PALETTE = ("blue", "orange", "green", "sky", "red", "purple", "yellow", "grey")
 def page(animation: Animation) -> str:
     """Return the page of an animation: one file of HTML that asks for nothing; the same bytes each time.
 
-        >>> import eom
-        >>> from eom.views.animation.acting import STYLES
-    from eom.views.animation.animation import animation_of
-        >>> from eom.views.time.histories import run
-        >>> made = page(animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0]))
-        >>> made[:15], "<title>Tumbling T-handle" in made
-        ('<!DOCTYPE html>', True)
+    Parameters
+    ----------
+    animation : Animation
+        Of `eom.views.animation.animation.animation_of` and its like.
+
+    Returns
+    -------
+    str
+        One file of HTML that asks for nothing; the same bytes each time.
+
+    Examples
+    --------
+    >>> import eom
+    >>> from eom.views.animation.animation import animation_of
+    >>> from eom.views.time.histories import run
+    >>> made = page(animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0]))
+    >>> made[:15], "<title>Tumbling T-handle" in made
+    ('<!DOCTYPE html>', True)
     """
     words = animation.words
     parts = {

@@ -109,10 +109,26 @@ def _settings() -> Iterator[None]:
 def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     """Return a picture as a Matplotlib figure that no window and no global state knows.
 
-    ``size``: width and height in inches; by default so that all panels are read easily.
-    Raises `InputError` for a ``picture`` that cannot be drawn (`eom.views.draw.picture.check`), and where
-    Matplotlib is not installed.
+    Parameters
+    ----------
+    picture : Picture
+        What is drawn.
+    size : tuple of float, float, optional
+        Width and height in inches; by default so that all panels are read easily.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        No window and no global state knows of it.
+
+    Raises
+    ------
+    InputError
+        For a ``picture`` that cannot be drawn (`eom.views.draw.picture.check`), and where
+        Matplotlib is not installed.
+
+    Examples
+    --------
     >>> from eom.views.body.frame_sketches import frame_sketch
     >>> figure(frame_sketch("3-1-2"), size=(6, 5)).get_size_inches().tolist()
     [6.0, 5.0]

@@ -71,11 +71,30 @@ SHOWN = {
 def page(scene: AnyScene) -> str:
     """Return the live page of ``scene``, one file of HTML; the same scene gives the same bytes.
 
-    Under constraints start values are made consistent on the page, and states brought back after each step.
-    Laws of control run on it. Numbers are in SI units, the angles of a body's attitude at the start in
-    degrees. Raises `InputError` for scenes that a page cannot hold: motion backwards in time, and
-    operations that JavaScript has none for.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model. Numbers are in SI units, the angles of a body's attitude at the start in
+        degrees.
 
+    Returns
+    -------
+    str
+        One file of HTML; the same scene gives the same bytes.
+
+    Raises
+    ------
+    InputError
+        For scenes that a page cannot hold: motion backwards in time, and operations that JavaScript
+        has none for.
+
+    Notes
+    -----
+    Under constraints start values are made consistent on the page, and states brought back after
+    each step. Laws of control run on it.
+
+    Examples
+    --------
     >>> import eom
     >>> made = page(eom.load_scene("t-handle"))
     >>> made[:15], "<title>Tumbling T-handle" in made

@@ -75,19 +75,37 @@ class Sketch:
 def sketch(scene: AnyScene) -> Picture:
     """Return the sketch of a scene at its start: bodies, centres of mass, joints, and what acts on them.
 
-    ``scene``: of any model. Bodies are drawn as uniform solids of the same mass and inertia; lengths of
-    arrows say nothing.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model.
 
-    Of one body nothing is to scale. The reference frame has the axes a, the body (a spinner's frame that
-    does not spin) the axes b. Weight acts at the centre of mass G along -a3, with the reaction of the fixed
-    point O; torque by components has an arrow along each of them, its sense that at the start; a gravity
-    gradient one along its torque at the start. What acts together is drawn together.
+    Returns
+    -------
+    Picture
+        Bodies are drawn as uniform solids of the same mass and inertia; lengths of arrows say
+        nothing.
 
-    A tree is drawn to scale (m). Weights act at centres of mass; at joints stand torques and forces on the
-    child by springs, dampers and motors, with their sense at the start; reactions of the ground at joints
-    and contacts are drawn against gravity, as their direction is not known. Springs between points are
-    dotted, rods dashed. Raises `InputError` as the scene does whose numbers make no body or tree.
+    Raises
+    ------
+    InputError
+        As the scene does whose numbers make no body or tree.
 
+    Notes
+    -----
+    Of one body nothing is to scale. The reference frame has the axes a, the body (a spinner's frame
+    that does not spin) the axes b. Weight acts at the centre of mass G along -a3, with the reaction
+    of the fixed point O; torque by components has an arrow along each of them, its sense that at
+    the start; a gravity gradient one along its torque at the start. What acts together is drawn
+    together.
+
+    A tree is drawn to scale (m). Weights act at centres of mass; at joints stand torques and forces
+    on the child by springs, dampers and motors, with their sense at the start; reactions of the
+    ground at joints and contacts are drawn against gravity, as their direction is not known.
+    Springs between points are dotted, rods dashed.
+
+    Examples
+    --------
     >>> import eom
     >>> sketch(eom.load_scene("heavy-top")).caption.split(". ")[1]
     'Its weight acts at the centre of mass G, a reaction at the fixed point O.'
@@ -657,9 +675,24 @@ MOST_INDEXED = 6
 def tree_frames(scene: TreeScene) -> Picture:
     """Return the axes x, y, z of the ground (black) and of all bodies at the start, at their origins.
 
-    ``scene``: its tree, numbers and start. Grey lines lead along the bodies from joint to joint. What is up
-    by gravity is drawn upwards; lengths of axes say nothing. Raises `InputError` as the scene does.
+    Parameters
+    ----------
+    scene : TreeScene
+        Its tree, numbers and start.
 
+    Returns
+    -------
+    Picture
+        The axes x, y, z of the ground and of all bodies. Grey lines lead along the bodies from
+        joint to joint. What is up by gravity is drawn upwards; lengths of axes say nothing.
+
+    Raises
+    ------
+    InputError
+        As the scene does.
+
+    Examples
+    --------
     >>> import eom
     >>> tree_frames(eom.load_scene("double-pendulum")).caption
     'The frames of the ground and of 2 bodies at the start.'
