@@ -66,7 +66,7 @@ class Doubt:
 class Evidence:
     """What speaks for the meanings of a note's symbols, by the patterns of their entries.
 
-    ``firm``: those that words give; ``guessed``: why others were taken; ``meant``: what quantities of a
+    ``firm``: those that words give, or a preset as a whole, ``spoken``: words alone; ``guessed``: why others were taken; ``meant``: what quantities of a
     system are; ``families``: symbols that speak for each other; ``bases``:
     symbols by which others are defined that stand for their norms, directions and components.
     """
@@ -80,6 +80,7 @@ class Evidence:
     bases: Mapping[str, frozenset[str]]
     preset: str
     fails: tuple[bool, ...] = ()
+    spoken: frozenset[str] = frozenset()
 
     @cached_property
     def certain(self) -> frozenset[str]:
@@ -111,12 +112,22 @@ class Evidence:
         here = any(self.families[p] == family for p in self._all(self.used[number]))
         return self.count[family] - (self.hold[number] and here)
 
-    def is_sure(self, pattern: str, number: int, depth: int = 2) -> bool:
+    def is_sure(self, pattern: str, number: int) -> bool:
         """Return whether words, two other formulas, or what makes its base sure, speak for a meaning."""
         if self.families[pattern] in self.certain or self.others(pattern, number) >= LINES:
             return True
         bases = self.bases.get(pattern, frozenset())
-        return bool(bases) and depth > 0 and all(self.is_sure(b, number, depth - 1) for b in bases)
+        return bool(bases) and all(self._is_base(b, number) for b in bases)
+
+    def _is_base(self, pattern: str, number: int) -> bool:
+        """Return whether words or two other formulas speak for a symbol of which others are norms."""
+        spoken = {self.families[p] for p in self.spoken & self.families.keys()} & self.certain
+        deeper = self.bases.get(pattern, frozenset()) - {pattern}
+        return (
+            self.families[pattern] in spoken
+            or self.others(pattern, number) >= LINES
+            or (bool(deeper) and all(self.others(b, number) >= LINES for b in deeper))
+        )
 
     def doubts(self, number: int) -> tuple[Doubt, ...]:
         """Return the meanings in a formula that nothing makes sure."""
@@ -181,6 +192,7 @@ def evidence(
         dict(_bases(draft, lexicon, every)),
         draft.preset,
         tuple(fails),
+        frozenset({*said, *told, *draft.confirmed}),
     )
 
 

@@ -61,6 +61,9 @@ def test_a_norm_is_as_sure_as_its_vector():
     found = known_by((True, True, False, False), bases={"n": frozenset({"F"})})
     assert found.is_sure("n", 2)
     assert not known_by((True, False, False, False), bases={"n": frozenset({"F"})}).is_sure("n", 2)
+    whole = {"firm": frozenset("F"), "bases": {"n": frozenset("F")}}
+    assert not known_by((False,) * 4, **whole).is_sure("n", 2)
+    assert known_by((False,) * 4, spoken=frozenset("F"), **whole).is_sure("n", 2)
 
 
 def test_kinds_are_trusted_where_each_meaning_holds_elsewhere():
