@@ -66,7 +66,7 @@ class Doubt:
 class Evidence:
     """What speaks for the meanings of a note's symbols, by the patterns of their entries.
 
-    ``firm``: those that words give, or a preset as a whole; ``spoken``: words alone; ``guessed``: why others
+    ``firm``: those that words give, or a preset as a whole; ``spoken``: words alone; ``guessed``: why some
     were taken; ``meant``: what quantities of a system are; ``families``: symbols that speak for each other;
     ``bases``: symbols by which others are defined that stand for their norms, directions and components.
     """
