@@ -85,7 +85,7 @@ class Proposal:
 
     ``others``: other meanings that words of the note give the same symbols elsewhere; ``body``: whose
     mechanics it is about; ``confirmed``: patterns of the preset of which words say the same; ``systems``:
-    what lines of scalars are about.
+    what lines of scalars are about; ``words``: whether the note has any.
     """
 
     preset: str
@@ -97,6 +97,7 @@ class Proposal:
     confirmed: frozenset[str] = frozenset()
     systems: tuple[Guess, ...] = ()
     parts: tuple[tuple[str, tuple[Draft, ...]], ...] = ()
+    words: bool = True
 
     @property
     def toml(self) -> str:
@@ -192,9 +193,11 @@ def propose(document: Document) -> Proposal:
         frozenset(note.confirmed),
         note.systems,
         tuple(note.by_parts(document)),
+        any(_WORD.search(s) for s in text.sentences),
     )
 
 
+_WORD = re.compile(r"[A-Za-z]{3}")
 RIVALS = 2
 """Presets that are tried with the usual books; of those that go best with what words say."""
 BESIDE = "beside what words call any vector, in identities"

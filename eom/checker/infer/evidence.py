@@ -14,7 +14,7 @@ from typing import Any
 
 from eom.checker.infer.books import candidates, looks_in
 from eom.checker.infer.draft import Proposal
-from eom.checker.infer.letters import BOOKS, DISPLAY, FORMULA, GUESSED, LETTER
+from eom.checker.infer.letters import BOOKS, DISPLAY, GUESSED, LETTER
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
 from eom.checker.infer.shown import bare, operands_of, symbols_in
@@ -180,7 +180,7 @@ def evidence(
         f.entry.latex: _family(f) for k in looks if (f := _entry(k, lexicon)) is not None
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
-    whole = has_words(draft) and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
+    whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
     firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
     return Evidence(
         used,
@@ -194,12 +194,6 @@ def evidence(
         tuple(fails),
         frozenset({*said, *told, *draft.confirmed}),
     )
-
-
-def has_words(draft: Proposal) -> bool:
-    """Return whether words of the note, and not formulas alone, give any symbol a meaning."""
-    silent = {*GUESSED, FORMULA, TITLE}
-    return any(d.words not in silent for d in draft.drafts) or bool(draft.systems)
 
 
 def _family(found: Found) -> str:

@@ -16,7 +16,6 @@ from eom.checker.infer.evidence import (
     DECISIVE,
     Doubt,
     evidence,
-    has_words,
     misfits,
     readings,
     uncounted,
@@ -318,7 +317,7 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
     fails = [any(misfits(j.claim) for j in f.verdict.claims) for f in found]
-    plain = {HOLDS, UNDER} if has_words(known.draft) else {HOLDS}
+    plain = {HOLDS, UNDER} if known.draft.words else {HOLDS}
     firmly = [f.finding.verdict in plain for f in found]
     known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
