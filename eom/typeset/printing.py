@@ -81,10 +81,11 @@ def _latex_names(system: System) -> Names:
     quantities = [q for group in groups for q in group]
     named = (*system.definitions, *system.multipliers, *system.outputs, *system.invariants)
     quantities += [d.quantity for d in named]
-    return {
+    found = {
         q.symbol: q.latex if _OWN_LATEX.fullmatch(q.latex) else symbol_latex(q.name)
         for q in quantities
     }
+    return {s: latex for s, latex in found.items() if latex != symbol_latex(s.name)}
 
 
 def _variables(heading: str, quantities: Iterable[Quantity], names: Names) -> list[Block]:
