@@ -77,7 +77,7 @@ def unit_quaternion(gibbs: Iterable[Any]) -> tuple[Any, Any, Any, Any]:
 
 
 def cosines(q: Iterable[Any]) -> list[list[Any]]:
-    """Return C of a quaternion, times its squared norm (Hughes, 1986, eq. 2.2-27)."""
+    """Return C of a quaternion, times its squared norm (Hughes, 1986, sect. 2.2)."""
     a, b, c, d = q
     return [
         [a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c)],
@@ -106,7 +106,7 @@ def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
     """Return C of a unit quaternion ``q``, scalar first.
 
     C, (3, 3) as rows, takes components in the reference axes to components in the body's. The norm is not
-    tested. Source: Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27.
+    tested. Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2.
 
     >>> matrix_of_quaternion((0, 0, 0, 1))  # half a turn about axis 3
     ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))

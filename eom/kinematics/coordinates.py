@@ -38,7 +38,7 @@ def elementary(axis: int, angle: Expr) -> Expr:
     ``angle``: an expression (rad), right-handed; ``axis``: 1, 2 or 3. The matrix is 3 x 3 and takes
     components in A to components in B.
     Euler's theorem: C = cos 1 + (1 - cos) a a^T - sin tilde(a).
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2.
 
     >>> elementary(3, sp.Symbol("psi")).row(0)
     Matrix([[cos(psi), sin(psi), 0]])
@@ -236,7 +236,7 @@ class UnitQuaternion:
 
     @property
     def matrix(self) -> Expr:
-        """``C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q)`` (Hughes, eq. 2.2-27)."""
+        """``C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q)`` (Hughes, sect. 2.2)."""
         return sp.ImmutableMatrix(cosines(self.symbols))
 
     def rates(self, omega: Vector) -> tuple[Expr, ...]:

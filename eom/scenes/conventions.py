@@ -214,7 +214,7 @@ def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -
 
     ``q``: four numbers, in a ``convention``, scalar first or last as it says. C as of `attitude_of_matrix`.
     Raises `InputError` for a norm that is not 1, to 1e-9 or to the rounding of its decimals. Source:
-    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+    Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2; Shuster, J. Astronaut. Sci. 41 (1993) 439.
 
     >>> attitude_of_quaternion((0, 0, 1, 0), book("hughes"))[0]  # half a turn about axis 3
     (-1.0, 0.0, 0.0)

@@ -322,7 +322,7 @@ def _place(factor: Expr) -> tuple[int, bool, int]:
 
 
 def _place_of_letter(base: Expr) -> int:
-    """Return the place: Latin letters, sums, Greek ones, u to z, numbered rates of turning, others, time."""
+    """Return the place: Latin letters, sums, Greek ones, u to z, rates of turning, numbered ones, time."""
     if not base.is_Symbol:
         return 1
     if base.name == "t":

@@ -114,7 +114,7 @@ class Lagrangian:
     forces by coordinate (N or N m) that have no potential. Angles in radians.
     Raises `InputError` for no coordinates, symbols that repeat, a kinetic energy that is no polynomial of
     degree two in the rates, and forces at no coordinate. Source: Goldstein, Classical Mechanics (2002),
-    eq. 1.70.
+    sect. 1.5.
 
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
