@@ -70,6 +70,23 @@ def topics() -> dict[str, dict[str, str]]:
 def lesson(topic: str) -> Lesson:
     """Return a ``topic`` by its name, one of `topics`. Raises `InputError` for others.
 
+    Parameters
+    ----------
+    topic : str
+        One of `topics`.
+
+    Returns
+    -------
+    Lesson
+        The derivation that exercises are made from, and the symbols that stand at its beginning.
+
+    Raises
+    ------
+    InputError
+        For other names.
+
+    Examples
+    --------
     >>> len(lesson("point-mass").derivation.steps)
     29
     """
@@ -455,8 +472,20 @@ def _numbers(exercise: Exercise) -> Iterator[Said]:
 def student(exercise: Sheet, lexicon: bool = True) -> str:
     """Return the page of an ``exercise`` for the student as Markdown.
 
-    ``lexicon``: whether it begins with the front matter with which `eom check` can judge it.
+    Parameters
+    ----------
+    exercise : Sheet
+        What is asked; of an `Exercise` the answer is not told.
+    lexicon : bool, default True
+        Whether the page begins with the front matter with which `eom check` can judge it.
 
+    Returns
+    -------
+    str
+        Markdown: the heading, what the symbols mean, and the numbered lines.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> student(exercise("point-mass", seed=1), lexicon=False).splitlines()[0]
     '# Which line is false? Dynamics of a point mass'
@@ -479,6 +508,19 @@ def _student(exercise: Sheet) -> Iterator[Block]:
 def marker(exercise: Exercise) -> str:
     """Return the key of an exercise as Markdown: which line, what should stand there, and numbers.
 
+    Parameters
+    ----------
+    exercise : Exercise
+        As `eom.exercises.exercise` makes it.
+
+    Returns
+    -------
+    str
+        Markdown for whoever marks: which line, what should stand there, and the numbers for which
+        it is false.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> marker(exercise("point-mass", seed=1)).splitlines()[4]
     'Line (3) is false: what changes is taken for constant. It says'
@@ -494,9 +536,24 @@ def marker(exercise: Exercise) -> str:
 def solutions(exercises: Sequence[Exercise]) -> str:
     """Return a sheet with the solutions of some ``exercises`` as Markdown, one a section.
 
-    Each: the line and what was done in it, as it stands and as it should, the teacher's sentence, and
-    which lines carry the slip on. Raises `InputError` where there are none.
+    Parameters
+    ----------
+    exercises : sequence of Exercise
+        At least one, in the order of the sheet.
 
+    Returns
+    -------
+    str
+        Of each exercise: the line and what was done in it, as it stands and as it should, the
+        teacher's sentence, and which lines carry the slip on.
+
+    Raises
+    ------
+    InputError
+        Where there are none.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> solutions([exercise("point-mass", seed=1)]).splitlines()[4]
     'Line (3): what changes is taken for constant.'

@@ -62,9 +62,37 @@ def exercise(
 ) -> Exercise:
     """Return the exercise of a topic and seed; the same arguments give the same exercise.
 
-    ``topic``: one of `eom.exercises.topics`; all others: see `planted_in`. Raises `InputError` for unknown
-    names, and where no slip can be planted that the checker finds.
+    Parameters
+    ----------
+    topic : str
+        One of `eom.exercises.topics`.
+    seed : int, default 0
+        Of what is drawn: the lines, the slip and where it is planted.
+    notation : str, default "arrow"
+        One of `eom.typeset.notation.NOTATIONS`, how frames and vectors are written.
+    lines : int, default 6
+        At most so many lines, 2 to 40.
+    slip : str, optional
+        A kind of slip, any unless given.
+    difficulty : str, optional
+        ``easy`` (the line itself shows it), ``medium`` or ``hard`` (it takes mechanics), any unless
+        given.
+    carried : int, default 0
+        In so many further lines, 0 to 3, the slip is carried on.
 
+    Returns
+    -------
+    Exercise
+        The same arguments give the same exercise.
+
+    Raises
+    ------
+    InputError
+        For unknown names, for other numbers, and where no slip can be planted that the checker
+        finds.
+
+    Examples
+    --------
     >>> exercise("point-mass", seed=1).counterexample.values[0]
     ('m', '1')
     """
@@ -85,12 +113,37 @@ def planted_in(
 ) -> Exercise:
     """Return an exercise made from a lesson, ``about``.
 
-    ``seed``: of what is drawn; ``notation``: one of `eom.typeset.notation.NOTATIONS`; ``lines``: at most
-    so many, 2 to 40; ``slip``: a kind of slip, "" for any; ``difficulty``: easy (the line itself shows
-    it), medium, hard (it takes mechanics), "" for any; ``carried``: in so many further lines, 0 to 3, the
-    slip is carried on. Raises `InputError` for unknown names, for other numbers, and where no slip can be
-    planted that the checker finds.
+    Parameters
+    ----------
+    about : Lesson
+        The derivation that lines are taken from, see `lesson`.
+    seed : int, default 0
+        Of what is drawn: the lines, the slip and where it is planted.
+    notation : str, default "arrow"
+        One of `eom.typeset.notation.NOTATIONS`, how frames and vectors are written.
+    lines : int, default 6
+        At most so many lines, 2 to 40.
+    slip : str, optional
+        A kind of slip, any unless given.
+    difficulty : str, optional
+        ``easy`` (the line itself shows it), ``medium`` or ``hard`` (it takes mechanics), any unless
+        given.
+    carried : int, default 0
+        In so many further lines, 0 to 3, the slip is carried on.
 
+    Returns
+    -------
+    Exercise
+        The same arguments give the same exercise.
+
+    Raises
+    ------
+    InputError
+        For unknown names, for other numbers, and where no slip can be planted that the checker
+        finds.
+
+    Examples
+    --------
     >>> from eom.exercises import lesson
     >>> len(planted_in(lesson("point-mass"), lines=4).right.steps)
     4
@@ -261,9 +314,20 @@ def _is_false(derivation: Derived, step: Step, planted: Planted) -> bool:
 def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
     """Return an exercise with other false versions of its false line, each proved like the first one.
 
-    ``made``: of `exercise`. At most ``count``, the planted one among them; lines differ by how they
-    are written.
+    Parameters
+    ----------
+    made : Exercise
+        Of `exercise`.
+    count : int, default 4
+        So many false versions at most, the planted one among them.
 
+    Returns
+    -------
+    Exercise
+        The same exercise with its ``others``; these differ by how they are written.
+
+    Examples
+    --------
     >>> len(with_others(exercise("point-mass", seed=1), count=2).others)
     2
     """

@@ -147,9 +147,19 @@ def _text(parent: ET.Element, tag: str, text: str, style: str = "") -> ET.Elemen
 def moodle(exercises: Sequence[Exercise]) -> str:
     """Return ``exercises`` as one file in Moodle's XML.
 
-    About each there are two questions (which line is false? what is right?) and, where the answer can be
-    typed, a third for the plugin STACK. Returns the text of the file.
+    Parameters
+    ----------
+    exercises : sequence of Exercise
+        In the order in which questions are written.
 
+    Returns
+    -------
+    str
+        The text of the file. About each exercise there are two questions (which line is false? what
+        is right?) and, where the answer can be typed, a third for the plugin STACK.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> moodle([exercise("point-mass", seed=1)]).count("<question ")  # the first is the category
     3

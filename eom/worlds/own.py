@@ -22,7 +22,7 @@ from eom.terms.terms import Term
 from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.generators import worlds
 from eom.worlds.turning import elementary
-from eom.worlds.worlds import World
+from eom.worlds.worlds import CONFIGURED, World
 
 Scalars = Mapping[Any, Term]
 Motions = dict[str, Series]
@@ -75,15 +75,19 @@ class Furnished:
 
 def _with(world: World, own: Own, scalars: Scalars, motions: Motions) -> World:
     memo: dict[Any, Any] = {("coordinate", name): motion for name, motion in motions.items()}
-    memo["configured",] = own.configured
-    frames, points = {**world.frames}, {**world.points}
-    new = dataclasses.replace(world, frames=frames, points=points, memo=memo)
-    evaluator = Evaluator(new, scalars)
-    for name, frame in own.frames.items():
-        frames[name] = _turned(evaluator, frame)
-    for name, place in own.points.items():
-        points[name] = evaluator.value(place)
-    return new
+    memo[CONFIGURED] = own.configured
+
+    def built(bare: World) -> World:
+        frames, points = {**bare.frames}, {**bare.points}
+        new = dataclasses.replace(bare, frames=frames, points=points)
+        evaluator = Evaluator(new, scalars)
+        for name, frame in own.frames.items():
+            frames[name] = _turned(evaluator, frame)
+        for name, place in own.points.items():
+            points[name] = evaluator.value(place)
+        return new
+
+    return built(dataclasses.replace(world, memo=memo, rebuild=built))
 
 
 def _turned(evaluator: Evaluator, frame: OwnFrame) -> Matrix:
