@@ -183,7 +183,7 @@ def test_jets_push_against_what_they_throw_out():
 
 
 def test_a_gradient_of_gravity_pulls_and_turns():
-    """Of a body on a circular orbit: 3 n^2 r x J r about its centre of mass (Hughes 1986, eq. 8.1-10)."""
+    """Of a body on a circular orbit: 3 n^2 r x J r about its centre of mass (Hughes 1986, sect. 8.1)."""
     n, J = 0.3, np.diag([0.1, 0.2, 0.25])
     scene = bob(gravity_gradient=[[2 * n * n, 0, 0], [0, -n * n, 0], [0, 0, -n * n]],
                 initial={"w_joint_3": 0.1, "w_joint_1": 0.4, "x_joint": 0.5})  # fmt: skip
