@@ -73,7 +73,7 @@ def phrases(words: str, known: Mapping[str, Box]) -> tuple[str | Box, ...]:
     return _joined(words, found)
 
 
-_FACTOR = re.compile(r"(?:(?<![\w'])[A-Za-z]\w?'*|\))$")
+_FACTOR = re.compile(r"(?:(?<![\w'])[A-Za-z](?:_\w+|\d)?'*|\))$")
 
 
 def _is_cross(words: str, m: re.Match[str], found: list[tuple[int, int, Box]]) -> bool:
