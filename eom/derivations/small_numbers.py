@@ -37,7 +37,10 @@ DIFFERENT = 1e-9
 
 @dataclass(frozen=True)
 class Numbers:
-    """What the symbols are, with sines and cosines, and what both sides of a line then are."""
+    """Numbers for which a line fails.
+
+    ``values``: of symbols, sines and cosines; ``sides``: what both sides then are, by components in I.
+    """
 
     values: Mapping[Expr, Expr]
     sides: tuple[tuple[Expr, ...], tuple[Expr, ...]]
@@ -47,7 +50,8 @@ class Numbers:
 class Judge:
     """A finished derivation, asked about other lines: whether they are false, and for which numbers.
 
-    ``scalars``: what symbols stand for; ``own``: frames, points, bodies and laws of the derivation.
+    ``scalars``: what symbols stand for; ``own``: frames, points, bodies and laws of the derivation;
+    ``lines``: what decides them, made of both.
     """
 
     scalars: Mapping[Any, Term]
@@ -58,7 +62,10 @@ class Judge:
         object.__setattr__(self, "lines", Deciding(self.own, self.scalars))
 
     def refutes(self, equation: Equation, assumptions: Iterable[str]) -> bool:
-        """Return whether an equation is false in a world in which all laws hold; undecided ones are not."""
+        """Return whether an ``equation`` is false in a world in which all laws hold.
+
+        ``assumptions``: under which it is claimed. False of what is undecided.
+        """
         try:
             self.lines.decided(replace(equation, relation="="), assumptions)
         except DerivationError as error:
@@ -72,7 +79,7 @@ class Judge:
     ) -> Numbers | None:
         """Return small numbers for which both sides of ``wrong`` differ, and those of ``right`` do not.
 
-        None where none are found. What is not written by coordinates and constants has those of a world.
+        ``assumptions``: under which both are claimed. None where none are found. What is not written by coordinates and constants has those of a world.
         """
         try:
             lines = self.lines.carried(wrong), self.lines.carried(right)
