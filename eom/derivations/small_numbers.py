@@ -79,7 +79,8 @@ class Judge:
     ) -> Numbers | None:
         """Return small numbers for which both sides of ``wrong`` differ, and those of ``right`` do not.
 
-        ``assumptions``: under which both are claimed. None where none are found. What is not written by coordinates and constants has those of a world.
+        ``assumptions``: under which both are claimed. None where none are found. What is not written by
+        coordinates and constants has those of a world.
         """
         try:
             lines = self.lines.carried(wrong), self.lines.carried(right)

@@ -111,7 +111,7 @@ def in_order(value: Expr) -> list[Expr]:
     powers = _rates_in(terms) or _powers_of(_variable(terms), terms)
     if powers:
         terms = [t for _, t in sorted(zip(powers, terms, strict=True), key=lambda pair: -pair[0])]
-    elif any(t.is_Number for t in terms):
+    elif any(t.is_Number and t.is_positive for t in terms):
         terms.sort(key=_degree)
     else:
         terms.sort(key=lambda t: not (t.is_Pow and t.base.is_Add and t.exp.is_Integer))
