@@ -126,7 +126,7 @@ class Result:
     estimate: Accuracy | None = field(default=None, repr=False, compare=False)
     """What `with_accuracy` found."""
     units: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
-    """Unit of time (under ``t``), and of each state and output, by name."""
+    """Unit of time (under ``t``), and of each state, held or not, and output, by name."""
 
     @typed
     def accuracy(self, limit: float | None = None) -> Accuracy:
@@ -214,7 +214,7 @@ class Result:
     def to_pandas(self) -> Any:
         """Return a data frame of pandas: states and outputs in columns, by the time in its index.
 
-        Their units stand in ``attrs["units"]``. Raises `InputError` where pandas is not installed (extra
+        States that kept their initial values have columns, too. Their units stand in ``attrs["units"]``. Raises `InputError` where pandas is not installed (extra
         ``tables``).
         """
         return frame(self)
@@ -231,7 +231,7 @@ class Result:
         """Write all that was found to ``path``, a NumPy archive (.npz), which `load` reads; return it.
 
         Time, states and outputs stand in it by name, units and the rest beside them. A table (.csv) gets
-        time, states and outputs alone. Raises `InputError` for other endings, and where the file cannot be
+        time, states and outputs alone. States that kept their initial values are among them. Raises `InputError` for other endings, and where the file cannot be
         written.
         """
         return save(self, path)
@@ -392,10 +392,10 @@ class Found:
 
     @property
     def units(self) -> dict[str, str]:
-        """The unit of time, and of each state and output."""
+        """The unit of time, and of each state, held or not, and output."""
         layout = self.task.compiled.layout
         known = {q.name: q.unit for q in layout.known}
-        names = (*names_of(layout.states), *self.outputs)
+        names = (*names_of(layout.states), *self.held, *self.outputs)
         return {"t": "s", **{n: known.get(n, "") for n in names}}
 
     @property

@@ -314,6 +314,7 @@ def data(job: Job, result: Result, accuracy: Accuracy | str = "") -> dict[str, A
         "events": {n: finite(e.t.tolist()) for n, e in result.events.items()},
         "t": finite(result.t.tolist()),
         "states": {n: finite(row) for n, row in rows},
+        "held": {n: finite(value) for n, value in result.held.items()},
         "outputs": {n: finite(row.tolist()) for n, row in result.outputs.items()},
     }
 
