@@ -115,11 +115,10 @@ def promising(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> 
 
     Costs as many calls of the rates as there are states where the norm of the Jacobian excludes it.
     """
+    if _is_calm(compiled, problem, u, worth):
+        return False
     start, end = problem.t_span
     span = abs(end - start)
-    quick = _steepest(compiled, problem, u)
-    if quick is not None and quick * span * ROUNDING < worth * DOP853_REACH:
-        return False
     changes, slopes = _differences(compiled, problem, start, problem.x0, u)
     bound = float((np.abs(slopes).T @ (1.0 / changes)).max())
     if not math.isfinite(bound) or bound * span < worth * DOP853_REACH:
@@ -127,6 +126,13 @@ def promising(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> 
     J = slopes.T / changes
     worst = _worst(J, math.copysign(1.0, end - start))
     return worst is not None and abs(worst) * span >= worth * DOP853_REACH
+
+
+def _is_calm(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> bool:
+    """Return whether the norm of the Jacobian alone excludes stiffness, in one call of C."""
+    start, end = problem.t_span
+    found = _steepest(compiled, problem, u)
+    return found is not None and found * abs(end - start) * ROUNDING < worth * DOP853_REACH
 
 
 ROUNDING = 1 + 1e-9
@@ -251,6 +257,32 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
         chosen = Explicit("DOP853", f"{chosen.method}: {error.what}", DOP853_REACH)
         ready = methods[chosen.method](task)
     return _going_on(task, methods, chosen, ready), ready[1]
+
+
+Decided = tuple[Callable[[Problem], Trajectory | None], str]
+
+
+def decided(task: Task, methods: Mapping[str, Prepare]) -> Decided | None:
+    """Return what integrates problems with the values of a task from any initial state, and its name.
+
+    It gives what `prepared` gives, or None from an initial state where more is to be decided. None at once
+    where a closed form is known, or not all of a run is made in generated C.
+    """
+    if task.events or task.problem.laws or not _is_native(task):
+        return None
+    if closed_forms.is_known(task.compiled, task.problem):
+        return None
+    chosen, u, worth = _explicit(task), _inputs(task), WORTH[True]
+    try:
+        ready = methods[chosen.method](task)
+    except native.CompilerError:
+        return None
+    run = _going_on(task, methods, chosen, ready)
+
+    def integrator(problem: Problem) -> Trajectory | None:
+        return run(problem) if _is_calm(task.compiled, problem, u, worth) else None
+
+    return integrator, ready[1]
 
 
 def _with_events(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, str]:

@@ -189,6 +189,11 @@ def _auto(task: Task) -> tuple[Integrator, str]:
     return choice.prepared(task, {row.name: row.prepare for row in ROWS})
 
 
+def decided(task: Task) -> choice.Decided | None:
+    """Return what `auto` decides for all initial states at once: see `choice.decided`."""
+    return choice.decided(task, {row.name: row.prepare for row in ROWS})
+
+
 def resumed(task: Task, first: Trajectory) -> Trajectory:
     """Go on where a Taylor series of an ensemble stopped: see `choice.resumed`."""
     return choice.resumed(task, {row.name: row.prepare for row in ROWS}, first)

@@ -22,9 +22,9 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.events import Event
 from codegen.compiling.events import Given as EventsGiven
 from codegen.frontend.layout import names_of
-from codegen.integrate.choice import Task
+from codegen.integrate.choice import Decided, Task
 from codegen.integrate.methods import Integrator as Loop
-from codegen.integrate.methods import Native, can_project, integrator_of
+from codegen.integrate.methods import Native, can_project, decided, integrator_of
 from codegen.integrate.scales import quickly
 from codegen.ir.program import INVARIANTS, SINGULARITIES
 from codegen.loops.projection import chosen
@@ -108,8 +108,14 @@ class _Ready:
         self.names = names_of(compiled.layout.states)
         self.winding = any(a.winding for a in compiled.system.angles)
         self.fixed = self.clock is None and asked.method != AUTO and not compiled.system.sampled
+        self.chooses = (
+            self.clock is None
+            and asked.method == AUTO
+            and not (compiled.system.sampled or self.winding)
+        )
         self._loop: tuple[Loop, str] | None = None
         self._quick: Quick | None = None
+        self._decided: tuple[bytes, Decided | None] = b"", None
 
     def loop(self, task: Task) -> tuple[Loop, str]:
         """Return what integrates a task, and its name; the same again where values do not matter."""
@@ -128,20 +134,39 @@ class _Ready:
 
     def run(self, given: Given, atol: tuple[Array, str], progress: Progress | None) -> Result:
         """Integrate from what is given; ``atol``: tolerances, and what is to be said of them."""
-        quick = self._quick
-        if quick is None or given.signals is not None or given.laws or progress is not None:
+        if given.signals is not None or given.laws or progress is not None:
             return self._in_general(given, atol, progress)
-        made = quick.integrate(self.problem, given.x0, given.values, given.held, atol[0])
+        quick, made, used = self._quick, None, ""
+        began = time.perf_counter()
+        if quick is not None:
+            made = quick.integrate(self.problem, given.x0, given.values, given.held, atol[0])
+            used = self.own_loop()[1]
+        elif self.chooses and (decided := self._decision(given, atol[0])) is not None:
+            run, used = decided
+            made = run(self._problem(given, atol[0]))
+        if made is None:
+            return self._in_general(given, atol, progress)
+        seconds = time.perf_counter() - began if made.seconds is None else made.seconds
         found = Found(self._task, made, self.asked.method, None, ("", atol[1]), (given, atol[0]))
-        return result_of(
-            found, self.own_loop()[1], made.seconds or 0.0, self.names, self.part.left_out
-        )
+        return result_of(found, used, seconds, self.names, self.part.left_out)
 
-    def _task(self, given: Given, atol: Array, progress: Progress | None = None) -> Task:
-        problem = varied(
+    def _decision(self, given: Given, atol: Array) -> Decided | None:
+        """Return what `auto` decides whatever the initial state, made again where other values are given."""
+        values = given.values.tobytes() + given.held.tobytes()
+        known, decision = self._decided
+        if known != values:
+            decision = decided(self._task(given, atol))
+            self._decided = values, decision
+        return decision
+
+    def _problem(self, given: Given, atol: Array, progress: Progress | None = None) -> Problem:
+        return varied(
             self.problem, x0=given.x0, parameters=given.values, inputs=given.held, atol=atol,
             laws=given.laws, progress=progress,
         )  # fmt: skip
+
+    def _task(self, given: Given, atol: Array, progress: Progress | None = None) -> Task:
+        problem = self._problem(given, atol, progress)
         return varied(self.task, problem=problem, signals=given.signals)
 
     def _in_general(

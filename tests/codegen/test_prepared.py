@@ -66,6 +66,25 @@ def test_the_quick_way_gives_the_numbers_of_the_long_one(body, monkeypatch, meth
 
 
 @needs_compiler
+def test_what_auto_decided_once_holds_for_the_values_that_it_was_decided_for(monkeypatch):
+    """Stiff or not by the parameter and by the initial state, a closed form by the parameter, back again."""
+    rates = {Y: V, V: M * (1 - Y**2) * V - K * Y}
+    system = System.from_rates("relaxation", rates)
+    compiled = compile_system(system, "c")
+    runs = integrator(compiled, (0, 2000), rtol=1e-6, t_eval=[0, 2000.0])
+    cases = [((2.0, 0.0), (k, m)) for k, m in ((1.0, 1.0), (1.0, 1e3), (1.0, 0.0), (1.0, 1.0))]
+    cases += [((1e5, 0.0), (1.0, 1.0)), ((2.0, 0.1), (1.0, 1.0))]
+    names = [q.name for q in compiled.layout.parameters]
+    found = [runs.run(x, dict(zip(("k", "M"), p, strict=True))) for x, p in cases]
+    assert sorted(names) == ["M", "k"]
+    assert [f.method.split()[0] for f in found[:4]] == ["Taylor", "LSODA", "closed", "Taylor"]
+    monkeypatch.setattr(prepared, "decided", lambda task: None)
+    for (x, p), quick in zip(cases, found, strict=True):
+        values = dict(zip(("k", "M"), p, strict=True))
+        same(quick, simulate(compiled, x, (0, 2000), values, rtol=1e-6, t_eval=[0, 2000.0]))
+
+
+@needs_compiler
 @pytest.mark.parametrize("name", ["bicycle-wheel", "rolling-disc", "quadrotor", "four-bar-linkage"])
 def test_scenes_run_alike_in_any_order_of_values(name):
     """Projection, unknown scales, defaults and inputs among them; values by name, in order, as arrays."""
