@@ -42,10 +42,11 @@ from codegen.compiling import events
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.signals import Inputs
 from codegen.derivatives.taylor import operations, prepare
+from codegen.frontend.layout import Layout
 from codegen.integrate import closed
 from codegen.integrate.scales import PART, units_of
 from codegen.ir.interpret import Point
-from codegen.ir.program import RATES, SameObject
+from codegen.ir.program import RATES, Program, SameObject
 from codegen.loops import taylor
 from codegen.loops.projection import units
 from codegen.native import native
@@ -357,10 +358,13 @@ def _explicit(task: Task) -> Explicit:
 
 @lru_cache(maxsize=256)
 def _against_series(key: SameObject[Compiled], order: int) -> str:
+    return against_series(key.value.program, key.value.layout, order)
+
+
+def against_series(program: Program, layout: Layout, order: int) -> str:
     """Return what speaks against Taylor series of an order, or nothing."""
-    compiled = key.value
     try:
-        series = prepare(compiled.program, RATES, compiled.layout)
+        series = prepare(program, RATES, layout)
     except InputError as error:
         return error.what
     if series.has_branches:

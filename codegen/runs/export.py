@@ -89,7 +89,7 @@ class Run(Protocol):
 
 
 def columns(result: Run) -> dict[str, Array]:
-    """Return time, states, those that kept their initial values, and outputs by name, each of shape (N,)."""
+    """Return time, states, those that kept their first values too, and outputs, by name, each (N,)."""
     states = dict(zip(result.names, result.y, strict=True))
     held = {n: np.full(len(result.t), v) for n, v in result.held.items()}
     return {"t": result.t, **states, **held, **result.outputs}

@@ -21,12 +21,12 @@ from codegen.compiling import events as looked_for
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.events import Event
 from codegen.compiling.events import Given as EventsGiven
-from codegen.frontend.layout import names_of
+from codegen.frontend.layout import Layout, names_of
 from codegen.integrate.choice import Decided, Task
 from codegen.integrate.methods import Integrator as Loop
-from codegen.integrate.methods import Native, can_project, decided, integrator_of
+from codegen.integrate.methods import Native, begin, can_project, decided, integrator_of
 from codegen.integrate.scales import quickly
-from codegen.ir.program import INVARIANTS, SINGULARITIES
+from codegen.ir.program import INVARIANTS, SINGULARITIES, Program
 from codegen.loops.projection import chosen
 from codegen.loops.runge_kutta import Quick
 from codegen.native import native
@@ -151,7 +151,7 @@ class _Ready:
         return result_of(found, used, seconds, self.names, self.part.left_out)
 
     def _decision(self, given: Given, atol: Array) -> Decided | None:
-        """Return what `auto` decides whatever the initial state, made again where other values are given."""
+        """Return what `auto` decides whatever the initial state, anew where other values are given."""
         values = given.values.tobytes() + given.held.tobytes()
         known, decision = self._decided
         if known != values:
@@ -339,14 +339,20 @@ def asked_of(
 ) -> Asked:
     """Return how to integrate. Raises `InputError` for what does not fit, whatever the values of a run."""
     found = looked_for.checked(events)
-    span = _span(t_span, t_eval)
+    span, relative = _span(t_span, t_eval), arguments.relative(rtol)
+    plain = not (outputs or found or project or epoch)
     return Asked(
-        compiled_of(system), span, method, arguments.relative(rtol), atol,
+        compiled_of(system, loop_of(method, relative) if plain else None), span, method, relative, atol,
         None if t_eval is None else arguments.grid(t_eval, span), outputs, dense_output,
         arguments.optional(first_step, "first_step"), arguments.positive(max_step, "max_step"),
         arguments.count(max_steps), arguments.positive(margin, "margin"), project, found,
         arguments.finite(epoch, "epoch"),
     )  # fmt: skip
+
+
+def loop_of(method: str, rtol: float) -> Callable[[Program, Layout], None]:
+    """Return what begins to compile the loop of a method, for `codegen.ir.compile_progress.beside`."""
+    return lambda program, layout: begin(program, layout, method, rtol)
 
 
 def _span(t_span: tuple[float, float] | None, t_eval: ArrayLike | None) -> tuple[float, float]:

@@ -214,8 +214,8 @@ class Result:
     def to_pandas(self) -> Any:
         """Return a data frame of pandas: states and outputs in columns, by the time in its index.
 
-        States that kept their initial values have columns, too. Their units stand in ``attrs["units"]``. Raises `InputError` where pandas is not installed (extra
-        ``tables``).
+        States that kept their initial values have columns, too. Their units stand in ``attrs["units"]``.
+        Raises `InputError` where pandas is not installed (extra ``tables``).
         """
         return frame(self)
 
@@ -231,8 +231,8 @@ class Result:
         """Write all that was found to ``path``, a NumPy archive (.npz), which `load` reads; return it.
 
         Time, states and outputs stand in it by name, units and the rest beside them. A table (.csv) gets
-        time, states and outputs alone. States that kept their initial values are among them. Raises `InputError` for other endings, and where the file cannot be
-        written.
+        time, states and outputs alone. States that kept their initial values are among them. Raises
+        `InputError` for other endings, and where the file cannot be written.
         """
         return save(self, path)
 

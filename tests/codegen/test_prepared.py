@@ -67,7 +67,7 @@ def test_the_quick_way_gives_the_numbers_of_the_long_one(body, monkeypatch, meth
 
 @needs_compiler
 def test_what_auto_decided_once_holds_for_the_values_that_it_was_decided_for(monkeypatch):
-    """Stiff or not by the parameter and by the initial state, a closed form by the parameter, back again."""
+    """Stiff or not by the parameter and by the initial state, closed by the parameter, back again."""
     rates = {Y: V, V: M * (1 - Y**2) * V - K * Y}
     system = System.from_rates("relaxation", rates)
     compiled = compile_system(system, "c")
