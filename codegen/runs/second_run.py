@@ -147,11 +147,14 @@ class Second:
 Runner = Callable[[Origin, Problem, Candidate, Array], Second]
 
 
-def begin(origin: Origin) -> None:
-    """Begin to compile the loop of the second run, beside all that is done before `second_run`."""
-    compiled = origin.compiled
-    if compiled.target != "c" or origin.problem.laws:
+def begin(origin: object) -> None:
+    """Begin to compile the loop of the second run, beside all that is done before `second_run`.
+
+    ``origin``: that of a result; nothing is begun where it is none.
+    """
+    if not isinstance(origin, Origin) or origin.problem.laws or origin.compiled.target != "c":
         return
+    compiled = origin.compiled
     for first in _candidates(origin):
         if first.method != "taylor" or _has_series(origin):
             rtol = max(first.finer * origin.problem.rtol, first.least)
