@@ -9,7 +9,6 @@ again while these stay the same, bit for bit.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +29,7 @@ from codegen.ir.program import INVARIANTS, SINGULARITIES, Program
 from codegen.loops.projection import chosen
 from codegen.loops.runge_kutta import Quick
 from codegen.native import native
-from codegen.native.trajectory import MAX_STEPS, Array, Problem, varied
+from codegen.native.trajectory import Array, Problem, varied
 from codegen.runs import arguments, pruning
 from codegen.runs.clock import clock_of
 from codegen.runs.given import (
@@ -317,6 +316,11 @@ def run_of(
     return prepared._run(initial, parameters, inputs, progress)
 
 
+def prepared(asked: Asked, inputs: InputsGiven | None) -> Integrator:
+    """Return an integrator whose loop is compiled, if the method says which it is."""
+    return Integrator(asked, {} if inputs is None else inputs)._prepare()
+
+
 _CHECKED = _Checked()
 
 
@@ -367,98 +371,3 @@ def _span(t_span: tuple[float, float] | None, t_eval: ArrayLike | None) -> tuple
             expected="t_span, start and end, or t_eval, times to store from the start on",
         )
     return arguments.span((float(times.flat[0]), float(times.flat[-1])))
-
-
-@typed
-def integrator(
-    system: System | Compiled,
-    t_span: tuple[float, float] | None = None,
-    method: str = AUTO,
-    rtol: float = 1e-9,
-    atol: ArrayLike | None = None,
-    t_eval: ArrayLike | None = None,
-    *,
-    inputs: InputsGiven | None = None,
-    outputs: Sequence[str] | None = None,
-    dense_output: bool = False,
-    first_step: float | None = None,
-    max_step: float = math.inf,
-    max_steps: int = MAX_STEPS,
-    margin: float = DEFAULT_MARGIN,
-    project: bool | str | Sequence[str] | None = None,
-    events: EventsGiven = None,
-    epoch: float = 0.0,
-) -> Integrator:
-    """Prepare runs of ``system`` once, to make many with other values: ``run(initial, parameters)``.
-
-    A run gives what `codegen.simulate` gives, to the last bit.
-
-    Parameters
-    ----------
-    system : System or Compiled
-        What to integrate.
-    t_span : (float, float), optional
-        Start and end (s). May be left out where ``t_eval`` is given: then it is from its first to its
-        last time.
-    method : str, default "auto"
-        One of `METHODS`. One that is named is compiled here; what ``auto`` chooses, which depends on
-        the values, at the first run that needs it, and closed forms are found for each run.
-    rtol : float, default 1e-9
-        Relative tolerance of a step.
-    atol : float or array, optional
-        Absolute tolerance, a number or (n,).
-    t_eval : array, optional
-        Times to store (s); every step unless given.
-    inputs : mapping or callable, optional
-        For runs that are given none.
-    outputs : sequence of str, optional
-        Names of outputs and states that are wanted; all unless given.
-    dense_output : bool, default False
-        Whether results have ``sol``, a function of time.
-    first_step, max_step : float, optional
-        Length of the first step, and of the longest (s).
-    max_steps : int
-        Most steps to try.
-    margin : float, default 1e-6
-        Runs stop where a singularity's expression gets below it.
-    project : bool, str or sequence of str, optional
-        Invariants onto which the state is brought back after each step.
-    events : Event, expression, or several, optional
-        Zeros of expressions to find.
-    epoch : float, default 0
-        Time (s) of the system at which t is zero.
-
-    Returns
-    -------
-    Integrator
-        What `Integrator.run` calls with values.
-
-    Raises
-    ------
-    InputError
-        For unusable arguments.
-    CompilerError
-        Where the method needs C and there is no compiler.
-
-    Notes
-    -----
-    `codegen.simulate` says more of each argument; they are the same. A run that ends within some
-    hundred steps costs a few microseconds beside its loop where values are numbers by name or in order,
-    the method runs in generated C, and nothing is looked for on the way; with units in texts,
-    functions, laws, events, projection, dense output or fewer ``outputs`` it costs more. Units are
-    those of the system.
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> y, v, k = sp.symbols("y v k", real=True)
-    >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y})
-    >>> swing = integrator(oscillator, t_eval=[0, sp.pi], method="scipy:DOP853")
-    >>> [round(float(swing.run({"y": 1, "v": 0}, {"k": k})["y"][-1]), 6) for k in (1, 4)]
-    [-1.0, 1.0]
-    """
-    asked = asked_of(
-        system, t_span, method, rtol, atol, t_eval, outputs, dense_output, first_step, max_step,
-        max_steps, margin, project, events, epoch,
-    )  # fmt: skip
-    return Integrator(asked, {} if inputs is None else inputs)._prepare()

@@ -1,7 +1,9 @@
 """Runs that are prepared once: the same numbers as ever, the same refusals, and what is read alone."""
 
 import copy
+import inspect
 import pickle
+import re
 import threading
 
 import numpy as np
@@ -99,6 +101,25 @@ def test_scenes_run_alike_in_any_order_of_values(name):
     same(one, runs.run(np.array(orders[0]), tuple(orders[1])))
     same(one, simulate(p.system, p.start, (0, 0.1), p.parameters, t_eval=np.linspace(0, 0.1, 5),
                        inputs=p.inputs))  # fmt: skip
+
+
+def test_what_is_said_of_arguments_is_written_once():
+    """Of all that an integrator takes as `simulate` does its page says the same; of the rest its own."""
+    own, other = (inspect.getdoc(f) for f in (integrator, simulate))
+    named = re.findall(r"^(\w+) : .*\n(?:    .*\n)*", own, re.MULTILINE)
+    texts = dict(
+        zip(named, re.findall(r"^\w+ : .*\n(?:    .*\n)*", own, re.MULTILINE), strict=True)
+    )
+    assert named == list(inspect.signature(integrator).parameters)
+    assert {n for n, text in texts.items() if text not in other} == {
+        "system", "t_span", "method", "inputs",
+    }  # fmt: skip
+    assert (
+        own.index("Parameters")
+        < own.index("epoch :")
+        < own.index("Returns")
+        < own.index("Examples")
+    )
 
 
 @needs_compiler
