@@ -22,8 +22,8 @@ from codegen.compiling.events import Event
 from codegen.compiling.events import Given as EventsGiven
 from codegen.frontend.layout import Layout, names_of
 from codegen.integrate.choice import Decided, Task
+from codegen.integrate.methods import METHODS, Native, begin, can_project, decided, integrator_of
 from codegen.integrate.methods import Integrator as Loop
-from codegen.integrate.methods import Native, begin, can_project, decided, integrator_of
 from codegen.integrate.scales import quickly
 from codegen.ir.program import INVARIANTS, SINGULARITIES, Program
 from codegen.loops.projection import chosen
@@ -43,7 +43,7 @@ from codegen.runs.given import (
 )
 from codegen.runs.result import Found, Result, result_of
 from codegen.runs.tested import Tested
-from eom.errors import InputError, typed
+from eom.errors import InputError, spelt, typed
 from eom.system import System
 
 DEFAULT_MARGIN = 1e-6
@@ -359,10 +359,10 @@ def asked_of(
 ) -> Asked:
     """Return how to integrate. Raises `InputError` for what does not fit, whatever the values of a run."""
     found = looked_for.checked(events)
-    span, relative = _span(t_span, t_eval), arguments.relative(rtol)
-    plain = not (outputs or found or project or epoch)
+    span, relative, name = _span(t_span, t_eval), arguments.relative(rtol), spelt(method, METHODS)
+    beside = None if outputs or found or project or epoch else loop_of(name, relative)
     return Asked(
-        compiled_of(system, loop_of(method, relative) if plain else None), span, method, relative, atol,
+        compiled_of(system, beside), span, name, relative, atol,
         None if t_eval is None else arguments.grid(t_eval, span), outputs, dense_output,
         arguments.optional(first_step, "first_step"), arguments.positive(max_step, "max_step"),
         arguments.count(max_steps), arguments.positive(margin, "margin"), project, found,
