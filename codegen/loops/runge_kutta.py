@@ -18,18 +18,8 @@ from codegen.ir.names import comment, identifier
 from codegen.ir.program import RATES, SINGULARITIES, Program, SameObject
 from codegen.loops import crossings, jumps, lookout, projection, samples
 from codegen.loops.tableaux import Row, Tableau
-from codegen.native import native
-from codegen.native.trajectory import (
-    Array,
-    Held,
-    Problem,
-    Stepwise,
-    Stop,
-    Trajectory,
-    doubled,
-    pointer,
-    varied,
-)  # fmt: skip
+from codegen.native import native, trajectory
+from codegen.native.trajectory import Array, Held, Problem, Stepwise, Stop, Trajectory, varied
 from codegen.passes.pipeline import by_parameters
 from codegen.targets import c
 
@@ -550,7 +540,7 @@ class _Plain:
 
     def __init__(self, method: NativeMethod, problem: Problem, s: Any, store: _Store) -> None:
         self.method, self.s, self.o = method, ctypes.addressof(s), ctypes.addressof(store.output)
-        self.p, self.u = pointer(problem.parameters), pointer(problem.inputs)
+        self.p, self.u = trajectory.pointer(problem.parameters), trajectory.pointer(problem.inputs)
 
     def start(self) -> int:
         return int(self.method.start(self.s, self.p, self.u))
@@ -635,7 +625,7 @@ class _Store:
         self.output = method.output(capacity=capacity)
         if self.grid is not None:
             self.output.grid, self.output.grid_count = (
-                pointer(self.grid) or self.t.ctypes.data,
+                trajectory.pointer(self.grid) or self.t.ctypes.data,
                 len(self.grid),
             )
         self._point()
@@ -650,9 +640,9 @@ class _Store:
         if self.grid is not None or self.output.count < self.output.capacity:
             return True
         try:
-            self.t, self.x = doubled(self.t), doubled(self.x)
+            self.t, self.x = trajectory.doubled(self.t), trajectory.doubled(self.x)
             if self.dense_output:
-                self.dense = doubled(self.dense)
+                self.dense = trajectory.doubled(self.dense)
         except MemoryError:
             return False
         self.output.capacity = len(self.dense) if self.dense_output else len(self.t) - self.head
