@@ -498,10 +498,18 @@ def _with_inertia(stated: BodyAttitude, derived: Derived) -> BodyAttitude:
 class TreeFunction:
     """An array over the coordinates and speeds of a tree, as a ``system`` to compile for any target.
 
-    ``system``: its states are those of the tree, its outputs the entries that are not zero by structure,
-    in SI units and the frames of `Joint`; its rates move the coordinates at constant speeds, or as the
-    inputs say. ``shape``: of the array, (n,) or (n, m). ``places``: the index of each output.
-    ``symmetric``: whether an output stands at its mirror image, too.
+    Parameters
+    ----------
+    system : System
+        Its states are those of the tree, its outputs the entries that are not zero by structure, in
+        SI units and the frames of `Joint`; its rates move the coordinates at constant speeds, or as
+        the inputs say.
+    shape : tuple of ints
+        Of the array, (n,) or (n, m).
+    places : tuple of tuple of ints
+        The index of each output.
+    symmetric : bool, default False
+        Whether an output stands at its mirror image, too.
     """
 
     system: System
