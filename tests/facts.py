@@ -44,6 +44,7 @@ INNER = frozenset(
         "eom.multibody.closed.readable.Writer",
         "eom.multibody.constrained.dependence.Sample",
         "eom.multibody.model.joints.Kind",
+        "eom.multibody.system.vectors.Drawn",
         "eom.terms.terms.Equation",
         "eom.terms.terms.Term",
         "eom.views.animation.figures.Figures",
