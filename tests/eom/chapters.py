@@ -118,8 +118,6 @@ def is_general(d, equation):
 
 def is_true(d, equation, assumptions):
     """Whether a line of a derivation is true. Raises `oracle.Undefined` where that is not known."""
-    if equation.relation == ">=" and d.own:
-        raise oracle.Undefined("a sign that holds under conditions")
     if d.own.configured:
         return configured_oracle.is_true(Held(d), equation, assumptions)
     if d.name not in MOTIONS:
@@ -132,9 +130,20 @@ def is_true(d, equation, assumptions):
     try:
         if is_general(d, equation):
             return oracle.is_true(equation, assumptions, d.scalars)
-        return mechanics(d.name, Held(d)).is_true(equation)
+        known = mechanics(d.name, Held(d))
+        if equation.relation == ">=":
+            return _is_sign(known, equation)
+        return known.is_true(equation)
     except (AttributeError, KeyError, NotImplementedError) as error:
         raise oracle.Undefined(f"not known elsewhere: {error}") from None
+
+
+def _is_sign(known, equation):
+    """Whether a sign needs no condition."""
+    found = known.is_never_negative(equation)
+    if found is None:
+        raise oracle.Undefined("no state with a real value was drawn")
+    return found
 
 
 def is_conditional(step):
