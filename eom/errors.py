@@ -61,7 +61,18 @@ class InputError(ValueError):
         super().__init__("\n".join([what, *(f"  {k + ':':<9} {v}" for k, v in parts if v)]))
 
     def at(self, where: str) -> Self:
-        """Return the same error with ``where`` as its place."""
+        """Return the same error at a place.
+
+        Parameters
+        ----------
+        where : str
+            What a message calls the place: a file, a section, an argument.
+
+        Returns
+        -------
+        the same class
+            A new one; the rest of the message stays.
+        """
         return type(self)(
             self.what, where=where, got=self.got, expected=self.expected, hint=self.hint
         )
@@ -95,6 +106,15 @@ def printable(value: object) -> str:
     except Exception:  # a foreign object, or a whole number of more digits than Python writes
         text = f"{type(value).__name__} that cannot be written: of very many digits, perhaps"
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def spelt(name: str, known: Iterable[str]) -> str:
+    """Return a name as it is known, in whatever case it is given; others as they are.
+
+    >>> spelt("dop853", ["auto", "DOP853"])
+    'DOP853'
+    """
+    return {k.casefold(): k for k in known}.get(name.strip().casefold(), name)
 
 
 def near_matches(name: str, known: Iterable[str]) -> str:

@@ -40,16 +40,35 @@ MOST_DERIVATIVES = 100
 class Table:
     """A function of one variable, given by values at breakpoints; call it on an expression.
 
-    ``breakpoints``, ``values``: K numbers each, K at least 2, in any consistent units. ``kind``:
-    ``linear``; ``cubic``, the spline with two continuous derivatives and not-a-knot ends (de Boor, A
-    Practical Guide to Splines, ch. IV), which may overshoot; ``pchip``, cubic with one continuous
-    derivative, monotone where the values are (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984).
-    ``outside``: what holds beyond the first and last breakpoint: ``hold``, the end values, or
-    ``linear``, the end slopes. ``order``: how often the function has been differentiated; at a
-    breakpoint a derivative that jumps has its value from the right.
+    Parameters
+    ----------
+    name : str
+        By which generated code calls it.
+    breakpoints : tuple of floats
+        With ``values`` K numbers each, K at least 2; they increase, in any consistent units.
+    values : tuple of floats
+        K numbers.
+    kind : str, default "linear"
+        ``linear``; ``cubic``, the spline with two continuous derivatives and not-a-knot ends, which
+        may overshoot; ``pchip``, cubic with one continuous derivative, monotone where the values
+        are.
+    outside : str, default "hold"
+        What holds beyond the first and last breakpoint: ``hold``, the end values, or ``linear``,
+        the end slopes.
+    order : int, default 0
+        How often the function has been differentiated; at a breakpoint a derivative that jumps has
+        its value from the right.
 
-    Raises `InputError` for fewer than two breakpoints, breakpoints that do not increase, numbers
-    that are not finite, lists of different lengths, and unknown words.
+    Raises
+    ------
+    InputError
+        For fewer than two breakpoints, breakpoints that do not increase, numbers that are not
+        finite, lists of different lengths, and unknown words.
+
+    References
+    ----------
+    de Boor, A Practical Guide to Splines (1978), ch. IV; Fritsch and Butland, SIAM J. Sci. Stat.
+    Comput. 5, 1984.
     """
 
     name: str
@@ -70,7 +89,23 @@ class Table:
         _check(self, where)
 
     def __call__(self, argument: Any) -> Expr:
-        """Return the function applied to an expression ``argument``. Raises `InputError` for text."""
+        """Return the function applied to an expression.
+
+        Parameters
+        ----------
+        argument : object
+            In the unit of the breakpoints.
+
+        Returns
+        -------
+        expression
+            In the unit of the values.
+
+        Raises
+        ------
+        InputError
+            For text.
+        """
         return TableFunction(_Data(self), as_expression(argument))
 
     @property
@@ -112,12 +147,34 @@ class Table:
         return tuple(tuple(map(float, row)) for row in self.exact_rows)
 
     def anchor(self, x: Any) -> tuple[int, float]:
-        """Return the row that holds at ``x`` and the breakpoint that it counts from."""
+        """Return the row that holds at a place, and the breakpoint that it counts from.
+
+        Parameters
+        ----------
+        x : number
+            In the unit of the breakpoints.
+
+        Returns
+        -------
+        tuple of int, float
+            The number of the row, from 0, and the breakpoint.
+        """
         row = bisect_right(self.breakpoints, x)
         return row, self.breakpoints[max(row - 1, 0)]
 
     def at(self, x: Fraction) -> Fraction:
-        """Return the exact value at a rational number ``x``."""
+        """Return the exact value at a rational number.
+
+        Parameters
+        ----------
+        x : Fraction
+            In the unit of the breakpoints.
+
+        Returns
+        -------
+        Fraction
+            Breakpoints and values are taken as the doubles that they are.
+        """
         row, start = self.anchor(x)
         value, h = Fraction(0), x - Fraction(start)
         for c in reversed(self.exact_rows[row]):

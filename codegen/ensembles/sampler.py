@@ -49,7 +49,18 @@ class Samples(Protocol):
         """Return how many there are."""
 
     def sample(self, first: int, last: int) -> Mapping[str, Array]:
-        """Return arrays (last - first,) for the trajectories from ``first`` to before ``last``."""
+        """Return the samples of some trajectories, by name.
+
+        Parameters
+        ----------
+        first, last : int
+            Numbers of the first trajectory and of that behind the last.
+
+        Returns
+        -------
+        mapping of str to array
+            Arrays (last - first,) by name.
+        """
 
 
 Many = Mapping[str, ArrayLike] | ArrayLike | Samples | None
@@ -276,7 +287,18 @@ class Distribution(Protocol):
         """How many names it gives values to."""
 
     def values(self, u: Array) -> Array:
-        """Return values (size, N) for numbers ``u`` (draws, N) inside (0, 1)."""
+        """Return values (size, N) for numbers ``u`` (draws, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (draws, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Values (size, N).
+        """
 
 
 MOST_AT_ONCE = 10**8
@@ -288,8 +310,19 @@ MOST_AT_ONCE = 10**8
 class Uniform:
     """Between two limits, ``low`` and ``high``, each value as likely as the other.
 
-    In the unit of what is sampled. It takes one number (``draws``) for one name (``size``). Raises
-    `InputError` for limits that are not finite or not in order.
+    Parameters
+    ----------
+    low, high : float
+        The limits, in the unit of what is sampled.
+    draws : int
+        Random numbers that it takes: one.
+    size : int
+        How many names it is for: one.
+
+    Raises
+    ------
+    InputError
+        For limits that are not finite or not in order.
     """
 
     low: float
@@ -303,7 +336,18 @@ class Uniform:
             raise InputError("limits do not fit", got=(self.low, self.high), expected="low <= high")
 
     def values(self, u: Array) -> Array:
-        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (1, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Values (1, N) between the bounds.
+        """
         return self.low + (self.high - self.low) * u
 
 
@@ -312,9 +356,23 @@ class Uniform:
 class Normal:
     """The normal distribution of a ``mean`` and a standard ``deviation``.
 
-    In the unit of what is sampled; by the inverse of its distribution function. It takes one number
-    (``draws``) for one name (``size``). Raises `InputError` for what is not finite, and a negative
-    deviation.
+    Parameters
+    ----------
+    mean, deviation : float, default 0.0
+        In the unit of what is sampled.
+    draws : int
+        Random numbers that it takes: one.
+    size : int
+        How many names it is for: one.
+
+    Raises
+    ------
+    InputError
+        For what is not finite, and a negative deviation.
+
+    Notes
+    -----
+    In the unit of what is sampled; by the inverse of its distribution function.
     """
 
     mean: float = 0.0
@@ -329,7 +387,18 @@ class Normal:
             raise InputError("wrong mean or deviation", got=got, expected="finite, deviation >= 0")
 
     def values(self, u: Array) -> Array:
-        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (1, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Values (1, N) below which so large a share of the distribution lies.
+        """
         found: Array = self.mean + self.deviation * ndtri(u)
         return found
 
@@ -338,15 +407,38 @@ class Normal:
 class UniformQuaternion:
     """Every attitude as likely as the other; for four names, scalar first.
 
-    It takes three numbers (``draws``) for four names (``size``), a quaternion of unit norm.
-    Source: Shoemake, Uniform random rotations, in Graphics Gems III (1992).
+    Parameters
+    ----------
+    draws : int
+        Random numbers that it takes: three.
+    size : int
+        How many names it is for: four, scalar first.
+
+    Notes
+    -----
+    A quaternion of unit norm.
+
+    References
+    ----------
+    Shoemake, Uniform random rotations, in Graphics Gems III (1992).
     """
 
     draws: int = field(default=3, init=False)
     size: int = field(default=4, init=False)
 
     def values(self, u: Array) -> Array:
-        """Return unit quaternions (4, N) for numbers ``u`` (3, N) inside (0, 1)."""
+        """Return unit quaternions (4, N) for numbers ``u`` (3, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (3, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Unit quaternions (4, N), scalar first.
+        """
         one, other = np.sqrt(1.0 - u[0]), np.sqrt(u[0])
         a, b = 2.0 * math.pi * u[1], 2.0 * math.pi * u[2]
         return np.stack([other * np.cos(b), one * np.sin(a), one * np.cos(a), other * np.sin(b)])
@@ -357,9 +449,25 @@ class UniformQuaternion:
 class Grid:
     """A ``count`` of values from ``low`` to ``high`` at equal distances, both included.
 
-    In the unit of what is sampled; grids of several names are crossed. It takes no random number
-    (``draws``) for one name (``size``). Raises `InputError` for limits that are not finite, and fewer
-    than one value.
+    Parameters
+    ----------
+    low, high : float
+        The first and the last value.
+    count : int
+        How many there are, at equal distances.
+    draws : int
+        Random numbers that it takes: none.
+    size : int
+        How many names it is for: one.
+
+    Raises
+    ------
+    InputError
+        For limits that are not finite, and fewer than one value.
+
+    Notes
+    -----
+    In the unit of what is sampled; grids of several names are crossed.
     """
 
     low: float
@@ -375,7 +483,18 @@ class Grid:
             raise InputError("wrong grid", got=self, expected="finite limits, one value or more")
 
     def values(self, u: Array) -> Array:
-        """Return the values (1, N) of places ``u`` (1, N), counted from 0."""
+        """Return the values (1, N) of places ``u`` (1, N), counted from 0.
+
+        Parameters
+        ----------
+        u : array
+            Places (1, N), counted from 0.
+
+        Returns
+        -------
+        array
+            The values (1, N), in the unit of what is sampled.
+        """
         return self.low + (self.high - self.low) * (u / max(1, self.count - 1))
 
 
@@ -387,12 +506,32 @@ Value = Distribution | float
 class Sampler:
     """Samples of states and parameters by name, ``count`` of them, a pure function of ``seed`` and number.
 
-    ``values``: for a name a number or a distribution, for four names `UniformQuaternion`. The first
-    grid changes slowest; with grids ``count`` may be left out: each combination once. More samples
-    go through the combinations again. Units are those of what is sampled. Raises `InputError` for what
-    does not fit.
-    Source: Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011.
+    Parameters
+    ----------
+    values : mapping
+        For a name a number or a distribution, for four names `UniformQuaternion`. The first grid
+        changes slowest.
+    count : int, default 0
+        Of samples; with grids it may be left out: each combination once. More samples go through
+        the combinations again.
+    seed : int, default 0
+        Of random numbers.
 
+    Raises
+    ------
+    InputError
+        For what does not fit.
+
+    Notes
+    -----
+    Units are those of what is sampled.
+
+    References
+    ----------
+    Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011.
+
+    Examples
+    --------
     >>> Sampler({"k": Grid(1, 2, 3), "mass": 5.0}).sample(0, 3)
     {'k': array([1. , 1.5, 2. ]), 'mass': array([5., 5., 5.])}
     """
@@ -443,7 +582,20 @@ class Sampler:
     def sample(self, first: int, last: int) -> dict[str, Array]:
         """Return the samples from number ``first`` to before ``last``, arrays (last - first,).
 
-        Raises `InputError` for numbers below zero or out of order, and for more than `MOST_AT_ONCE`.
+        Parameters
+        ----------
+        first, last : int
+            Numbers of the first trajectory and of that behind the last.
+
+        Returns
+        -------
+        dict of str to array
+            Arrays (last - first,) by name; the same numbers give the same values.
+
+        Raises
+        ------
+        InputError
+            For numbers below zero or out of order, and for more than `MOST_AT_ONCE`.
         """
         if not 0 <= first <= last <= first + MOST_AT_ONCE:
             raise InputError(

@@ -23,8 +23,8 @@ from codegen.compiling.events import Event
 from codegen.compiling.events import Given as EventsGiven
 from codegen.frontend.layout import names_of
 from codegen.integrate.choice import Task
+from codegen.integrate.methods import METHODS, Native, can_project, integrator_of
 from codegen.integrate.methods import Integrator as Loop
-from codegen.integrate.methods import Native, can_project, integrator_of
 from codegen.integrate.scales import quickly
 from codegen.ir.program import INVARIANTS, SINGULARITIES
 from codegen.loops.projection import chosen
@@ -44,7 +44,7 @@ from codegen.runs.given import (
 )
 from codegen.runs.result import Found, Result, result_of
 from codegen.runs.tested import Tested
-from eom.errors import InputError, typed
+from eom.errors import InputError, spelt, typed
 from eom.system import System
 
 DEFAULT_MARGIN = 1e-6
@@ -241,12 +241,28 @@ class Integrator:
         parameters: Values = None,
         inputs: InputsGiven | None = None,
     ) -> Result:
-        """Return one run from ``initial``, as `codegen.simulate` with the same arguments returns it.
+        """Return one run, as `codegen.simulate` with the same arguments returns it.
 
-        ``initial``, ``parameters``: numbers by name or in order, texts with units by name. ``inputs``: in
-        the place of those that were given when this was made. Units are those of the system. Raises
-        `InputError` for unusable arguments, `AssumptionError` for values that contradict the system's
-        assumptions.
+        Parameters
+        ----------
+        initial : mapping or array
+            Numbers by name or in order, texts with units by name.
+        parameters : mapping or array, optional
+            In the same forms.
+        inputs : mapping, optional
+            In the place of those that were given when this was made.
+
+        Returns
+        -------
+        Result
+            Nothing is evaluated that is not read. Units are those of the system.
+
+        Raises
+        ------
+        InputError
+            For unusable arguments.
+        AssumptionError
+            For values that contradict the system's assumptions.
         """
         return self._run(initial, parameters, inputs)
 
@@ -316,7 +332,7 @@ def asked_of(
     found = looked_for.checked(events)
     span = _span(t_span, t_eval)
     return Asked(
-        compiled_of(system), span, method, arguments.relative(rtol), atol,
+        compiled_of(system), span, spelt(method, METHODS), arguments.relative(rtol), atol,
         None if t_eval is None else arguments.grid(t_eval, span), outputs, dense_output,
         arguments.optional(first_step, "first_step"), arguments.positive(max_step, "max_step"),
         arguments.count(max_steps), arguments.positive(margin, "margin"), project, found,

@@ -23,10 +23,28 @@ from eom.terms.own import Own
 class Derived:
     """A derivation with its verified steps and its result as SymPy objects by name.
 
-    ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
-    mechanics. ``result``: expressions, matrices and systems by name, in SI units. ``own``: frames, points,
-    bodies and laws that it defines. ``letters``: what other symbols are, in words. In a notebook it shows
-    itself as a page.
+    Parameters
+    ----------
+    name : str
+        How it is called in commands and files.
+    title : str
+        Its heading.
+    group : str
+        The chapter.
+    steps : tuple of Step
+        In order, each verified when it was made.
+    scalars : mapping of symbols to terms
+        What its own scalars are, as terms of vector mechanics.
+    result : mapping of str to objects
+        Expressions, matrices and systems by name, in SI units.
+    own : Own, optional
+        Frames, points, bodies and laws that it defines.
+    letters : mapping of object to str, optional
+        What other symbols are, in words.
+
+    Notes
+    -----
+    In a notebook it shows itself as a page.
     """
 
     name: str
@@ -39,7 +57,23 @@ class Derived:
     letters: Mapping[Any, str] = field(default_factory=dict)
 
     def __getitem__(self, label: str) -> Step:
-        """Return the step with a ``label``. Raises `KeyError`."""
+        """Return the step with a label.
+
+        Parameters
+        ----------
+        label : str
+            Of the step.
+
+        Returns
+        -------
+        Step
+            With its statement, reason and evidence.
+
+        Raises
+        ------
+        KeyError
+            For a label that no step has.
+        """
         for step in self.steps:
             if step.label == label:
                 return step
@@ -58,8 +92,22 @@ class Derived:
     def part(self, *labels: str | EllipsisType, notation: str = "arrow") -> Excerpt:
         """Return some steps, which show themselves in a notebook: ``part("law", ..., "momentum")``.
 
-        ``labels``: of steps; `...` between two labels is all that stands between them. ``notation``: one of
-        `eom.typeset.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
+        Parameters
+        ----------
+        labels : str or ...
+            Of steps; `...` between two labels is all that stands between them.
+        notation : str, default "arrow"
+            One of `eom.typeset.notation.NOTATIONS` or its aliases.
+
+        Returns
+        -------
+        Excerpt
+            It shows itself in a notebook, numbered as in the whole.
+
+        Raises
+        ------
+        InputError
+            For labels that no step has.
         """
         return Excerpt(self, chosen(self, labels), notation)
 
@@ -73,11 +121,27 @@ class Derived:
     ) -> str:
         """Return the derivation as one document.
 
-        ``style``: "text", "latex", "markdown" or "html"; ``notation``: one of
-        `eom.typeset.notation.NOTATIONS` or its aliases, by which frames and vectors are written; ``steps``:
-        whether every step is shown, or the last statement of each chain alone; ``form``: "full", or
-        "handout", one page with the results and the reasons of the key steps. Raises `InputError` for other
-        styles, notations and forms.
+        Parameters
+        ----------
+        style : str, default "text"
+            ``text``, ``latex``, ``markdown`` or ``html``.
+        notation : str, default "arrow"
+            One of `eom.typeset.notation.NOTATIONS` or its aliases, by which frames and vectors are
+            written.
+        steps : bool, default True
+            Whether every step is shown, or the last statement of each chain alone.
+        form : str, default "full"
+            ``full``, or ``handout``: one page with the results and the reasons of the key steps.
+
+        Returns
+        -------
+        str
+            The same derivation gives the same text.
+
+        Raises
+        ------
+        InputError
+            For other styles, notations and forms.
         """
         return show_derivation(self, style, notation, steps, form=form)
 

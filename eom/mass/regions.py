@@ -30,11 +30,25 @@ X = tuple(sp.Symbol(name, real=True) for name in "xyz")
 class Region:
     """A map from parameters to positions that covers a body once, and its density.
 
-    In any consistent units: lengths (m), and mass by volume, area or length as the dimension is three,
-    two or one; positions are components in the body's axes. ``position``: three expressions over the
-    parameters and sizes; ``bounds``: (parameter, from, to), the innermost integral first, so that limits
-    may depend on later parameters; ``density``: over the coordinates `X` and sizes, 1 if left out.
-    Raises `InputError` where these do not fit.
+    Parameters
+    ----------
+    position : tuple of expression, expression, expression
+        Three expressions over the parameters and sizes, components in the body's axes.
+    bounds : tuple of Bound
+        (parameter, from, to), the innermost integral first, so that limits may depend on later
+        parameters.
+    density : expression, optional
+        Over the coordinates `X` and sizes, 1 if left out.
+
+    Raises
+    ------
+    InputError
+        Where these do not fit.
+
+    Notes
+    -----
+    In any consistent units: lengths (m), and mass by volume, area or length as the dimension is
+    three, two or one.
     """
 
     position: tuple[Expr, Expr, Expr]
@@ -86,16 +100,41 @@ class Region:
         return self.at(self.density) * self.element
 
     def at(self, f: Expr) -> Expr:
-        """Return ``f``, over the coordinates `X`, as a function of the parameters.
+        """Return a function of the place as one of the region's parameters.
 
-        Raises `InputError` for what is no expression.
+        Parameters
+        ----------
+        f : expression
+            Over the coordinates `X`.
+
+        Returns
+        -------
+        expression
+            Over the parameters.
+
+        Raises
+        ------
+        InputError
+            For what is no expression.
         """
         places = dict(zip(X, self.position, strict=True))
         return as_expression(f).xreplace(places)
 
     def moment(self, f: Expr) -> Expr:
-        """Return the integral of ``f`` dm, where ``f`` is written over the coordinates `X`.
+        """Return the integral of a function of the place over the mass.
 
+        Parameters
+        ----------
+        f : expression
+            Over the coordinates `X`.
+
+        Returns
+        -------
+        expression
+            The integral of ``f`` dm, exact.
+
+        Examples
+        --------
         >>> u = sp.Symbol("u", positive=True)
         >>> Region((u, 0, 0), ((u, 0, 2),)).moment(X[0] ** 2)
         8/3
@@ -109,10 +148,25 @@ class Region:
 def properties(region: Region) -> MassProperties:
     """Return mass and moments of ``region`` about the origin of its coordinates.
 
-    Units (kg, m where the region has them), shapes and axes as of `MassProperties`. The integrals are
-    exact. Raises `InputError` for a region of numbers alone that `check` refuses; sizes in symbols are
-    checked by that function when their values are known.
+    Parameters
+    ----------
+    region : Region
+        The body as a map from parameters to places, with its density.
 
+    Returns
+    -------
+    MassProperties
+        About the origin of its coordinates. Units (kg, m where the region has them), shapes and
+        axes as of `MassProperties`; the integrals are exact.
+
+    Raises
+    ------
+    InputError
+        For a region of numbers alone that `check` refuses; sizes in symbols are checked by that
+        function when their values are known.
+
+    Examples
+    --------
     >>> u, v, a = (sp.Symbol(n, positive=True) for n in "uva")
     >>> square = Region((a * u, a * v, 0), ((u, 0, 1), (v, 0, 1)))
     >>> properties(square).about_centre[2, 2]
@@ -129,8 +183,24 @@ def properties(region: Region) -> MassProperties:
 def simplex(*corners: Sequence[Expr]) -> Region:
     """Return the rod, triangle or tetrahedron with two, three or four ``corners``.
 
-    Each: three coordinates, in any consistent units, along the body's axes. Raises `InputError` for others.
+    Parameters
+    ----------
+    corners : sequences of expressions
+        Two, three or four points, each of three coordinates, in any consistent units, along the
+        body's axes.
 
+    Returns
+    -------
+    Region
+        Of density 1; `MassProperties.of_mass` scales what is computed of it.
+
+    Raises
+    ------
+    InputError
+        For another number of corners or of coordinates.
+
+    Examples
+    --------
     >>> properties(simplex((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))).mass
     1/6
     """

@@ -96,6 +96,15 @@ def _turned(evaluator: Evaluator, frame: OwnFrame) -> Matrix:
     return series.product(turn, evaluator.world.rotation(frame.base, "I"))
 
 
+def highest_rates(own: Own, scalars: Scalars) -> dict[str, int]:
+    """Return the highest rate by which each coordinate stands in the law that determines it, by its name."""
+    world = next(worlds((), 1))
+    names = [[str(scalars[s].data[1]) for s in law.unknowns] for law in own.laws]
+    start = {n: world.primitive("coordinate", (n,)) for some in names for n in some}
+    found = _orders(_Laws(world, own, scalars, start), list(start))
+    return {n: order[n] for some, order in zip(names, found, strict=True) for n in some}
+
+
 # -- laws --------------------------------------------------------------------------------------------
 
 

@@ -18,6 +18,7 @@ from eom.checker.read.spans import ReadingError
 from eom.checker.read.symbol_shape import Look, Seen, seen
 from eom.derivations.derived import Derived
 from eom.derivations.verification import in_full
+from eom.derivations.wording import notation_of
 from eom.errors import InputError
 from eom.system import System
 from eom.terms.rules import entrywise, slopes
@@ -48,7 +49,7 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     dF, is left to the preset. Raises `InputError` for other notations, and for a derivation of the places
     of any masses as functions of coordinates, which no lexicon says.
     """
-    chosen = notation_named(notation)
+    chosen = notation_of(derivation, notation_named(notation))
     if derivation.own.configured:
         raise InputError(
             "no note can say this: places of all masses as functions of coordinates",

@@ -117,10 +117,19 @@ SPARE = 6
 class BaseParameters:
     """The base parameters of a tree: the fewest combinations of inertial parameters that its motion shows.
 
-    ``combinations``: by the name of the column that each is the factor of; ``columns``: parameters. They
-    are sums over symbols with the names of the columns: tau = sum of these columns of Y times the
-    combinations. ``dropped``: columns that are zero: parameters that the motion never shows. Units are
-    those of `Regressor`.
+    Parameters
+    ----------
+    combinations : mapping of str to expressions
+        By the name of the column that each is the factor of: sums over symbols with the names of
+        the columns.
+    dropped : tuple of str
+        Columns that are zero: parameters that the motion never shows.
+    columns : tuple of Parameter
+        Parameters, in the order of pi.
+
+    Notes
+    -----
+    tau = sum of these columns of Y times the combinations. Units are those of `Regressor`.
     """
 
     combinations: Mapping[str, Expr]
@@ -133,9 +142,22 @@ class BaseParameters:
         return len(self.combinations)
 
     def values(self, given: Sequence[Any]) -> tuple[Any, ...]:
-        """Return their values for values of all parameters, ``given`` in the order of ``columns``.
+        """Return their values for values of all parameters.
 
-        Raises `InputError` for text in place of numbers and expressions, and for too few or too many.
+        Parameters
+        ----------
+        given : sequence
+            One a parameter, in the order of ``columns``.
+
+        Returns
+        -------
+        tuple
+            One a combination, in their order.
+
+        Raises
+        ------
+        InputError
+            For text in place of numbers and expressions, and for too few or too many.
         """
         if len(given) != len(self.columns):
             raise InputError(
@@ -157,13 +179,39 @@ def base_parameters(
 ) -> BaseParameters:
     """Return the base parameters of a tree; masses and inertias of the tree do not matter.
 
-    ``armature``, ``damping``, ``coulomb``: whether these are parameters too. ``seed``: of the random states
-    at which the regressor is eliminated, exactly; the result does not depend on it but with negligible
-    probability. Units are those of `Regressor`. Rotations and axes that floats hold only to rounding are
-    taken as exactly orthonormal ones nearby. Raises `InputError` for geometry that is no rational function
-    of symbols, or gives coefficients of a degree above `DEGREES`.
-    Source: Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990.
+    Parameters
+    ----------
+    tree : Tree
+        Its masses and inertias do not matter, its geometry does.
+    armature, damping, coulomb : bool, default False
+        Whether these are parameters of each joint, too.
+    seed : int, default 0
+        Of the random states at which the regressor is eliminated, exactly; the result does not
+        depend on it but with negligible probability.
 
+    Returns
+    -------
+    BaseParameters
+        Combinations of parameters that motion depends on, and which drop out. Units are those of
+        `Regressor`.
+
+    Raises
+    ------
+    InputError
+        For geometry that is no rational function of symbols, or gives coefficients of a degree
+        above `DEGREES`.
+
+    Notes
+    -----
+    Rotations and axes that floats hold only to rounding are taken as exactly orthonormal ones
+    nearby.
+
+    References
+    ----------
+    Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990.
+
+    Examples
+    --------
     >>> from eom.multibody import Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> pendulum = Tree("pendulum", (Body("bob", 1),), (hinge,), gravity=(0, 0, -9.81))

@@ -47,14 +47,32 @@ JOINT = "joint"
 class Reaction:
     """The force (N) and the torque (N m) that the parent of a joint exerts on its child.
 
-    ``point``: what the torque is about: ``joint``, the origin of its frame on the child; or a point of
-    a ``body`` (the child if left out): its ``centre`` of mass, its ``origin``, or three components in its
-    axes (m). ``axes``: ``ground``, ``parent``, ``child`` (of the bodies), or ``joint`` (its frame on the
-    child). ``name``: of the outputs, ``F_<name>_1`` to ``T_<name>_3``; the joint's if left out.
+    Parameters
+    ----------
+    joint : str
+        Its name.
+    point : number, expression or several, default "joint"
+        What the torque is about: ``joint``, the origin of its frame on the child; or a point of the
+        body: its ``centre`` of mass, its ``origin``, or three components in its axes (m).
+    body : str, optional
+        Of which that is a point, the child if left out.
+    axes : str, default "ground"
+        ``ground``, ``parent``, ``child`` (of the bodies), or ``joint`` (its frame on the child).
+    name : str, optional
+        Of the outputs, ``F_<name>_1`` to ``T_<name>_3``; the joint's if left out.
 
-    Everything that goes through the joint is in them, motors and springs at it too. Raises `InputError` for
-    unknown axes and points, and a body without a point of it.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), sec. 5.3.
+    Raises
+    ------
+    InputError
+        For unknown axes and points, and a body without a point of it.
+
+    Notes
+    -----
+    Everything that goes through the joint is in them, motors and springs at it too.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), sec. 5.3.
     """
 
     joint: str
@@ -103,9 +121,31 @@ def reaction(
 ) -> Reaction:
     """Return a reaction to ask `eom.multibody.derive` for, of a joint or its name; see `Reaction`.
 
-    ``joint``, ``point``, ``body``, ``axes``, ``name``: as there; forces in N, torques in N m. Raises
-    `InputError` as there.
+    Parameters
+    ----------
+    joint : Joint or str
+        A joint or its name.
+    point : point, default "joint"
+        About which torques are, see `Reaction`; the joint's own by default.
+    body : str, optional
+        Of which ``point`` is a point, see `Reaction`; the child by default.
+    axes : str, default "ground"
+        In which components are, see `Reaction`.
+    name : str, optional
+        By which outputs are called, that of the joint by default.
 
+    Returns
+    -------
+    Reaction
+        To ask `eom.multibody.derive` for; forces in N, torques in N m.
+
+    Raises
+    ------
+    InputError
+        As `Reaction` raises it.
+
+    Examples
+    --------
     >>> reaction("hinge", axes="child").names[:3]
     ('F_hinge_1', 'F_hinge_2', 'F_hinge_3')
     """
