@@ -102,7 +102,7 @@ def test_no_slope_is_told_of_what_is_no_function_of_it():
 
 
 def test_a_derivative_by_what_stands_for_something_is_refused():
-    d, (q, *_), (m, _) = one_coordinate()
+    d, _, (m, _) = one_coordinate()
     K = d.let("K", m + 1, "a name")
     with pytest.raises(eom.InputError, match="no variable"):
         d.state(Equation(expr(sp.Derivative(K**2, K)), expr(2 * K)), "by a name")
