@@ -267,11 +267,15 @@ def _swing(b: Built, key: str, hinge: Hinge) -> None:
         if not b.reactions:
             b.reactions["S"] = {"on": key, "along": [f"-sin({angle})", f"cos({angle})", 0]}
             b.letters["S"] = "S T Z F", "tension|force (?:in|of) the (?:string|rod|rope|cord)"
+        if pivot == ("0", "0"):
+            b.values["v"] = {"is": f"{length}*{angle}_dot", "unit": "m/s"}
+            b.values["h"] = {"is": f"{length} - {length}*cos({angle})", "unit": "m"}
+            b.letters |= {"v": ("v", "(?<!angular )(?:speed|velocity)"), "h": ("h", "height")}
     else:
         raise UnknownSystem(key)
     b.bodies[key] = {"mass": mass, "at": [*b.at[key], 0], **moments}
     where = "a fixed pivot" if hinge.on == GROUND else f"the {_noun(hinge.on)}"
-    by = f" by a {_noun(hinge.link)}" if hinge.link else ""
+    by = f" on a {_noun(hinge.link)}" if hinge.link else ""
     b.phrases.append(f"the {_noun(key)} swings about {where}{by}")
 
 
@@ -507,7 +511,7 @@ def _about_pivot(b: Built, angle: str) -> None:
     b.letters["I"] = r"I_O J_O I_A J_A I_P I J \Theta_O \Theta", "moments? of inertia|inertia"
     b.values["d"] = {"is": f"({first})/({whole})", "unit": "m"}
     b.letters["d"] = (
-        "d s a",
+        "d",
         r"distance .{0,60}(?:centre|center)|mass cent(?:er|re) .{0,60}distance",
     )
 
