@@ -419,7 +419,8 @@ def _stiffness(b: Built, key: str, ends: tuple[str, str], places: Sequence[str])
 
 
 _REACTION = re.compile(
-    r"\b(?:reaction|contact|constraint|normal|friction|tension|spring force|exerts?|between|vertical)\b"
+    r"\b(?:reaction|contact|constraint|normal|friction|tension|spring force|exerts?|between|vertical|"
+    r"centrifugal|inertial?|restoring|elastic|gravit\w+|weight|resultant|total|net|generali[sz]ed|impulse)\b"
     r"|\b(?:of|by) the (?!motor|drive|engine)",
     re.IGNORECASE,
 )
