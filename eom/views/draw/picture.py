@@ -42,8 +42,18 @@ Scale = Literal["linear", "log"]
 class Curve:
     """A line through ``points``, shape (N, 2) or (N, 3); a point that is not a number breaks it.
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
-    points; ``label``: words of the legend.
+    Parameters
+    ----------
+    points : array
+        Shape (N, 2) or (N, 3), in the units of the panel's axes.
+    colour : str, default "blue"
+        A name of `COLOURS`.
+    width : float, default 1.5
+        In printer's points.
+    dash : Dash, default "solid"
+        How the line is broken.
+    label : str, optional
+        Words of the legend.
     """
 
     points: Floats
@@ -57,8 +67,16 @@ class Curve:
 class Marks:
     """Dots at ``points``, shape (N, 2) or (N, 3).
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``size``: their diameter
-    in printer's points; ``label``: words of the legend.
+    Parameters
+    ----------
+    points : array
+        Shape (N, 2) or (N, 3), in the units of the panel's axes.
+    colour : str, default "black"
+        A name of `COLOURS`.
+    size : float, default 5.0
+        Their diameter in printer's points.
+    label : str, optional
+        Words of the legend.
     """
 
     points: Floats
@@ -71,8 +89,18 @@ class Marks:
 class Arrow:
     """An arrow from ``start`` to ``end``, shape (2,) or (3,), with ``words`` at its tip.
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
-    points; ``label``: words of the legend.
+    Parameters
+    ----------
+    start, end : array
+        Shape (2,) or (3,), in the units of the panel's axes.
+    colour : str, default "black"
+        A name of `COLOURS`.
+    width : float, default 2.0
+        In printer's points.
+    words : str, optional
+        At its tip.
+    label : str, optional
+        Words of the legend.
     """
 
     start: Floats
@@ -87,8 +115,18 @@ class Arrow:
 class Surface:
     """Triangles: ``vertices`` of shape (N, 3), ``faces`` of shape (M, 3) with indices of vertices.
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``opacity``: from 0, not
-    seen, to 1; ``label``: words of the legend.
+    Parameters
+    ----------
+    vertices : array
+        ``vertices`` of shape (N, 3), in the units of the panel's axes.
+    faces : NDArray
+        Of shape (M, 3), with indices of vertices.
+    colour : str, default "grey"
+        A name of `COLOURS`.
+    opacity : float, default 0.3
+        From 0, not seen, to 1.
+    label : str, optional
+        Words of the legend.
     """
 
     vertices: Floats
@@ -102,8 +140,14 @@ class Surface:
 class Words:
     """Text at a ``place``, shape (2,) or (3,), in a ``colour`` of `COLOURS`.
 
-    ``place`` is in the units of the panel's axes; ``text``: words, with formulas between dollar signs, in
-    TeX.
+    Parameters
+    ----------
+    place : array
+        Shape (2,) or (3,), in the units of the panel's axes.
+    text : str
+        Words, with formulas between dollar signs, in TeX.
+    colour : str, default "black"
+        A name of `COLOURS`.
     """
 
     place: Floats
@@ -116,7 +160,17 @@ Item = Curve | Marks | Arrow | Surface | Words
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis: its ``words`` with the unit, its scale, its ``limits`` (in that unit) if they are fixed."""
+    """An axis: its ``words`` with the unit, its scale, its ``limits`` (in that unit) if they are fixed.
+
+    Parameters
+    ----------
+    words : str, optional
+        With the unit.
+    scale : Scale, default "linear"
+        ``linear`` or ``log``.
+    limits : tuple of float, float, optional
+        In that unit, if they are fixed.
+    """
 
     words: str = ""
     scale: Scale = "linear"
@@ -127,7 +181,16 @@ class Axis:
 class Panel:
     """One drawing: ``items`` in the units of its ``axes``, two for a plane or three for space.
 
-    ``equal`` gives all axes the same scale.
+    Parameters
+    ----------
+    items : tuple of Item
+        In the units of its ``axes``.
+    axes : tuple of str or vector
+        Two for a plane or three for space.
+    title : str, optional
+        Above it.
+    equal : bool, default False
+        Whether all axes have the same scale.
     """
 
     items: tuple[Item, ...]
@@ -144,7 +207,15 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Panels in ``rows`` from the top, with a title above and words below that say what is seen."""
+    """Panels in ``rows`` from the top, with a title above and words below that say what is seen.
+
+    Parameters
+    ----------
+    rows : tuple of tuple of Panel
+        Panels from the top, each row from the left.
+    title : str, optional
+        Above all.
+    """
 
     rows: tuple[tuple[Panel, ...], ...]
     title: str = ""
