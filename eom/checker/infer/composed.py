@@ -238,13 +238,20 @@ _EVEN = frozenset({"uniform", "homogeneous", "solid", "thin-walled", "hollow", "
 
 
 def _moment(b: Built, key: str, radius: str) -> str:
-    """Return the moment of inertia of a round part: a letter, or by its shape if it is uniform."""
+    """Return the moment of inertia of a round part: by its shape if it is uniform, else a letter."""
     thing, setup = b.plan.setup.things[key], b.plan.setup
+    inertia = setup.size(key, "inertia")
+    if not thing.adjectives & _EVEN or (inertia is not None and setup.size(key, "mass") is None):
+        return b.size(key, "inertia")
     shape = " ".join((*sorted(thing.adjectives), thing.noun))
-    if setup.size(key, "inertia") is None and thing.adjectives & _EVEN:
-        factor = next(f for s, f in _SHAPES if re.search(s, shape))
-        return f"{factor}*{b.size(key, 'mass')}*{radius}^2"
-    return b.size(key, "inertia")
+    factor = next(f for s, f in _SHAPES if re.search(s, shape))
+    found = f"{factor}*{b.size(key, 'mass')}*{radius}^2"
+    if inertia is not None and inertia.look is not None:
+        name = f"J_{key}"
+        b.values[name] = {"is": found, "unit": "kg m^2"}
+        b.letters[name] = _QUANTITIES["inertia"][1:]
+        b.ties[name] = Tie(inertia.look, name, inertia.words, inertia.line)
+    return found
 
 
 def _swing(b: Built, key: str, hinge: Hinge) -> None:
