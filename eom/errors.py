@@ -225,27 +225,26 @@ def _by_type(hint: Any) -> Test:
         if kind in plain:
             return kind is not str or value.isascii()
         if kind is dict:
-            by_name = Mapping in of_numbers and _of_text(value)
-            return by_name and {*map(type, value.values())} <= _FLOATS | _small_integers(
-                value.values()
-            )
+            return Mapping in of_numbers and _of_text(value) and _are_floats(value.values())
         if kind is tuple or kind is list:
             if anything:
                 return kind is list or len(value) <= MOST_ENTRIES
             if len(value) in pairs or (Sequence in of_numbers and len(value) <= MOST_ENTRIES):
-                return {*map(type, value)} <= _FLOATS | _small_integers(value)
+                return _are_floats(value)
         return False
 
     return test
 
 
-_FLOATS, _INTEGERS, _NONE = frozenset({float}), frozenset({int}), frozenset[type]()
+_FLOATS, _NUMBERS = frozenset({float}), frozenset({float, int})
 
 
-def _small_integers(values: Collection[Any]) -> frozenset[type]:
-    """Return the type of whole numbers if all among the values can be floats."""
-    small = all(-(2**1000) < v < 2**1000 for v in values if type(v) is int)
-    return _INTEGERS if small else _NONE
+def _are_floats(values: Collection[Any]) -> bool:
+    """Return whether values are floats, or whole numbers that can be."""
+    kinds = {*map(type, values)}
+    if kinds <= _FLOATS:
+        return True
+    return kinds <= _NUMBERS and all(-(2**1000) < v < 2**1000 for v in values if type(v) is int)
 
 
 def _is_open(kind: Any) -> bool:

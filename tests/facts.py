@@ -44,6 +44,7 @@ INNER = frozenset(
         "eom.multibody.closed.readable.Writer",
         "eom.multibody.constrained.dependence.Sample",
         "eom.multibody.model.joints.Kind",
+        "eom.multibody.system.vectors.Drawn",
         "eom.terms.terms.Equation",
         "eom.terms.terms.Term",
         "eom.views.animation.figures.Figures",
@@ -690,7 +691,7 @@ FACTS = {
         "3 x 3",
         "(rad)",
         "takes components in A to components in B",
-        "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10",
+        "Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2",
     ),
     "eom.mass.properties.MassProperties": (
         "(3, 3)",
@@ -752,7 +753,7 @@ FACTS = {
         "(3, 3)",
         "unit quaternion",
         "scalar first",
-        "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27",
+        "Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2",
     ),
     "eom.mass.solids.inertia": (
         "3 x 3",

@@ -354,8 +354,13 @@ def compile(  # noqa: A001 - the word that users expect
         raise unknown_name("target", target, TARGETS)
     system = as_system(system, attitudes=attitudes)
     structure = Structure.of(system, parameters, states, inputs)
+    in_c = build in (_automatic, _native)
+    if in_c:
+        native.begin_extension()
     with compile_progress.to(progress):
         program, layout = fitted(system, structure, rules, stable)
+        if in_c:
+            compile_progress.fitted(program, layout)
         used, functions, notice = build(program, layout)
     return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
 

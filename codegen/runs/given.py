@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ from codegen.compiling.sampled import Sampled
 from codegen.compiling.signals import Inputs, reads_state
 from codegen.frontend.layout import completed, in_si, names_of, settled, to_array
 from codegen.integrate import scales as sizes_of
+from codegen.ir import compile_progress
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import Array, Law
 from codegen.runs import arguments, pruning
@@ -119,9 +121,17 @@ def _numbers(
     return x0, _parameters(part.compiled, parameters, x0, held, time), held, signals
 
 
-def compiled_of(system: System | Compiled) -> Compiled:
-    """Return a system compiled, the same again for the same object."""
-    return system if isinstance(system, Compiled) else compile_once(SameObject(system))
+def compiled_of(
+    system: System | Compiled, beside: compile_progress.Fitted | None = None
+) -> Compiled:
+    """Return a system compiled, the same again for the same object.
+
+    ``beside``: what begins beside its compiler, if it is not compiled yet.
+    """
+    if isinstance(system, Compiled):
+        return system
+    with nullcontext() if beside is None else compile_progress.beside(beside):
+        return compile_once(SameObject(system))
 
 
 @lru_cache(maxsize=64)

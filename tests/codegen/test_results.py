@@ -68,6 +68,19 @@ def test_what_was_saved_is_read_to_the_last_bit(run, top, tmp_path):
         assert archive["tilt"].tobytes() == top["tilt"].tobytes()
 
 
+def test_states_that_kept_their_initial_values_have_columns(tmp_path):
+    """Whoever reads a table finds every state of the scene in it, those among the parameters, too."""
+    scene = load_scene("bicycle-wheel")
+    made = simulate(scene.derive(), scene.initial_values(), (0, 1), scene.parameter_values(),
+                    method="DOP853")  # fmt: skip
+    assert (made.held, made.units["C"]) == ({"C": scene.parameter_values()["C"]}, "rad/s")
+    table = np.genfromtxt(made.save(tmp_path / "run.csv"), delimiter=",", names=True)
+    assert table.dtype.names == ("t", *made.names, "C", *made.outputs)
+    np.testing.assert_array_equal(table["C"], made["C"])
+    again = Result.load(made.save(tmp_path / "run.npz"))
+    np.testing.assert_array_equal(again["C"], made["C"])
+
+
 def test_a_file_never_runs_anything(run, tmp_path):
     """A pickled object, other texts, missing and misshapen arrays, no archive: one clear error each."""
 
@@ -117,7 +130,7 @@ def test_tables_hold_the_same_numbers_with_units(top, monkeypatch):
     frame, data = top.to_pandas(), top.to_xarray()
     assert isinstance(frame, pandas.DataFrame)
     assert isinstance(data, xarray.Dataset)
-    assert list(frame.columns) == [*top.names, *top.outputs]
+    assert list(frame.columns) == [*top.names, *top.held, *top.outputs]
     assert (frame.index.name, frame.index.to_numpy().tobytes()) == ("t", top.t.tobytes())
     for name in frame.columns:
         assert frame[name].to_numpy().tobytes() == top[name].tobytes()

@@ -238,13 +238,20 @@ _EVEN = frozenset({"uniform", "homogeneous", "solid", "thin-walled", "hollow", "
 
 
 def _moment(b: Built, key: str, radius: str) -> str:
-    """Return the moment of inertia of a round part: a letter, or by its shape if it is uniform."""
+    """Return the moment of inertia of a round part: by its shape if it is uniform, else a letter."""
     thing, setup = b.plan.setup.things[key], b.plan.setup
+    inertia = setup.size(key, "inertia")
+    if not thing.adjectives & _EVEN or (inertia is not None and setup.size(key, "mass") is None):
+        return b.size(key, "inertia")
     shape = " ".join((*sorted(thing.adjectives), thing.noun))
-    if setup.size(key, "inertia") is None and thing.adjectives & _EVEN:
-        factor = next(f for s, f in _SHAPES if re.search(s, shape))
-        return f"{factor}*{b.size(key, 'mass')}*{radius}^2"
-    return b.size(key, "inertia")
+    factor = next(f for s, f in _SHAPES if re.search(s, shape))
+    found = f"{factor}*{b.size(key, 'mass')}*{radius}^2"
+    if inertia is not None and inertia.look is not None:
+        name = f"J_{key}"
+        b.values[name] = {"is": found, "unit": "kg m^2"}
+        b.letters[name] = _QUANTITIES["inertia"][1:]
+        b.ties[name] = Tie(inertia.look, name, inertia.words, inertia.line)
+    return found
 
 
 def _swing(b: Built, key: str, hinge: Hinge) -> None:
@@ -267,11 +274,15 @@ def _swing(b: Built, key: str, hinge: Hinge) -> None:
         if not b.reactions:
             b.reactions["S"] = {"on": key, "along": [f"-sin({angle})", f"cos({angle})", 0]}
             b.letters["S"] = "S T Z F", "tension|force (?:in|of) the (?:string|rod|rope|cord)"
+        if pivot == ("0", "0"):
+            b.values["v"] = {"is": f"{length}*{angle}_dot", "unit": "m/s"}
+            b.values["h"] = {"is": f"{length} - {length}*cos({angle})", "unit": "m"}
+            b.letters |= {"v": ("v", "(?<!angular )(?:speed|velocity)"), "h": ("h", "height")}
     else:
         raise UnknownSystem(key)
     b.bodies[key] = {"mass": mass, "at": [*b.at[key], 0], **moments}
     where = "a fixed pivot" if hinge.on == GROUND else f"the {_noun(hinge.on)}"
-    by = f" by a {_noun(hinge.link)}" if hinge.link else ""
+    by = f" on a {_noun(hinge.link)}" if hinge.link else ""
     b.phrases.append(f"the {_noun(key)} swings about {where}{by}")
 
 
@@ -415,7 +426,8 @@ def _stiffness(b: Built, key: str, ends: tuple[str, str], places: Sequence[str])
 
 
 _REACTION = re.compile(
-    r"\b(?:reaction|contact|constraint|normal|friction|tension|spring force|exerts?|between|vertical)\b"
+    r"\b(?:reaction|contact|constraint|normal|friction|tension|spring force|exerts?|between|vertical|"
+    r"centrifugal|inertial?|restoring|elastic|gravit\w+|weight|resultant|total|net|generali[sz]ed|impulse)\b"
     r"|\b(?:of|by) the (?!motor|drive|engine)",
     re.IGNORECASE,
 )
@@ -507,7 +519,7 @@ def _about_pivot(b: Built, angle: str) -> None:
     b.letters["I"] = r"I_O J_O I_A J_A I_P I J \Theta_O \Theta", "moments? of inertia|inertia"
     b.values["d"] = {"is": f"({first})/({whole})", "unit": "m"}
     b.letters["d"] = (
-        "d s a",
+        "d",
         r"distance .{0,60}(?:centre|center)|mass cent(?:er|re) .{0,60}distance",
     )
 

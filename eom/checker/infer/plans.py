@@ -332,13 +332,30 @@ def _whole(p: Plan) -> None:
                 p.hinges[key] = Hinge(GROUND)
         elif not _joined(p, thing, links):
             raise UnknownSystem(key)
-    if not p.placed or len(p.placed) != len(set(p.placed)):
-        raise UnknownSystem("nothing is placed")
+    if not p.placed or len(p.placed) != len(set(p.placed)) or _rubs(p):
+        raise UnknownSystem("nothing is placed, or there is friction")
+
+
+_RUBS = re.compile(r"\bfriction coefficient|\bcoefficients? of (?:\w+ ){0,3}friction|\brough\b")
+_STICKY = "hinge|pin|pivot|joint|bearing|axle"
+_TOUGH = re.compile(rf"\bviscous\b[^.,;]*\b(?:{_STICKY})|\b(?:{_STICKY})s?\b[^.,;]*\bviscous\b")
+
+
+def _rubs(p: Plan) -> bool:
+    """Return whether there is friction besides dampers: on what slides, or in a hinge."""
+    text, slides = p.setup.text, any(not g.rolls for g in p.guides.values())
+    damped = p.braked or p.of_kind(p.springs, "damper", "buffer")
+    return bool(
+        (slides and _RUBS.search(text))
+        or _TOUGH.search(text)
+        or (re.search(r"\bviscous\b", text) and not damped)
+    )
 
 
 def _joined(p: Plan, thing: Thing, links: Iterable[str]) -> bool:
     """Return whether a spring, damper or string has its ends."""
-    if thing.kind in {"string", "spring"} and thing.adjectives & {"heavy", "massive"}:
+    heavy = thing.adjectives & {"heavy", "massive"} or p.setup.size(thing.key, "mass") is not None
+    if thing.kind in {"string", "spring"} and heavy:
         return False
     if thing.kind in {"spring", "damper", "twist"}:
         return thing.key in p.springs

@@ -287,12 +287,16 @@ def told(said: Iterable[Spoken], reading: Reading) -> Iterator[Size]:
         if not one.told or len(one.words) > MAX_SENTENCE:
             continue
         match = _told().match(one.words)
-        if match is not None:
+        if match is not None and not _RATIO.match(match["behind"]):
             quantity = next(k for k in vocabulary()["sizes"] if match[k])
             seen = Reading(dict(reading.things))
             owners = TOKEN.findall(seen.marked(match["behind"]) + seen.marked(one.words))
             own = next((o for o in owners if o in reading.things), "")
             yield Size(own, quantity, one.look, one.words, one.line)
+
+
+_RATIO = re.compile(r"\s*(?:ratio|centre|center|matrix|per|density|flow|of gyration|arm)\b")
+"""Words behind the noun of a size that make it another one."""
 
 
 @cache

@@ -107,8 +107,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     if claim.otherwise is not None:
         return _by_both(claim, lambda c: judge(c, given))
     if claim.moving is not None and not EQUALITIES.issuperset(claim.relations):
-        bare = apart(claim)
-        return judge(bare, given) if bare else Judgement(UNDECIDED, reason=OPEN)
+        return judge(c, given) if (c := apart(claim)) else Judgement(UNDECIDED, reason=OPEN)
     if claim.relations == (PROPORTIONAL,):
         return _proportional(claim, tuple(given))
     if claim.parameters is None and is_nearly(claim):

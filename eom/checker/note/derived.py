@@ -194,7 +194,11 @@ def _scalars(derivation: Derived, notation: Notation, known: Lexicon) -> Iterato
 def _outputs(
     derivation: Derived, notation: Notation, taken: Collection[Look]
 ) -> Iterator[tuple[str, str]]:
-    """Yield letters of what the resulting systems give besides, with their formulas in letters of steps."""
+    """Yield letters of what systems give by states whose rates a step defines, with the formulas.
+
+    The preset knows of no such states, and so not what is made of them.
+    """
+    given = set(_given_rates(derivation))
     shown = ((_seen(symbol_latex(s.name)), s) for s in _free(derivation))
     known = {found.look: s for found, s in shown if found is not None and not found.dots}
     for system in (r for r in derivation.result.values() if isinstance(r, System)):
@@ -202,12 +206,10 @@ def _outputs(
         same = {s: known[f.look] for s, f in letters.items() if f is not None and f.look in known}
         for d in system.outputs:
             letter = latex_names(system)[d.symbol]
-            free = d.expression.free_symbols
-            if free <= same.keys() and _is_pattern(letter) and look_of(letter) not in taken:
-                yield (
-                    letter,
-                    f"= {render(term_box(expr(d.expression.xreplace(same)), notation), 'latex')}",
-                )
+            free, value = d.expression.free_symbols, expr(d.expression.xreplace(same))
+            all_known = free <= same.keys() and given & value.data[0].free_symbols
+            if all_known and _is_pattern(letter) and look_of(letter) not in taken:
+                yield letter, f"= {render(term_box(value, notation), 'latex')}"
 
 
 def _any(derivation: Derived, known: Lexicon) -> Iterator[tuple[str, str]]:

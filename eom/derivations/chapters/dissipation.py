@@ -439,7 +439,6 @@ def _hurwitz_sign(d: Derivation, determinant: Chain) -> None:
 
 
 def _energy_sink(d: Derivation) -> None:
-    energy = model.energy_at_nutation().xreplace(LETTERS)
     for symbol, words in (
         (LETTERS[TRANSVERSE], "moment across the axis"),
         (LETTERS[AXIAL], "moment about the axis"),
@@ -455,6 +454,13 @@ def _energy_sink(d: Derivation) -> None:
         "the energy sink: a quasi-rigid body loses the power P while H is constant",
         label="energy-sink",
     )
+    _nutation(d, lost)
+    _effective(d, lost)
+
+
+def _nutation(d: Derivation, lost: Chain) -> None:
+    """Derive the rate of the angle from the momentum to the axis."""
+    energy = model.energy_at_nutation().xreplace(LETTERS)
     d.name_scalar(
         NUTATION_RATE,
         expr(ENERGY_RATE / sp.Derivative(energy, model.NUTATION)),
@@ -472,6 +478,10 @@ def _energy_sink(d: Derivation) -> None:
         Equation(expr(NUTATION_RATE), expr(model.nutation_rate().xreplace(LETTERS))),
         "the library has the same",
     )
+
+
+def _effective(d: Derivation, lost: Chain) -> None:
+    """Derive the rate of the effective moment of inertia."""
     d.name_scalar(
         EFFECTIVE, expr(H**2 / (2 * ENERGY)), "effective moment of inertia", label="effective"
     )

@@ -167,7 +167,18 @@ class TreeScene(BaseScene, TreeDescription):
         return self.outputs or (*self._start, *self._angles, POINTS)
 
     def asking(self, more: Sequence[str]) -> Self:
-        """Return the scene with all states and points asked for, and ``more`` outputs by name."""
+        """Return the scene with all states and points asked for, and ``more`` outputs.
+
+        Parameters
+        ----------
+        more : sequence of str
+            Names of outputs, or words for several (`eom.multibody.files.scene.Choice`).
+
+        Returns
+        -------
+        TreeScene
+            The same scene otherwise; what was derived of it is derived anew.
+        """
         wanted = (*self._start, *self._angles, POINTS, *more)
         return self.model_copy(update={"outputs": tuple(dict.fromkeys(wanted))})
 

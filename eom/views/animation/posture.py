@@ -195,7 +195,17 @@ class Posture:
             if n.startswith(MULTIPLIER)
         }
         arithmetic = Arithmetic(self.lift, ARRAYS, np.sqrt)
-        return Moment(self.tree, arithmetic, self.coordinates, self.speeds, tau, multipliers)
+        told = self.coordinates, self.speeds, tau, multipliers, self.prescribed
+        return Moment(self.tree, arithmetic, *told)
+
+    @cached_property
+    def prescribed(self) -> dict[int, Any]:
+        """The accelerations of speeds whose motion is given, by their numbers."""
+        given = [
+            list(j.motion.acceleration) if j.motion else [None] * len(j.speeds) for j in self.joints
+        ]
+        rows = enumerate(x for row in given for x in row)
+        return {k: self.lift(x) for k, x in rows if x is not None}
 
     def pose(self, name: str) -> tuple[Floats, Floats]:
         """Return C_BA of a body, shape (N, 3, 3), and where its origin is (m), shape (N, 3)."""

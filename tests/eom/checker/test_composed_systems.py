@@ -139,6 +139,13 @@ def test_parts_that_are_joined_are_told_apart():
     assert set(found.guides) == {"block_1", "block_2"}
 
 
+def test_a_letter_for_the_inertia_of_a_uniform_disc_is_what_its_shape_gives():
+    disc = r"A light string runs over a uniform disc of mass $a$, radius $r$ and moment of inertia $I$. "
+    (row, *_) = rows(read(f"{disc} Masses $m$ and $M$ hang from its ends."))
+    assert "J_disc" in {t.means for t in row.bound if t.latex == "I"}
+    assert row.table["values"]["J_disc"]["is"] == row.table["bodies"]["disc"]["moments"][0]
+
+
 @pytest.mark.parametrize(
     ("words", "turns"),
     [
