@@ -61,6 +61,8 @@ from eom.views.animation.figures import (
     wheel,
 )
 from eom.views.animation.tracks import (
+    LARGEST_STEP,
+    STEP,
     Floats,
     Track,
     Tracks,
@@ -608,6 +610,8 @@ class Posture:
             along = None
         space = turned(body.quaternions, np.broadcast_to(axis, (N, 3)))
         within = speed if along is None else along - np.einsum("ni,ni->n", body.omega, space)
+        slower = slowed(angle)
+        angle = angle / slower
         spin = np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * np.eye(3)[2][:, None]]).T
         tilt = np.broadcast_to(from_third(axis), (N, 4))
         return Track(
@@ -615,7 +619,17 @@ class Posture:
             body.positions + turned(body.quaternions, centre),
             continuous(multiplied(multiplied(body.quaternions, tilt), spin)),
             body.omega + within[:, None] * space,
+            slower,
         )
+
+
+def slowed(angle: Floats) -> float:
+    """Return the power of ten by which an angle (rad), shape (N,), is divided so that its turns can be seen.
+
+    It is 1 unless the angle goes from one time to the next by more than can be shown.
+    """
+    most = float(np.abs(np.diff(angle)).max(initial=0.0))
+    return 1.0 if most <= LARGEST_STEP else 10.0 ** math.ceil(math.log10(most / STEP))
 
 
 def without_forces(tree: Tree) -> Tree:
