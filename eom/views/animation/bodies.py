@@ -601,15 +601,15 @@ class Posture:
         body, N = self.track(rotor.body), self.count
         axis = np.array([float(self.lift(a)) for a in rotor.axis])
         centre = filled([self.lift(c) for c in self.tree.body[rotor.body].centre], N)
-        if rotor.speed is None:
-            angle = self.motion.series(rotor.states[0].name)
-            along = filled(self.lift(rotor.states[-1].symbol), N)
-        else:
-            speed, t = filled(self.lift(rotor.speed), N), self.motion.t
-            angle = np.concatenate([[0.0], np.cumsum(np.diff(t) * (speed[1:] + speed[:-1]) / 2)])
-            along = None
         space = turned(body.quaternions, np.broadcast_to(axis, (N, 3)))
-        within = speed if along is None else along - np.einsum("ni,ni->n", body.omega, space)
+        if rotor.speed is None:
+            along = filled(self.lift(rotor.states[-1].symbol), N)
+            within = along - np.einsum("ni,ni->n", body.omega, space)
+        else:
+            within = filled(self.lift(rotor.speed), N)
+        name = "" if rotor.speed is not None else rotor.states[0].name
+        known = name in self.motion.values
+        angle = self.motion.series(name) if known else _integrated(self.motion.t, within)
         slower = slowed(angle)
         angle = angle / slower
         spin = np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * np.eye(3)[2][:, None]]).T
@@ -621,6 +621,11 @@ class Posture:
             body.omega + within[:, None] * space,
             slower,
         )
+
+
+def _integrated(t: Floats, rate: Floats) -> Floats:
+    """Return the integral of a rate from the first time, shape (N,), by trapezoids."""
+    return np.concatenate([[0.0], np.cumsum(np.diff(t) * (rate[1:] + rate[:-1]) / 2)])
 
 
 def slowed(angle: Floats) -> float:
