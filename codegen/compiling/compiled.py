@@ -410,7 +410,8 @@ def _automatic(program: Program, layout: Layout) -> tuple[str, Functions, str]:
         return _native(program, layout)
     except native.CompilerError as error:
         _, functions, _ = _numpy(program, layout)
-        return "numpy", functions, f"{error.brief}: using the NumPy target"
+        remedy = error.hint.removesuffix(native.OR_NUMPY)
+        return "numpy", functions, f"{error.brief}: using the NumPy target; for C {remedy}"
 
 
 TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
@@ -472,6 +473,9 @@ ROWS: dict[str, Target] = {
     row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON, JAX, MATLAB)
 }
 
+UNIT = "fmu"
+"""What users call a target, too, and `codegen.fmu` writes."""
+
 _BESIDE = {C.name: _c_files, JAVASCRIPT.name: _javascript_files}
 """What writes functions and integrator, by target."""
 
@@ -481,8 +485,11 @@ def target_of(name: str, integrator: written.Choice | None = None) -> Target:
 
     Raises `InputError` for unknown names, and for an integrator where the target writes none.
     """
+    if name == UNIT:
+        raise InputError("a functional mock-up unit is an archive, and no texts", where="target", got=name,
+                         hint="write it by eom.write_fmu, or by eom generate --target fmu")  # fmt: skip
     if name not in ROWS:
-        raise unknown_name("target", name, ROWS)
+        raise unknown_name("target", name, [*ROWS, UNIT])
     if integrator is None:
         return ROWS[name]
     written.check(integrator)

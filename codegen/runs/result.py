@@ -250,6 +250,7 @@ class Result:
     def plot(self, *names: str) -> Any:
         """Return a picture of states and outputs over time, of all or of ``names``; a notebook displays it.
 
+        Its ``save(path)`` writes a file .png, .svg, .pdf or .html; its ``figure()`` is one of Matplotlib.
         Quantities of one unit are drawn together, the drift of constants of the motion below
         (`eom.views.time.histories`). Units are those of the system; angles in rad. Raises `InputError` for
         unknown names and fewer than two times. Needs the extra ``plot``.

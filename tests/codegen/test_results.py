@@ -154,6 +154,18 @@ def test_a_result_is_drawn_by_itself_and_when_it_was_read(top, tmp_path):
             one.plot("tlt")
 
 
+def test_a_picture_is_saved_and_goes_on_as_a_figure(run, tmp_path):
+    picture = run.plot()
+    for name, start in (("run.png", b"\x89PNG"), ("run.svg", b"<?xml"), ("run.pdf", b"%PDF")):
+        assert picture.save(tmp_path / name, (5, 4), 60).read_bytes().startswith(start)
+    assert "<html" in picture.save(tmp_path / "run.html").read_text("utf-8")
+    figure = picture.figure((6, 5))
+    assert figure.get_size_inches().tolist() == [6, 5]
+    assert any(axes.get_lines() for axes in figure.axes)
+    with pytest.raises(InputError, match="unknown kind of picture"):
+        picture.save(tmp_path / "run.jpg")
+
+
 def test_the_motion_of_the_body_among_the_states_is_animated(top, tmp_path):
     made = top.animate(speed=0.5)
     track = made.animation.tracks.bodies[0]
