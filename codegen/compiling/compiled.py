@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -41,7 +41,14 @@ from codegen.frontend.structure import Guard, Structure
 from codegen.ir import compile_progress
 from codegen.ir.names import identifier
 from codegen.ir.passes import prune
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
+from codegen.ir.program import (
+    INVARIANTS,
+    OUTPUTS,
+    RATES,
+    SINGULARITIES,
+    Program,
+    SameObject,
+)
 from codegen.loops import javascript, written
 from codegen.loops.written import Choice
 from codegen.native import native
@@ -502,13 +509,25 @@ def target_of(name: str, integrator: written.Choice | None = None) -> Target:
     return replace(ROWS[name], files=partial(_BESIDE[name], integrator))
 
 
+def compiled_of(system: System | Compiled) -> Compiled:
+    """Return a system compiled, the same again for the same object."""
+    return system if isinstance(system, Compiled) else compile_once(SameObject(system))
+
+
+@lru_cache(maxsize=64)
+def compile_once(key: SameObject[System]) -> Compiled:
+    """Return a system compiled, the same again for the same object."""
+    return compile(key.value)
+
+
 @typed
 def compiled_jacobian(
-    compiled: Compiled, by: str = "states", of: str = RATES, target: str = ""
+    compiled: Compiled | System, by: str = "states", of: str = RATES, target: str = ""
 ) -> SparseJacobian:
     """Return the compiled derivatives of a group of results by states, parameters, inputs or time.
 
-    ``of``: rates, outputs, invariants or singularities. ``by``: states, parameters, inputs or time.
+    ``compiled``: a system that is not is compiled first. ``of``: rates, outputs, invariants or
+    singularities. ``by``: states, parameters, inputs or time.
     ``target``: that of ``compiled`` if left out. The same arguments give the same object again, at once:
     ``compiled`` keeps it. Raises `InputError` for other words and for groups that the system does not
     have.
@@ -524,6 +543,7 @@ def compiled_jacobian(
     array([[ 0.,  1.],
            [-4.,  0.]])
     """
+    compiled = compiled_of(compiled)
     if by not in KINDS:
         raise unknown_name("kind of variable", by, KINDS)
     if of not in compiled.layout.sizes:

@@ -328,10 +328,24 @@ def test_a_line_over_no_time_is_none():
     assert notebook.sparkline(np.array([1.0, 2.0]), np.array([np.nan, 2.0])) == ""
 
 
+def test_a_system_does_wherever_a_compiled_one_does():
+    point = eom.equilibrium(OSCILLATOR)
+    (only,) = eom.equilibria(OSCILLATOR)
+    assert only.states == point.states
+    near = eom.linearise_about(OSCILLATOR, point)
+    assert near.A.tolist() == eom.linearise(OSCILLATOR, [0, 0]).A.tolist()
+    assert eom.compiled_jacobian(OSCILLATOR).dense(0, [0, 0], []).tolist() == near.A.tolist()
+    assert isinstance(eom.accuracy(OSCILLATOR, samples=3), eom.AccuracyReport)
+    with pytest.raises(InputError, match="compiled is of the wrong type"):
+        eom.linearise("oscillator", [0, 0])
+
+
 def test_one_import_is_enough(tmp_path):
     assert eom.simulate is codegen.simulate
     assert eom.Result is Result
     files = eom.generate(OSCILLATOR, tmp_path, target="python", jacobian=["states"])
     assert {p.name for p in tmp_path.iterdir()} == set(files)
+    with pytest.raises(InputError, match="write_fmu"):
+        eom.generate(OSCILLATOR, tmp_path, "fmu")
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = eom.simulat
