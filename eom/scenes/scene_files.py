@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from functools import cached_property
@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self, get_args
 
 import pydantic
 import sympy as sp
+from pydantic_core import ErrorDetails
 
 from eom.displays import display
 from eom.errors import InputError, entries, near_matches, quoted
@@ -410,7 +411,7 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
         return own if own.where else own.at(".".join(map(str, ours[0][0]["loc"])))
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"])
-    more = f" (and {len(others)} more)" if others else ""
+    more = f" (and {len(others)} more: {_places(others)})" if others else ""
     if first["type"] == "extra_forbidden":
         key = str(first["loc"][-1])
         return InputError(
@@ -419,18 +420,45 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
             hint=near_matches(key, _keys_at(model, first["loc"][:-1])),
         )
     if first["type"] == "missing":
-        last = first["loc"][-1]
-        what = f"missing key {last!r}" if isinstance(last, str) else "too few values"
-        return InputError(f"{what}{more}", where=place)
+        return _missing(first, findings)
     said = _EXPECTED.get(first["type"], "")
     expected = said.format(place=place, **first.get("ctx", {})) or re.sub(
         "^(Input should be|Value error, expected) ", "", first["msg"]
     )
+    keys = ", ".join(_keys_at(model, first["loc"])) if first["type"].startswith("model_") else ""
     return InputError(
-        f"unusable value{more}", where=place, got=quoted(first["input"]), expected=expected
-    )
+        f"unusable value{more}", where=place, got=quoted(first["input"]), expected=expected,
+        hint=f"its keys: {keys}" if keys else "",
+    )  # fmt: skip
 
 
+def _place(finding: ErrorDetails) -> str:
+    return ".".join(str(part) for part in finding["loc"])
+
+
+def _places(findings: Sequence[ErrorDetails]) -> str:
+    """Return where findings are, as far as they are few."""
+    places = list(dict.fromkeys(map(_place, findings)))
+    return ", ".join(places[:FEW]) + ", ..." * (len(places) > FEW)
+
+
+def _missing(first: ErrorDetails, findings: Sequence[ErrorDetails]) -> InputError:
+    """Return the error for a key that is missing, or for a list that is too short."""
+    *place, last = first["loc"]
+    lacking = [f for f in findings if f["type"] == "missing" and f["loc"][:-1] == first["loc"][:-1]]
+    others = [f for f in findings if f not in lacking]
+    more = f" (and {len(others)} more: {_places(others)})" if others else ""
+    if isinstance(last, int):
+        return InputError(
+            f"too few values{more}", where=".".join(map(str, place)), got=quoted(first["input"]),
+            expected=f"{last + len(lacking)} values",
+        )  # fmt: skip
+    names = " and ".join(repr(f["loc"][-1]) for f in lacking)
+    return InputError(f"missing key {names}{more}", where=_place(first))
+
+
+FEW = 4
+"""Places of further findings that are named."""
 _TABLE = "a table: keys with values, as [{place}] or {{ key = value }}"
 _EXPECTED: Mapping[str, str] = {
     **dict.fromkeys(("dict_type", "model_type", "model_attributes_type"), _TABLE),
