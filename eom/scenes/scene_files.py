@@ -225,10 +225,10 @@ class BaseScene(Request):
         read = self._control_over(names)
         if system.numbers == "values" and parse.has_decimals(self.control.formulas):
             system = replace(system, numbers="decimals")
-        own = {
-            n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
-            for n, s in self.control.states.items()
-        }
+        own, shared = (
+            {n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning) for n, s in group.items()}
+            for group in (self.control.states, self.control.definitions)
+        )
         gains = (
             Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the control")
             for n, v in self.parameters.items()
@@ -237,7 +237,7 @@ class BaseScene(Request):
         return system.closed_loop(
             read["laws"],
             {own[n]: e for n, e in read["states"].items() if n in stepped},
-            definitions=read["definitions"],
+            definitions={shared[n]: e for n, e in read["definitions"].items()},
             parameters=gains,
             period=self.control.period,
             delay=self.control.delay,
@@ -263,6 +263,8 @@ class BaseScene(Request):
 
     def _unit_of(self, section: str, name: str) -> str:
         """Return the unit of a formula of the control, as far as it is known here."""
+        if section == "definitions":
+            return self.control.definitions[name].unit
         unit = self.control.states[name].unit if section == "states" else ""
         return f"({unit})/s" if unit and name not in self.control.stepped else unit
 
@@ -272,7 +274,7 @@ class BaseScene(Request):
         units = {
             q.name: q.unit for q in (*(q for g in groups for q in g), *system.output_quantities)
         }
-        units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
+        units |= {n: d.unit for n, d in self.control.definitions.items()} | {"t": "s"}
         units |= {n: s.unit for n, s in self.control.states.items()}
         own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items()}
         stated = Stated(units, own)
