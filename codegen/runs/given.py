@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from codegen.compiling import events as looked_for
 from codegen.compiling import sampled
-from codegen.compiling.compiled import Compiled, compiled_of
+from codegen.compiling.compiled import Compiled
 from codegen.compiling.events import Event
 from codegen.compiling.sampled import Sampled
 from codegen.compiling.signals import Inputs, reads_state
@@ -19,7 +19,6 @@ from codegen.integrate import scales as sizes_of
 from codegen.native.trajectory import Array, Law
 from codegen.runs import arguments, pruning
 from eom.errors import InputError
-from eom.system import System
 
 Values = Mapping[str, float | str] | Sequence[float] | Array | None
 InputValue = float | str | Callable[..., float] | Sampled

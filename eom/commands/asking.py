@@ -26,7 +26,8 @@ END = "q"
 def lexicon_asked(notes: Sequence[Note], settings: Settings) -> Settings:
     """Ask what the symbols of a note mean, write its lexicon, and return settings that name it.
 
-    What was left open stays so: a guess is no answer. Where nothing is said nothing is written. Raises `InputError` for more than one note, for what is no file, and where there is a lexicon already.
+    What was left open stays so: a guess is no answer. Where nothing is said nothing is written. Raises
+    `InputError` for more than one note, for what is no file, and where there is a lexicon already.
     """
     from codegen.compiling.compiled import write_files
     from eom.checker.infer.draft import proposed

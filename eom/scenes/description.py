@@ -268,7 +268,7 @@ def _as_formula(value: Any) -> Any:
 
 
 class DefinitionOfControl(Part):
-    """A ``formula`` that others share, with ``unit`` of SI and ``meaning``, for pictures, pages and exports."""
+    """A ``formula`` that others share, with ``unit`` of SI and ``meaning``, a text for pages."""
 
     formula: Formula
     unit: Coherent = ""
@@ -287,8 +287,9 @@ class Control(Part):
     ``laws``: a formula for each input that is controlled, in its unit; such an input need not stand in
     ``inputs``. ``states``: of the control itself (an integrator, observer or filter), each by the formula
     of its rate; they start at zero unless ``initial`` says otherwise. ``definitions``: formulas that others
-    share, by name, or tables with a unit and a meaning. All are over parameters, inputs, states, outputs, t, what the scene defines, and each
-    other, in any order. Laws and definitions can be asked for as outputs.
+    share, by name, or tables with a unit and a meaning. All are over parameters, inputs, states, outputs,
+    t, what the scene defines, and each other, in any order. Laws and definitions can be asked for as
+    outputs.
 
     With a ``period`` (s) the laws are sampled, the first time at t = 0, and their inputs held in between;
     values take effect ``delay`` (s) later. States with a ``next`` value then change at the samples.

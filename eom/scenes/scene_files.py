@@ -47,8 +47,12 @@ def data_of(file: Path) -> dict[str, Any]:
 def text_of(file: Path, pattern: str) -> str:
     """Return the text of a file; ``pattern``: files whose names are near matches."""
     if not file.is_file():
-        known = [p.name for p in file.parent.glob(pattern)] if file.parent.is_dir() else []
-        raise InputError("no such scene file", where=str(file), hint=near_matches(file.name, known))
+        folder, name = (file, "") if file.is_dir() else (file.parent, file.name)
+        known = [p.name for p in folder.glob(pattern)] if folder.is_dir() else []
+        raise InputError(
+            "no such scene file", where=str(file), got="" if name else "a folder",
+            hint=near_matches(name, known) or "eom list names the scenes that are ready",
+        )  # fmt: skip
     if file.stat().st_size > MAX_FILE_BYTES:
         raise InputError(
             "scene file is too large", where=str(file), expected=f"at most {MAX_FILE_BYTES} bytes"

@@ -210,7 +210,9 @@ def test_a_closed_loop_is_animated_as_it_moved_and_not_as_its_scene_would(how):
         period = 0.02 if how == "sampled law" else None
         system = system.with_control({"tau_arm": law}, period=period)
     start = {"q_arm": 0, "q_pin": 0.2, "u_arm": 0, "u_pin": 0}
-    run = simulate(system, start, (1, 3), scene.parameter_values(), inputs=inputs, dense_output=True)
+    run = simulate(
+        system, start, (1, 3), scene.parameter_values(), inputs=inputs, dense_output=True
+    )
     made = run.animate(scene).animation
     states = run.at(made.times + 1)
     arm, rod = (body.quaternions for body in made.tracks.bodies)

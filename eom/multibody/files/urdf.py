@@ -76,7 +76,8 @@ def load_urdf(
     """Return the robot of a URDF file as a scene; ``gravity`` in the ground's axes (m/s^2).
 
     ``strict``: refuse what no body or tree is; otherwise mend it (`MENDING`), and say so in the scene's
-    ``repairs``, which also name the limits and the dry friction of joints, that are left out. ``floating``: free the root link, by a joint of kind ``free`` to the ground.
+    ``repairs``, which also name the limits and the dry friction of joints, that are left out.
+    ``floating``: free the root link, by a joint of kind ``free`` to the ground.
 
     Raises `InputError` with the file's name for files that are no URDF, entities, unknown types of joints,
     loops, a floating root without mass; if strict also for mimicking joints, inertias that no body has,

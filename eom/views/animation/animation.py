@@ -234,7 +234,7 @@ def _needed(tracks: Tracks, scene: AnyScene) -> int:
 
 
 def _reached(tracks: Sequence[Track], spans: Floats) -> Floats:
-    """Return how far the fastest of bodies turns at most (rad), shape (N,), in spans from the first time."""
+    """Return how far the fastest of bodies turns at most (rad), shape (N,), in spans from the start."""
     rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks], axis=0)
     return np.asarray(np.maximum.accumulate(rates) * spans)
 

@@ -629,7 +629,7 @@ def _integrated(t: Floats, rate: Floats) -> Floats:
 
 
 def slowed(angle: Floats) -> float:
-    """Return the power of ten by which an angle (rad), shape (N,), is divided so that its turns can be seen.
+    """Return the power of ten by which an angle (rad), shape (N,), is divided so that its turns are seen.
 
     It is 1 unless the angle goes from one time to the next by more than can be shown.
     """

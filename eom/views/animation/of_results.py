@@ -189,7 +189,7 @@ def _of_scene(result: Result, scene: AnyScene, speed: float | None) -> Animation
 
 
 def _motion(prepared: AnyScene, given: Mapping[str, float], result: Result) -> Result:
-    """Return the motion of a scene of `with_attitude`: the result's own where its states say where bodies are.
+    """Return the motion of a scene of `with_attitude`, the result's own if its states say where bodies are.
 
     Raises `InputError` where they do not and the scene does not move as the result does.
     """
@@ -237,9 +237,14 @@ def _own(
     if system.outputs and len(own) == len(names):
         made = codegen.compile(system, "numpy")
         numbers, held = prepared.parameter_values(), prepared.input_values()
-        parameters = [given.get(q.name, numbers.get(q.name)) for q in made.layout.parameters]
-        inputs = [driving[n] if n in driving else np.full(len(t), held[n]) for n in system.input_names]
-        rows = made.outputs(t, np.array([*own.values()]), parameters, np.array(inputs) if inputs else None)
+        order = [q.name for q in made.layout.parameters]
+        parameters = [given[n] if n in given else numbers[n] for n in order]
+        inputs = [
+            driving[n] if n in driving else np.full(len(t), held[n]) for n in system.input_names
+        ]
+        rows = made.outputs(
+            t, np.array([*own.values()]), parameters, np.array(inputs) if inputs else None
+        )
         outputs |= dict(zip((d.name for d in system.outputs), rows, strict=True))
     return replace(
         result, t=t - t[0], y=np.array([*own.values()]), names=tuple(own), outputs=outputs, held={},

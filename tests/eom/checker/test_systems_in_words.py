@@ -220,8 +220,8 @@ def test_questions_end_where_the_writer_says_so(tmp_path):
         assert not (tmp_path / "note.lexicon.toml").exists()
 
 
-GUESSED_PERIOD = r"""A thin uniform rod of mass $M$ and length $L$ hangs from a pin at its upper end. $\alpha$ is
-its angle from the downward vertical and $g$ the acceleration of gravity.
+GUESSED_PERIOD = r"""A thin uniform rod of mass $M$ and length $L$ hangs from a pin at its upper end.
+$\alpha$ is its angle from the downward vertical and $g$ the acceleration of gravity.
 
 $$ \ddot\alpha = -\frac{3 g}{2 L}\sin\alpha $$
 
