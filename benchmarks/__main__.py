@@ -46,6 +46,11 @@ class Measurement:
     needs_compiler: bool = True
     quick: bool = True
 
+    @property
+    def name(self) -> str:
+        """What it is called on the command line: its module."""
+        return self.run.__module__.rpartition(".")[2]
+
 
 MEASUREMENTS = (
     Measurement(rates.measure),
@@ -73,17 +78,23 @@ MEASUREMENTS = (
 @click.command()
 @click.option("--quick", is_flag=True, help="Check ratios alone, in less than a minute.")
 @click.option("--instructions", is_flag=True, help="Count instructions too, with valgrind.")
-def main(quick: bool, instructions: bool) -> None:
+@click.option(
+    "--only",
+    "names",
+    multiple=True,
+    type=click.Choice([m.name for m in MEASUREMENTS]),
+    help="Measure this section; may be given more than once.",
+)
+def main(quick: bool, instructions: bool, names: tuple[str, ...]) -> None:
     """Measure; exit with 0 if every target is met and with 1 otherwise."""
+    asked = [m for m in MEASUREMENTS if m.name in names or not names]
     settings = Settings(quick, instructions)
     console = Console() if sys.stdout.isatty() else Console(width=WIDTH)
     console.print(machine.header(), highlight=False, markup=False, soft_wrap=True)
     compiler = bool(native.compiler())
     if not compiler:
         console.print("There is no C compiler: nothing of C was measured.")
-    chosen = [
-        m for m in MEASUREMENTS if (compiler or not m.needs_compiler) and (m.quick or not quick)
-    ]
+    chosen = [m for m in asked if (compiler or not m.needs_compiler) and (m.quick or not quick)]
     sections = [m.run(settings) for m in chosen]
     if not sections:
         return

@@ -12,7 +12,8 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from eom.commands.paging import COMPILER
 from eom.derivations import derive, names
-from eom.derivations.reached import RESULT, asserted
+from eom.derivations.deciding import surplus
+from eom.derivations.reached import RESULT, asserted, is_tautology
 from eom.mass.meshes import mesh_properties
 from eom.mass.solids import SOLIDS
 from tests.eom.test_meshes import icosphere
@@ -51,7 +52,7 @@ def measure(settings: Settings) -> Section:  # noqa: ARG001 - all measurements a
     rows = (
         _slowest("derivation", steps, EACH_DERIVATION),
         _row(f"all {len(steps)} derivations", sum(steps.values()), ALL_DERIVATIONS),
-        _asserted(),
+        *_sound(),
         *_formulas(),
         _handouts(),
         _slowest("inertia of a solid", moments, EACH_SOLID),
@@ -62,13 +63,19 @@ def measure(settings: Settings) -> Section:  # noqa: ARG001 - all measurements a
     return Section("derivations: time on one core, the first call; errors of inertia", rows)
 
 
-def _asserted() -> Row:
-    """Count the results that no rule has reached."""
+def _sound() -> tuple[Row, ...]:
+    """Count results that no rule has reached, lines that say nothing, assumptions that are not needed."""
     made = [derive(name) for name in names()]
-    results = [s for d in made for s in d.steps if s.kind == RESULT]
-    count = sum(len(asserted(d)) for d in made)
-    what = f"results that are asserted, of {len(results)}"
-    return Row(what, str(count), target="0", met=count == 0)
+    steps = [s for d in made for s in d.steps]
+    results = len([s for s in steps if s.kind == RESULT])
+    counts = {
+        f"results that are asserted, of {results}": sum(len(asserted(d)) for d in made),
+        f"lines that are tautologies, of {len(steps)}": sum(
+            is_tautology(s.statement) for s in steps
+        ),
+        "assumptions that a line does not need": sum(len(list(surplus(d))) for d in made),
+    }
+    return tuple(Row(what, str(n), target="0", met=n == 0) for what, n in counts.items())
 
 
 def _formulas() -> tuple[Row, ...]:

@@ -6,6 +6,7 @@ command fails where less than 99 % of the false edits are rejected, or a true on
 
 from __future__ import annotations
 
+import multiprocessing
 import random
 import sys
 
@@ -24,6 +25,7 @@ COLUMNS = {
     "sign undecided": ("true, undecided",),
     "ill-formed": ("ill-formed",),
     "no value": ("without a value",),
+    "broken": ("broken",),
 }
 """Column of the table, and the outcomes that it counts."""
 
@@ -31,20 +33,33 @@ COLUMNS = {
 @click.command()
 @click.argument("chosen", nargs=-1)
 @click.option("--most", type=int, help="Judge at most so many edits of a derivation, at random.")
-def main(chosen: tuple[str, ...], most: int | None) -> None:
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+def main(chosen: tuple[str, ...], most: int | None, jobs: int) -> None:
     """Judge every edit of the derivations CHOSEN, or of all."""
     count = Count()
-    for name in chosen or names():
-        edits = list(edits_of([derive(name)]))
-        if most is not None and most < len(edits):
-            edits = random.Random(name).sample(edits, most)
-        for one in edits:
-            count.add(*one)
-        click.echo(f"{name}: {count.total.total()} edits so far", err=True)
+    parts = [(name, most, k, jobs) for name in chosen or names() for k in range(jobs)]
+    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
+        for (name, *_), found in zip(parts, pool.imap(_judged, parts), strict=True):
+            count.include(found)
+            click.echo(f"{name}: {count.total.total()} edits so far", err=True)
+            for line in found.wrong:
+                click.echo(line, err=True)
     Console(width=110).print(_table(count))
     for line in count.wrong:
         click.echo(line)
     sys.exit(count.missed)
+
+
+def _judged(part: tuple[str, int | None, int, int]) -> Count:
+    """Judge every so many-th edit of a derivation, or of some of them drawn at random."""
+    name, most, first, step = part
+    edits = list(edits_of([derive(name)]))
+    if most is not None and most < len(edits):
+        edits = random.Random(name).sample(edits, most)
+    count = Count()
+    for one in edits[first::step]:
+        count.add(*one)
+    return count
 
 
 def _table(count: Count) -> Table:

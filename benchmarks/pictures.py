@@ -3,6 +3,9 @@
 ``python -m benchmarks.pictures --out FOLDER [SCENE ...]`` writes each picture as SCENE-NAME.png, and sheets
 of them, to be looked at. It prints how many boxes of text each has, as Matplotlib draws it, and which pairs
 overlap. Work-precision diagrams are measured, and left out unless ``--measured``.
+
+``--pages`` writes the pages to turn by hand instead: of each picture, the animation, and the live page; it
+prints how many bytes each has.
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 from PIL import Image
@@ -17,9 +21,19 @@ from PIL import Image
 from eom import load_scene
 from eom.scenes import catalogue
 from eom.views import gallery
+from eom.views.animation import animation_page
+from eom.views.animation.animation import animation_of
+from eom.views.animation.figures import shapes_of_file
+from eom.views.draw import turned
 from eom.views.draw.placing import boxes, overlaps
 from eom.views.draw.printed import figure
+from eom.views.live import page as live
+from eom.views.time.histories import run
 
+LARGEST = 2_000_000
+"""Bytes that a page may have."""
+SECONDS = 8.0
+"""Of the motions in animations at most."""
 TILE, ACROSS, DOWN = 640, 3, 3
 """Pixels of a picture on a sheet at most, and pictures of a sheet."""
 
@@ -31,8 +45,13 @@ def main() -> int:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--what", default="")
     parser.add_argument("--measured", action="store_true")
+    parser.add_argument("--pages", action="store_true")
     told = parser.parse_args()
     told.out.mkdir(parents=True, exist_ok=True)
+    return _pages(told) if told.pages else _printed(told)
+
+
+def _printed(told: argparse.Namespace) -> int:
     files, pairs = [], 0
     for name in told.scenes or catalogue.names():
         scene = load_scene(name)
@@ -51,6 +70,33 @@ def main() -> int:
     _sheets(files, told.out)
     print(f"{len(files)} pictures, {pairs} pairs of texts overlap")
     return min(pairs, 1)
+
+
+def _pages(told: argparse.Namespace) -> int:
+    sizes = []
+    for name in told.scenes or catalogue.names():
+        for what, text in _made(name, told.what):
+            file = told.out / f"{Path(name).stem}-{what}.html"
+            file.write_text(text, encoding="utf-8")
+            sizes.append(file.stat().st_size)
+            print(f"{name} {what}: {sizes[-1]:,} bytes", flush=True)
+    print(f"{len(sizes)} pages, the largest {max(sizes):,} bytes")
+    return int(max(sizes) > LARGEST)
+
+
+def _made(name: str, wanted: str) -> Iterator[tuple[str, str]]:
+    """Yield the pages of a scene that are wanted, by name; all where none is named."""
+    scene, robot = load_scene(name), shapes_of_file(name)
+    pictures = [p for p in gallery.available(scene) if p != "work-precision"]
+    chosen = wanted.split(",") if wanted else [*pictures, "animation", "live"]
+    for what in (p for p in pictures if p in chosen):
+        yield what, turned.page(gallery.picture(what, gallery.Ask(scene)))
+    if "animation" in chosen:
+        seconds = min(SECONDS, scene.integration.t_end)
+        moving = animation_of(scene, lambda s: run(s)[0], seconds=seconds, robot=robot)
+        yield "animation", animation_page.page(moving)
+    if "live" in chosen:
+        yield "live", live.page(scene)
 
 
 def _sheets(files: list[Path], folder: Path) -> None:

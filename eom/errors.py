@@ -61,7 +61,18 @@ class InputError(ValueError):
         super().__init__("\n".join([what, *(f"  {k + ':':<9} {v}" for k, v in parts if v)]))
 
     def at(self, where: str) -> Self:
-        """Return the same error with ``where`` as its place."""
+        """Return the same error at a place.
+
+        Parameters
+        ----------
+        where : str
+            What a message calls the place: a file, a section, an argument.
+
+        Returns
+        -------
+        the same class
+            A new one; the rest of the message stays.
+        """
         return type(self)(
             self.what, where=where, got=self.got, expected=self.expected, hint=self.hint
         )

@@ -33,10 +33,26 @@ def as_expression(value: Any) -> Expr:
 def saturate(value: Any, low: Any, high: Any) -> Expr:
     """Return ``value`` where it is between ``low`` and ``high``, else the nearer of the two.
 
-    Numbers or SymPy expressions, in one unit. Of expressions it is max(low, min(value, high)), whose kinks
-    runs find as they find those of any formula; where ``low`` is above ``high`` that is ``low``. Raises
-    `InputError` for numbers in the wrong order, and what is no expression.
+    Parameters
+    ----------
+    value : number or expression
+        What is limited, in one unit with the limits.
+    low, high : number or expression
+        The limits.
 
+    Returns
+    -------
+    expression
+        Of expressions max(low, min(value, high)), whose kinks runs find as they find those of any
+        formula; where ``low`` is above ``high`` that is ``low``.
+
+    Raises
+    ------
+    InputError
+        For numbers in the wrong order, and what is no expression.
+
+    Examples
+    --------
     >>> x = sp.Symbol("x")
     >>> saturate(x, -1, 1).subs(x, 3)
     1

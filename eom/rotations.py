@@ -105,9 +105,22 @@ def parameters(C: Sequence[Sequence[Any]]) -> list[Any]:
 def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
     """Return C of a unit quaternion ``q``, scalar first.
 
-    C, (3, 3) as rows, takes components in the reference axes to components in the body's. The norm is not
-    tested. Source: Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27.
+    Parameters
+    ----------
+    q : sequence of floats
+        A unit quaternion, scalar first. The norm is not tested.
 
+    Returns
+    -------
+    rows of numbers
+        C, (3, 3) as rows; it takes components in the reference axes to components in the body's.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27.
+
+    Examples
+    --------
     >>> matrix_of_quaternion((0, 0, 0, 1))  # half a turn about axis 3
     ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
     """

@@ -92,7 +92,18 @@ class BodyAttitude:
         return (*self.omega, *self.frame_rate, *inertia, *(self.torque or ()), *fixed)
 
     def over(self, change: Callable[[Expr], Expr]) -> BodyAttitude:
-        """Return the same, all changed by ``change``; a coordinate that is no symbol then is left out."""
+        """Return the same with all its expressions changed.
+
+        Parameters
+        ----------
+        change : callable
+            From an expression to an expression.
+
+        Returns
+        -------
+        BodyAttitude
+            A coordinate that is no symbol then is left out.
+        """
         inertia = None if self.inertia is None else self.inertia.applyfunc(change)
         return replace(
             self,
@@ -108,10 +119,20 @@ class BodyAttitude:
         )
 
     def within(self, states: Collection[Expr], known: Collection[Expr]) -> BodyAttitude | None:
-        """Return what can be said of it over ``known`` symbols, of which some are ``states``.
+        """Return what can be said of it over known symbols.
 
-        None where omega is not known. Angles that others do without may be missing; of a quaternion
-        nothing may be, of direction cosines any column.
+        Parameters
+        ----------
+        states : collection of expressions
+            Those of them that are states.
+        known : collection of expressions
+            All symbols that may stand in it.
+
+        Returns
+        -------
+        BodyAttitude
+            None where omega is not known. Angles that others do without may be missing; of a
+            quaternion nothing may be, of direction cosines any column.
         """
 
         def are(values: Iterable[Expr]) -> bool:

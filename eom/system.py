@@ -264,16 +264,42 @@ class System:
         return full
 
     def expand(self, expression: Expr) -> Expr:
-        """Return ``expression`` over states, parameters, inputs and time alone.
+        """Return an expression over states, parameters, inputs and time alone.
 
-        Raises `InputError` for what is no expression, text above all.
+        Parameters
+        ----------
+        expression : expression
+            May hold definitions, which are put in.
+
+        Returns
+        -------
+        expression
+            The same function.
+
+        Raises
+        ------
+        InputError
+            For what is no expression, text above all.
         """
         return replaced(as_expression(expression), self._full_definitions)
 
     def rate_of(self, expression: Expr) -> Expr:
-        """Return the time derivative of ``expression`` along the motion, by the chain rule.
+        """Return the time derivative of an expression along the motion, by the chain rule.
 
-        Raises `InputError` where the system has a mass matrix: its rates are not explicit.
+        Parameters
+        ----------
+        expression : expression
+            Over states, parameters, inputs, time and definitions.
+
+        Returns
+        -------
+        expression
+            Over the same, in its unit per unit of time.
+
+        Raises
+        ------
+        InputError
+            Where the system has a mass matrix: its rates are not explicit.
         """
         if self.mass_matrix is not None:
             raise InputError("rate_of needs explicit rates", where=self.name, got="a mass matrix")
@@ -300,27 +326,50 @@ class System:
     ) -> System:
         """Return the closed loop: a system in which inputs are laws over states, outputs and time.
 
-        ``laws``: an expression for each input that is controlled, by its name or symbol, in its unit.
-        ``states``: of the control itself (an integrator, observer or filter), with their rates, a name,
-        symbol or `Quantity` each; a run starts them at zero, or at the ``default`` of the quantity, where
-        it gives no value by name. ``definitions``: named expressions that laws and rates share.
-        ``parameters``: quantities with units for some of the symbols that the system does not have; each of
-        these becomes a parameter.
+        Parameters
+        ----------
+        laws : mapping of object to objects
+            An expression for each input that is controlled, by its name or symbol, in its unit.
+        states : mapping of object to objects, optional
+            Of the control itself (an integrator, observer or filter), with their rates, a name,
+            symbol or `Quantity` each; a run starts them at zero, or at the ``default`` of the
+            quantity, where it gives no value by name.
+        definitions : mapping of object to objects, optional
+            Named expressions that laws and rates share.
+        parameters : iterable, optional
+            Quantities with units for some of the symbols that the system does not have; each of
+            these becomes a parameter.
+        period : float, optional
+            Of samples (s): laws are evaluated at the start of a run and after each period, and held
+            between. Then ``states`` have the expressions of their next values in place of rates,
+            and laws may read the inputs that they set, as they were before.
+        delay : float, default 0.0
+            Values take effect so long after the sample (s), those of states at once.
+        rates : mapping of object to objects, optional
+            Of further states of the control, which are continuous beside a period.
 
-        Expressions are over states, parameters, inputs, outputs and time of the system, and over what is
-        defined here, in any order; symbols count by their names. Controlled inputs and definitions become
-        outputs. Invariants that an input is part of are left out; others hold for any law.
+        Returns
+        -------
+        System
+            Controlled inputs and definitions are outputs of it. Under samples what is held stays an
+            input; `Sampling` says by what it is set. Invariants that an input is part of are left
+            out; others hold for any law.
 
-        With a ``period`` (s) the laws are sampled: evaluated at the start of a run and after each period,
-        and held between. Then ``states`` have the expressions of their next values in place of rates, and
-        laws may read the inputs that they set, as they were before; values take effect ``delay`` (s) after
-        the sample, those of states at once. What is held stays an input of the system, `Sampling` says by
-        what it is set. ``rates``: of further states of the control, which are continuous beside a period.
+        Raises
+        ------
+        InputError
+            For what is no input, names that are taken, laws of another dimension than their input,
+            laws that need their own results, intermediate definitions of the system, which have no
+            lasting names, a period that is not positive, and a delay that is negative, or without a
+            period.
 
-        Raises `InputError` for what is no input, names that are taken, laws that need their own results,
-        intermediate definitions of the system, which have no lasting names, a period that is not positive,
-        and a delay that is negative, or without a period.
+        Notes
+        -----
+        Expressions are over states, parameters, inputs, outputs and time of the system, and over
+        what is defined here, in any order; symbols count by their names.
 
+        Examples
+        --------
         >>> x, v, u, k, d = sp.symbols("x v u k d", real=True)
         >>> cart = System.from_rates("cart", {x: v, v: u}, inputs=[u])
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
@@ -348,7 +397,22 @@ class System:
     ) -> System:
         """Return what `with_control` does, with no check of the dimensions of laws.
 
-        Units are those of the quantities. Raises `InputError` as `with_control`.
+        Parameters
+        ----------
+        laws : mapping of object to objects
+            As of `with_control`, of any dimension.
+        states, definitions, parameters, period, delay, rates : mapping of object to objects, optional
+            As of `with_control`.
+
+        Returns
+        -------
+        System
+            As of `with_control`; units are those of the quantities.
+
+        Raises
+        ------
+        InputError
+            As of `with_control`, but for dimensions.
         """
         held = {q.name: q for q in self.inputs if q.name not in self.held}
         by_name = {name_of(key): law for key, law in laws.items()}

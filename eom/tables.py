@@ -70,7 +70,23 @@ class Table:
         _check(self, where)
 
     def __call__(self, argument: Any) -> Expr:
-        """Return the function applied to an expression ``argument``. Raises `InputError` for text."""
+        """Return the function applied to an expression.
+
+        Parameters
+        ----------
+        argument : object
+            In the unit of the breakpoints.
+
+        Returns
+        -------
+        expression
+            In the unit of the values.
+
+        Raises
+        ------
+        InputError
+            For text.
+        """
         return TableFunction(_Data(self), as_expression(argument))
 
     @property
@@ -112,12 +128,34 @@ class Table:
         return tuple(tuple(map(float, row)) for row in self.exact_rows)
 
     def anchor(self, x: Any) -> tuple[int, float]:
-        """Return the row that holds at ``x`` and the breakpoint that it counts from."""
+        """Return the row that holds at a place, and the breakpoint that it counts from.
+
+        Parameters
+        ----------
+        x : number
+            In the unit of the breakpoints.
+
+        Returns
+        -------
+        tuple of int, float
+            The number of the row, from 0, and the breakpoint.
+        """
         row = bisect_right(self.breakpoints, x)
         return row, self.breakpoints[max(row - 1, 0)]
 
     def at(self, x: Fraction) -> Fraction:
-        """Return the exact value at a rational number ``x``."""
+        """Return the exact value at a rational number.
+
+        Parameters
+        ----------
+        x : Fraction
+            In the unit of the breakpoints.
+
+        Returns
+        -------
+        Fraction
+            Breakpoints and values are taken as the doubles that they are.
+        """
         row, start = self.anchor(x)
         value, h = Fraction(0), x - Fraction(start)
         for c in reversed(self.exact_rows[row]):

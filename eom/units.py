@@ -41,11 +41,33 @@ class Dimension(NamedTuple):
     intensity: Fraction = Fraction(0)
 
     def times(self, other: Dimension) -> Dimension:
-        """Return the dimension of a product with that of ``other``."""
+        """Return the dimension of a product.
+
+        Parameters
+        ----------
+        other : Dimension
+            Of the other factor.
+
+        Returns
+        -------
+        Dimension
+            Exponents added.
+        """
         return Dimension(*(a + b if a and b else a or b for a, b in zip(self, other, strict=True)))
 
     def power(self, exponent: Fraction | int) -> Dimension:
-        """Return the dimension of a power with this ``exponent``."""
+        """Return the dimension of a power.
+
+        Parameters
+        ----------
+        exponent : Fraction or int
+            A whole number or a fraction.
+
+        Returns
+        -------
+        Dimension
+            Exponents multiplied.
+        """
         return Dimension(*(a * exponent if a else a for a in self))
 
     @property

@@ -362,7 +362,7 @@ FACTS = {
     ),
     "eom.views.animation.animation.animation_of": (
         NONE,
-        "``seconds`` (s)",
+        "of the motion (s)",
         "components in A",
         NONE,
     ),
@@ -375,7 +375,7 @@ FACTS = {
     ),
     "eom.views.body.cones.free_cones": (
         NONE,
-        "``seconds`` (s)",
+        "of the space cone (s)",
         "rolls on the space cone along omega",
         "Goldstein, Classical Mechanics (2002), sect. 5.6",
     ),

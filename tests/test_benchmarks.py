@@ -5,10 +5,14 @@ import math
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from benchmarks import __main__ as report
 from benchmarks import chains, compile_time, peers, pendulum, sympy_mechanics
+from benchmarks.__main__ import Measurement
 from benchmarks.articulated import accelerations, chain
 from benchmarks.settings import Settings
+from benchmarks.table import Row, Section
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.program import RATES
 from codegen.native import native
@@ -107,3 +111,28 @@ def test_systems_of_sympy_s_own_tests_have_its_rates(module, test, kinds):
     assert {b.kind for b in recorder.built} == kinds
     for built in recorder.built:
         assert sympy_mechanics.error(built, states=1) <= sympy_mechanics.LARGEST
+
+
+def test_one_section_is_measured_alone(monkeypatch):
+    rows = (Row("a thing", "1", target="0", met=False),)
+    measured = Measurement(_a_section(rows), needs_compiler=False)
+    others = Measurement(chains.measure, needs_compiler=False)
+    monkeypatch.setattr(report, "MEASUREMENTS", (others, measured))
+    found = CliRunner().invoke(report.main, ["--only", "derivations"])
+    assert found.exit_code == 1
+    assert "Missed: a thing." in found.output
+
+
+def _a_section(rows):
+    def measure(_):
+        return Section("a section", rows)
+
+    measure.__module__ = "benchmarks.derivations"
+    return measure
+
+
+def test_a_section_that_is_not_there_is_refused_with_those_that_are():
+    found = CliRunner().invoke(report.main, ["--only", "derivation"])
+    assert found.exit_code == 2
+    assert "'derivations'" in found.output
+    assert "'chains'" in found.output

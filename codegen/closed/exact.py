@@ -257,11 +257,23 @@ class FreeMotion:
     first: tuple[float, float, float, float]
 
     def __call__(self, t: ArrayLike) -> tuple[Array, Array]:
-        """Return angular velocity (3, ...) and quaternion (4, ...) at times ``t`` of any shape.
+        """Return angular velocity and attitude at any times.
 
-        See `free_body`.
+        Parameters
+        ----------
+        t : array
+            Times of any shape (s), of either sign.
 
-        Raises `InputError` for times that are not finite or phases beyond `FARTHEST`.
+        Returns
+        -------
+        tuple of arrays
+            Angular velocity (3, ...) in rad/s and quaternion (4, ...), scalar first, where ... is
+            the shape of ``t``; see `free_body`.
+
+        Raises
+        ------
+        InputError
+            For times that are not finite or phases beyond `FARTHEST`.
         """
         times = _times(t, self.form.fastest)
         omega, quaternion = np.empty((3, times.size)), np.empty((4, times.size))
@@ -281,8 +293,31 @@ def free_motion(
 ) -> FreeMotion:
     """Return the closed form of a torque-free motion, to be called with times.
 
+    Parameters
+    ----------
+    moments : array
+        Three principal moments of inertia, as those of `free_body`.
+    omega0 : array
+        Angular velocity at t = 0, as of `free_body`.
+    attitude0 : array, optional
+        Unit quaternion at t = 0, as of `free_body`.
+
+    Returns
+    -------
+    FreeMotion
+        To be called with times; it knows the kind of the motion and its period.
+
+    Raises
+    ------
+    InputError
+        As of `free_body`.
+
+    Notes
+    -----
     Arguments, units, conventions, errors and source as those of `free_body`.
 
+    Examples
+    --------
     >>> free_motion((1, 2, 3), (1.0, 0.0, 1.0)).kind
     'greatest'
     >>> free_motion((1, 1, 2), (0.1, 0.0, 5.0)).kind
@@ -303,22 +338,43 @@ def free_body(
 ) -> tuple[Array, Array]:
     """Return angular velocity and attitude of a torque-free rigid body at the times ``t``, in closed form.
 
-    ``moments``: three principal moments of inertia, kg m^2. ``omega0``: angular velocity in inertial
-    space at t = 0, components along the principal axes, rad/s. ``attitude0``: unit quaternion at
-    t = 0, scalar first; C_BI = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q) takes inertial components
-    to the body, and dq/dt = q (0, omega)/2. ``t``: times of any shape, s, of either sign.
-    Returns (omega, quaternion), shapes (3, ...) and (4, ...) where ... is the shape of ``t``; the
-    quaternion is continuous in time. `free_motion` also gives the kind of the motion.
+    Parameters
+    ----------
+    moments : array
+        Three principal moments of inertia, kg m^2.
+    omega0 : array
+        Angular velocity in inertial space at t = 0, components along the principal axes, rad/s.
+    attitude0 : array
+        Unit quaternion at t = 0, scalar first; C_BI = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q)
+        takes inertial components to the body, and dq/dt = q (0, omega)/2.
+    t : array
+        Times of any shape, s, of either sign.
 
-    Raises `InputError` for moments that no body has (not positive, or one above the sum of the other
-    two by more than rounding, a part in 1e12), data that are not finite or of the wrong shape, an
-    attitude that is not of unit length to 1e-9 (it is then made so), phases beyond 1e15 rad.
+    Returns
+    -------
+    tuple of arrays
+        (omega, quaternion), shapes (3, ...) and (4, ...) where ... is the shape of ``t``; the
+        quaternion is continuous in time. `free_motion` also gives the kind of the motion.
 
-    Accuracy: both are right to some units in the last place of their size, at all times alike: the
-    data are taken as exact, constants have 50 digits, phases are reduced in two doubles.
-    Source: Whittaker, Analytical Dynamics (1937), sec. 69; Jacobi, J. reine angew. Math. 39 (1850) 293;
+    Raises
+    ------
+    InputError
+        For moments that no body has (not positive, or one above the sum of the other two by more
+        than rounding, a part in 1e12), data that are not finite or of the wrong shape, an attitude
+        that is not of unit length to 1e-9 (it is then made so), phases beyond 1e15 rad.
+
+    Notes
+    -----
+    Both are right to some units in the last place of their size, at all times alike: the data are
+    taken as exact, constants have 50 digits, phases are reduced in two doubles.
+
+    References
+    ----------
+    Whittaker, Analytical Dynamics (1937), sec. 69; Jacobi, J. reine angew. Math. 39 (1850) 293;
     more in `codegen.closed.exact`.
 
+    Examples
+    --------
     >>> omega, q = free_body((1, 1, 2), (0.0, 0.0, 3.0), (1, 0, 0, 0), [0.0, 1.0])
     >>> [round(float(v), 6) for v in q[:, 1]]  # turned by 3 rad about b3
     [0.070737, 0.0, 0.0, 0.997495]

@@ -37,10 +37,29 @@ class Function(Protocol):
     ) -> Array:
         """Return the results at one point, (k,), or at N points, (k, N).
 
-        ``t``: time, a number or (N,). ``x``: states, ``p``: parameters, ``u``: inputs, (n,) or (n, N), or
-        by name, each a number or (N,), which may leave out what has a default;
-        what has no column axis is the same at every point. ``out``: an array that is filled and
-        returned. Raises `InputError` for wrong shapes and types, unknown and missing names.
+        Parameters
+        ----------
+        t : array
+            Time, a number or (N,).
+        x : mapping or array
+            States, (n,) or (n, N), or by name, each a number or (N,); what has a default may be
+            left out.
+        p : mapping or array, optional
+            Parameters, in the same forms.
+        u : mapping or array, optional
+            Inputs, in the same forms.
+        out : array, optional
+            An array that is filled and returned.
+
+        Returns
+        -------
+        array
+            (k,) or (k, N). What has no column axis is the same at every point.
+
+        Raises
+        ------
+        InputError
+            For wrong shapes and types, unknown and missing names.
         """
 
 
@@ -63,9 +82,26 @@ class CheckedFunction:
         u: Values | None = None,
         out: Array | None = None,
     ) -> Array:
-        """Return the results, (k,) or (k, N), in ``out`` where it is given.
+        """Return the results at one point or at many.
 
-        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        Parameters
+        ----------
+        t : array
+            Time, as of `Function`.
+        x, p, u : mapping or array
+            States, parameters and inputs, as of `Function`.
+        out : array, optional
+            An array that is filled and returned.
+
+        Returns
+        -------
+        array
+            (k,) or (k, N).
+
+        Raises
+        ------
+        InputError
+            For wrong shapes and types.
         """
         columns: dict[str, int] = {}
         time = _real(t, "t")

@@ -173,10 +173,24 @@ class Compiled:
 
     @typed
     def jacobian(self, wrt: str = "states", of: str = RATES) -> SparseJacobian:
-        """Return the compiled derivatives of a group of results: see `codegen.linearisation.linear_motion`.
+        """Return the compiled derivatives of a group of results, made at the first call and kept.
 
-        ``wrt``: states, parameters, inputs or time. ``of``: rates, outputs, invariants or
-        singularities. Made at the first call and kept. Raises `InputError` for other words.
+        Parameters
+        ----------
+        wrt : str, default "states"
+            ``states``, ``parameters``, ``inputs`` or ``time``.
+        of : str, default "rates"
+            ``rates``, ``outputs``, ``invariants`` or ``singularities``.
+
+        Returns
+        -------
+        SparseJacobian
+            As of `codegen.compiled_jacobian`.
+
+        Raises
+        ------
+        InputError
+            For other words.
         """
         return compiled_jacobian(self, wrt, of)
 
@@ -184,9 +198,22 @@ class Compiled:
     def batch(self, group: str = RATES, threads: int | None = None) -> Batch:
         """Return ``f(t, x, p, u, out=None)`` for many points, in vector lanes and threads.
 
-        ``group``: rates, outputs, invariants or singularities. ``threads``: by default as many as
-        there are processors; results do not depend on it. See `codegen.compiling.compiled`. Raises
-        `InputError` for an unknown group and a number of threads that is none.
+        Parameters
+        ----------
+        group : str, default "rates"
+            ``rates``, ``outputs``, ``invariants`` or ``singularities``.
+        threads : int, optional
+            By default as many as there are processors; results do not depend on it.
+
+        Returns
+        -------
+        Batch
+            It works in vector lanes and threads, see `codegen.compiling.compiled`.
+
+        Raises
+        ------
+        InputError
+            For an unknown group and a number of threads that is none.
         """
         return batch(self, group, threads)
 
@@ -220,9 +247,22 @@ class Compiled:
         return load_module(self.source, identifier(self.layout.name))
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write the generated files into ``folder``, each whole or not at all; return their paths.
+        """Write the generated files into a folder, each whole or not at all.
 
-        Raises `InputError` where the folder cannot be made or written.
+        Parameters
+        ----------
+        folder : str or path
+            It is made where it is not there.
+
+        Returns
+        -------
+        list of paths
+            The paths of the files.
+
+        Raises
+        ------
+        InputError
+            Where the folder cannot be made or written.
         """
         return write_files(self.files, folder)
 
@@ -526,16 +566,39 @@ def compiled_jacobian(
 ) -> SparseJacobian:
     """Return the compiled derivatives of a group of results by states, parameters, inputs or time.
 
-    ``compiled``: a system that is not is compiled first. ``of``: rates, outputs, invariants or
-    singularities. ``by``: states, parameters, inputs or time.
-    ``target``: that of ``compiled`` if left out. The same arguments give the same object again, at once:
-    ``compiled`` keeps it. Raises `InputError` for other words and for groups that the system does not
-    have.
+    Parameters
+    ----------
+    compiled : Compiled or System
+        The system, compiled at the first call unless it is; it keeps what is compiled, so that the same arguments give the same object at
+        once.
+    by : str, default "states"
+        states, parameters, inputs or time.
+    of : str, default "rates"
+        rates, outputs, invariants or singularities.
+    target : str, optional
+        That of ``compiled`` if left out.
 
-    Accuracy: derivatives are exact up to rounding, as no differences are taken. Units are those of the
+    Returns
+    -------
+    SparseJacobian
+        A function of the entries that are not zero everywhere, with their rows and columns.
+
+    Raises
+    ------
+    InputError
+        For other words and for groups that the system does not have.
+
+    Notes
+    -----
+    Derivatives are exact up to rounding, as no differences are taken. Units are those of the
     results over those of the variables.
-    Source: Griewank and Walther, Evaluating Derivatives (2008), ch. 9 and 10: elimination of inner values.
 
+    References
+    ----------
+    Griewank and Walther, Evaluating Derivatives (2008), ch. 9 and 10: elimination of inner values.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> y, v, k = sp.symbols("y v k", real=True)
     >>> oscillator = eom.System.from_rates("oscillator", {y: v, v: -k * y})

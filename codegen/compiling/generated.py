@@ -10,6 +10,7 @@ from codegen.compiling.compiled import generate as texts_of
 from codegen.compiling.compiled import write_files
 from codegen.compiling.sparse import with_jacobians
 from codegen.frontend.from_sympy_mechanics import as_system
+from codegen.loops import projection
 from codegen.loops.written import Choice
 from codegen.passes.pipeline import specialised
 from eom.errors import typed
@@ -42,7 +43,8 @@ def generate(
     parameters : mapping, optional
         Numbers for some or all, which are compiled in.
     integrator : str, optional
-        What stands beside the targets c and javascript; for c dop853 unless another is named.
+        What stands beside the targets c and javascript; for c dop853 unless another is named. In
+        JavaScript it brings states back onto what the system maintains, such as constraints.
     rtol : float, default 1e-9
         The relative tolerance that the order of taylor suits.
     jacobian : sequence of str, optional
@@ -73,7 +75,10 @@ def generate(
     >>> sorted(generate(System.from_rates("oscillator", {y: v, v: -k * y}), target="numpy"))
     ['oscillator.py']
     """
-    made = specialised(as_system(system), dict(parameters or {}), stable=stable)
+    found = as_system(system)
+    made = specialised(found, dict(parameters or {}), stable=stable)
+    if integrator and target == "javascript" and found.maintained:
+        made = projection.extended(*made, found.maintained, stable)
     made = with_jacobians(*made, jacobian, stable)
     files = texts_of(*made, target, Choice(integrator, rtol) if integrator else None)
     if folder is not None:

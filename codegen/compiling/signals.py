@@ -61,7 +61,20 @@ class Signal:
                                  expected="a time in s, for example the width of a pulse")  # fmt: skip
 
     def __call__(self, t: float, *x: Mapping[str, float]) -> float:
-        """Return the value at time ``t``; ``x``: the states by name, where the function takes them."""
+        """Return the value at a time.
+
+        Parameters
+        ----------
+        t : float
+            In seconds.
+        x : mapping of str to floats
+            The states by name, where the function takes them.
+
+        Returns
+        -------
+        float
+            In the unit of the input.
+        """
         return self.function(t, *x)
 
     @property

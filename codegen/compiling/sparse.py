@@ -50,16 +50,46 @@ class SparseJacobian:
     ) -> Array:
         """Return the entries that are not zero everywhere, (entries,) or (entries, N).
 
-        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        Parameters
+        ----------
+        t : array
+            Time, as of `Function`.
+        x, p, u : mapping or array
+            States, parameters and inputs, as of `Function`.
+
+        Returns
+        -------
+        array
+            (entries,) or (entries, N), in the order of ``rows`` and ``columns``.
+
+        Raises
+        ------
+        InputError
+            For wrong shapes and types.
         """
         return self.with_value(t, x, p, u)[1]
 
     def with_value(
         self, t: ArrayLike, x: Values, p: Values | None = None, u: Values | None = None
     ) -> tuple[Array, Array]:
-        """Return results, (k,) or (k, N), and entries, (entries,) or (entries, N), of one evaluation.
+        """Return results and entries of one evaluation.
 
-        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        Parameters
+        ----------
+        t : array
+            Time, as of `Function`.
+        x, p, u : mapping or array
+            States, parameters and inputs, as of `Function`.
+
+        Returns
+        -------
+        tuple of arrays
+            Results, (k,) or (k, N), and entries, (entries,) or (entries, N).
+
+        Raises
+        ------
+        InputError
+            For wrong shapes and types.
         """
         everything = self.function(t, x, p, u)
         return everything[: self.shape[0]], everything[self.shape[0] :]
@@ -67,9 +97,24 @@ class SparseJacobian:
     def dense(
         self, t: ArrayLike, x: Values, p: Values | None = None, u: Values | None = None
     ) -> Array:
-        """Return the whole matrix, in shape ``shape`` or (*shape, N).
+        """Return the whole matrix, with its zeros.
 
-        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        Parameters
+        ----------
+        t : array
+            Time, as of `Function`.
+        x, p, u : mapping or array
+            States, parameters and inputs, as of `Function`.
+
+        Returns
+        -------
+        array
+            In shape ``shape`` or (*shape, N).
+
+        Raises
+        ------
+        InputError
+            For wrong shapes and types.
         """
         entries = self(t, x, p, u)
         whole = np.zeros((*self.shape, *entries.shape[1:]))
@@ -79,7 +124,22 @@ class SparseJacobian:
     def sparse(self, t: float, x: Values, p: Values | None = None, u: Values | None = None) -> Any:
         """Return the matrix at one point as a SciPy CSR array.
 
-        ``t``, ``x``, ``p``, ``u``: as of `Function`, of one point. Raises `InputError` for wrong shapes.
+        Parameters
+        ----------
+        t : float
+            Time, a number.
+        x, p, u : mapping or array
+            States, parameters and inputs, as of `Function`, of one point.
+
+        Returns
+        -------
+        scipy.sparse.csr_array
+            Of shape ``shape``.
+
+        Raises
+        ------
+        InputError
+            For wrong shapes.
         """
         from scipy.sparse import csr_array
 

@@ -153,9 +153,22 @@ class Ensemble:
         return self._column("status")
 
     def __getitem__(self, name: str) -> Array:
-        """Return the values of a state or output by ``name`` at the stored times, (K, N).
+        """Return the values of a state or output at the stored times.
 
-        Raises `InputError` for others, and where the trajectories were not kept.
+        Parameters
+        ----------
+        name : str
+            Of the state or output.
+
+        Returns
+        -------
+        array
+            (K, N), for K times and N trajectories, in its unit.
+
+        Raises
+        ------
+        InputError
+            For others, and where the trajectories were not kept.
         """
         for column, names in (("y", self.names), ("outputs", self.outputs)):
             if name in names:

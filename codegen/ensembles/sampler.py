@@ -49,7 +49,18 @@ class Samples(Protocol):
         """Return how many there are."""
 
     def sample(self, first: int, last: int) -> Mapping[str, Array]:
-        """Return arrays (last - first,) for the trajectories from ``first`` to before ``last``."""
+        """Return the samples of some trajectories, by name.
+
+        Parameters
+        ----------
+        first, last : int
+            Numbers of the first trajectory and of that behind the last.
+
+        Returns
+        -------
+        mapping of str to array
+            Arrays (last - first,) by name.
+        """
 
 
 Many = Mapping[str, ArrayLike] | ArrayLike | Samples | None
@@ -276,7 +287,18 @@ class Distribution(Protocol):
         """How many names it gives values to."""
 
     def values(self, u: Array) -> Array:
-        """Return values (size, N) for numbers ``u`` (draws, N) inside (0, 1)."""
+        """Return values (size, N) for numbers ``u`` (draws, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (draws, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Values (size, N).
+        """
 
 
 MOST_AT_ONCE = 10**8
@@ -303,7 +325,18 @@ class Uniform:
             raise InputError("limits do not fit", got=(self.low, self.high), expected="low <= high")
 
     def values(self, u: Array) -> Array:
-        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (1, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Values (1, N) between the bounds.
+        """
         return self.low + (self.high - self.low) * u
 
 
@@ -329,7 +362,18 @@ class Normal:
             raise InputError("wrong mean or deviation", got=got, expected="finite, deviation >= 0")
 
     def values(self, u: Array) -> Array:
-        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (1, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Values (1, N) below which so large a share of the distribution lies.
+        """
         found: Array = self.mean + self.deviation * ndtri(u)
         return found
 
@@ -346,7 +390,18 @@ class UniformQuaternion:
     size: int = field(default=4, init=False)
 
     def values(self, u: Array) -> Array:
-        """Return unit quaternions (4, N) for numbers ``u`` (3, N) inside (0, 1)."""
+        """Return unit quaternions (4, N) for numbers ``u`` (3, N) inside (0, 1).
+
+        Parameters
+        ----------
+        u : array
+            Numbers (3, N) inside (0, 1).
+
+        Returns
+        -------
+        array
+            Unit quaternions (4, N), scalar first.
+        """
         one, other = np.sqrt(1.0 - u[0]), np.sqrt(u[0])
         a, b = 2.0 * math.pi * u[1], 2.0 * math.pi * u[2]
         return np.stack([other * np.cos(b), one * np.sin(a), one * np.cos(a), other * np.sin(b)])
@@ -375,7 +430,18 @@ class Grid:
             raise InputError("wrong grid", got=self, expected="finite limits, one value or more")
 
     def values(self, u: Array) -> Array:
-        """Return the values (1, N) of places ``u`` (1, N), counted from 0."""
+        """Return the values (1, N) of places ``u`` (1, N), counted from 0.
+
+        Parameters
+        ----------
+        u : array
+            Places (1, N), counted from 0.
+
+        Returns
+        -------
+        array
+            The values (1, N), in the unit of what is sampled.
+        """
         return self.low + (self.high - self.low) * (u / max(1, self.count - 1))
 
 
@@ -443,7 +509,20 @@ class Sampler:
     def sample(self, first: int, last: int) -> dict[str, Array]:
         """Return the samples from number ``first`` to before ``last``, arrays (last - first,).
 
-        Raises `InputError` for numbers below zero or out of order, and for more than `MOST_AT_ONCE`.
+        Parameters
+        ----------
+        first, last : int
+            Numbers of the first trajectory and of that behind the last.
+
+        Returns
+        -------
+        dict of str to array
+            Arrays (last - first,) by name; the same numbers give the same values.
+
+        Raises
+        ------
+        InputError
+            For numbers below zero or out of order, and for more than `MOST_AT_ONCE`.
         """
         if not 0 <= first <= last <= first + MOST_AT_ONCE:
             raise InputError(

@@ -210,9 +210,22 @@ class Summary:
         return np.sqrt(self.variance)
 
     def quantile(self, share: ArrayLike) -> Array:
-        """Return the values below which a ``share`` lies, (K,) or (K, shares), right to 0.1 %.
+        """Return the values below which a share of the trajectories lies.
 
-        Raises `InputError` where quantiles were not asked for, and for shares outside [0, 1].
+        Parameters
+        ----------
+        share : array
+            A number or several, in [0, 1].
+
+        Returns
+        -------
+        array
+            (K,) or (K, shares), right to 0.1 %.
+
+        Raises
+        ------
+        InputError
+            Where quantiles were not asked for, and for shares outside [0, 1].
         """
         if self.bins is None or self.moments is None:
             raise InputError(

@@ -55,7 +55,20 @@ class Stated:
         return {k for k in (*self.omega, *self.coordinates) if k >= 0}.union(*self.directions)
 
     def reads(self, group: str, kind: str = "state") -> set[int]:
-        """Return the slots of a ``kind`` of leaf that a ``group`` of values depends on."""
+        """Return the slots of leaves that a group of values depends on.
+
+        Parameters
+        ----------
+        group : str
+            `OMEGA`, `FRAME`, `INERTIA` or `TORQUE`.
+        kind : str, default "state"
+            Of leaf: ``state``, ``parameter``, ``input`` or ``time``.
+
+        Returns
+        -------
+        set of ints
+            Counted from 0 among those of the kind.
+        """
         return {slot for _, slot in dependence(self.values, group, kind)}
 
 

@@ -63,7 +63,18 @@ class Layout:
 
     @classmethod
     def of(cls, system: System) -> Layout:
-        """Return the layout of a system."""
+        """Return the layout of a system.
+
+        Parameters
+        ----------
+        system : System
+            Whose quantities get places in arrays.
+
+        Returns
+        -------
+        Layout
+            In the order of the system.
+        """
         results = {
             RATES: system.state_names,
             OUTPUTS: system.output_names,
@@ -96,7 +107,18 @@ class Layout:
         )
 
     def without(self, fixed: Collection[str]) -> Layout:
-        """Return the layout without the parameters whose names are ``fixed`` to numbers."""
+        """Return the layout without parameters that are fixed to numbers.
+
+        Parameters
+        ----------
+        fixed : collection of str
+            Their names.
+
+        Returns
+        -------
+        Layout
+            The others keep their order.
+        """
         return replace(self, parameters=tuple(q for q in self.parameters if q.name not in fixed))
 
     def quantities(self) -> dict[str, tuple[Quantity, ...]]:

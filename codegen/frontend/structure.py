@@ -42,7 +42,20 @@ class Condition:
     def check(self, values: Mapping[str, float], where: str) -> None:
         """Raise `AssumptionError` if the numbers contradict the condition.
 
-        ``values``: by name; ``where``: for the message.
+        Parameters
+        ----------
+        values : mapping of str to floats
+            By name.
+        where : str
+            For the message.
+
+        Raises
+        ------
+        AssumptionError
+            If the numbers contradict the condition.
+
+        Notes
+        -----
         A difference counts as zero against the largest of the values; a single value must be zero.
         """
         numbers = [float(values[n]) for n in self.names]
@@ -76,7 +89,18 @@ class Guard:
 
     @classmethod
     def of(cls, system: System) -> Guard:
-        """Return the guard with the conditions of ``system``."""
+        """Return the guard with the conditions of ``system``.
+
+        Parameters
+        ----------
+        system : System
+            Whose assumptions are compiled.
+
+        Returns
+        -------
+        Guard
+            The conditions of the system.
+        """
         conditions = [
             _condition(a, e, is_zero)
             for a in system.assumptions
@@ -89,16 +113,27 @@ class Guard:
         return cls(system.name, known, positive, tuple(conditions))
 
     def check(self, values: Mapping[str, float], time: float | None = None) -> None:
-        """Refuse ``values`` by name that contradict an assumption or that the system does not know.
+        """Refuse values that contradict an assumption or that the system does not know.
 
-        ``time``: where a run starts (s); without, what is assumed of the time is not tested.
+        Parameters
+        ----------
+        values : mapping of str to floats
+            By name.
+        time : float, optional
+            Where a run starts (s); without, what is assumed of the time is not tested.
 
-        A name that the system no longer has but that an assumption speaks of is tested against
-        it: a torque given to a torque-free system, a third moment of inertia to a symmetric one.
-        Only conditions all of whose symbols have values are tested.
+        Raises
+        ------
+        AssumptionError
+            For contradictions.
+        InputError
+            For unknown names and for parameters that must be positive and are not.
 
-        Raises `AssumptionError` for contradictions, `InputError` for unknown names and for
-        parameters that must be positive and are not.
+        Notes
+        -----
+        A name that the system no longer has but that an assumption speaks of is tested against it:
+        a torque given to a torque-free system, a third moment of inertia to a symmetric one. Only
+        conditions all of whose symbols have values are tested.
         """
         where = f"system {self.system!r}"
         spoken_of = {n for c in self.conditions for n in c.names} - {TIME.name}
@@ -144,12 +179,29 @@ class Structure:
         states: Mapping[str, float] | None = None,
         inputs: Mapping[str, float] | None = None,
     ) -> Structure:
-        """Return what the user fixes of a system; a string names another parameter.
+        """Return what the user fixes of a system.
 
-        ``parameters``, ``states``, ``inputs``: as of `codegen.compile`.
-        Raises `InputError` for unknown names, for parameters that are equal in a circle and for
-        values that are not finite numbers; `AssumptionError` for values that contradict the
-        system's assumptions.
+        Parameters
+        ----------
+        system : System
+            Whose names are meant.
+        parameters : mapping of str to float or str, optional
+            As of `codegen.compile`; a string names another parameter.
+        states, inputs : mapping of str to floats, optional
+            As of `codegen.compile`.
+
+        Returns
+        -------
+        Structure
+            Checked against the system's assumptions.
+
+        Raises
+        ------
+        InputError
+            For unknown names, for parameters that are equal in a circle and for values that are not
+            finite numbers.
+        AssumptionError
+            For values that contradict the system's assumptions.
         """
         given = dict(parameters or {})
         equal, numbers = _equal(system, given)
@@ -173,15 +225,40 @@ class Structure:
         return (*self.parameters, *self.equal, *self.states, *self.inputs)
 
     def completed(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return ``values`` by name with those of everything that is fixed by them."""
+        """Return values with those of everything that is fixed by them.
+
+        Parameters
+        ----------
+        values : mapping of str to floats
+            By name.
+
+        Returns
+        -------
+        dict of str to floats
+            By name, too.
+        """
         known = {**self.parameters, **self.states, **self.inputs, **values}
         return known | {n: known[other] for n, other in self.equal.items() if other in known}
 
     def without(self, kind: str, given: Any) -> Any:
-        """Return values by name without those that are fixed; values in order stay as they are.
+        """Return values without those that are fixed.
 
-        ``kind``: state, parameter or input. ``given``: the values. Raises `InputError` for a value that
-        contradicts, and for every parameter that is fixed.
+        Parameters
+        ----------
+        kind : str
+            ``state``, ``parameter`` or ``input``.
+        given : mapping or array
+            The values; in order they stay as they are.
+
+        Returns
+        -------
+        object
+            In the form in which they are given.
+
+        Raises
+        ------
+        InputError
+            For a value that contradicts, and for every parameter that is fixed.
         """
         if not isinstance(given, Mapping):
             return given

@@ -275,10 +275,47 @@ def equilibria(
 ) -> tuple[Equilibrium, ...]:
     """Return all solutions that are found from so many points, each once; see `equilibrium`.
 
-    Arguments, units, errors (`InputError`) and source as there.
-    Nearest to the guess first; angles are within half a turn of it where that changes nothing. Of families,
-    single members are returned. None of this says that there are no others.
+    Parameters
+    ----------
+    compiled : Compiled
+        As of `equilibrium`.
+    guess : mapping of str to float or str, optional
+        Where the search begins, as of `equilibrium`; other starts lie around it.
+    parameters : mapping of str to float or str or sequence of floats, optional
+        As of `equilibrium`.
+    inputs : mapping of str to float or str, optional
+        As of `equilibrium`.
+    free : iterable of str, optional
+        As of `equilibrium`.
+    cyclic : iterable of str, optional
+        As of `equilibrium`.
+    hold : mapping of str to float or str, optional
+        As of `equilibrium`.
+    starts : int, default 24
+        As of `equilibrium`.
+    seed : int, default 0
+        As of `equilibrium`.
+    spread : float, default 1.0
+        As of `equilibrium`.
 
+    Returns
+    -------
+    tuple of Equilibrium
+        Each solution once, nearest to the guess first; angles are within half a turn of it where
+        that changes nothing. Of families, single members are returned. None of this says that there
+        are no others.
+
+    Raises
+    ------
+    InputError
+        As `equilibrium` raises it.
+
+    Notes
+    -----
+    For units and source see `equilibrium`.
+
+    Examples
+    --------
     >>> import sympy as sp, codegen, eom
     >>> x = sp.Symbol("x", real=True)
     >>> logistic = codegen.compile(eom.System.from_rates("logistic", {x: x * (1 - x)}), "numpy")

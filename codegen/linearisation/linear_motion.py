@@ -289,10 +289,9 @@ def linearise_about(
     ('unstable', [0.414214, -2.414214])
     """
     compiled = compiled_of(compiled)
-    layout = compiled.layout
+    layout, cyclic = compiled.layout, point.cyclic
     x, u, p = _arrays(compiled, point)
     full = _whole(compiled, x, u, p)
-    cyclic = point.cyclic
     if attitude not in ATTITUDES:
         raise unknown_name("attitude", attitude, ATTITUDES)
     fours = _quaternions(compiled, point)

@@ -57,8 +57,23 @@ class Sensitivities:
     def initial(self, values: Values, slopes: Values | None = None) -> dict[str, float]:
         """Return the first values of everything from those of the states x, by name.
 
-        ``values``: of the states x. ``slopes``: derivatives of first values that depend on parameters,
-        by name (``dpsi_dI1``); zero without. Raises `InputError` for other names.
+        Parameters
+        ----------
+        values : mapping of str to float
+            Of the states x, by name.
+        slopes : mapping of str to float, optional
+            Derivatives of first values that depend on parameters, by name (``dpsi_dI1``); zero
+            without.
+
+        Returns
+        -------
+        dict of str to floats
+            The first values of everything, by name.
+
+        Raises
+        ------
+        InputError
+            For other names.
         """
         given = dict(slopes or {})
         full = {n: float(values[n]) for n in self.states if n in values}
@@ -76,8 +91,20 @@ class Sensitivities:
     def matrix(self, y: ArrayLike) -> Array:
         """Return S in shape (states, variables), or (states, variables, N) at N points.
 
-        ``y``: values of all states, (n,) or (n, N), as of a `codegen.Result`. Raises `InputError` for other
-        shapes.
+        Parameters
+        ----------
+        y : array
+            Values of all states, (n,) or (n, N), as of a `codegen.Result`.
+
+        Returns
+        -------
+        array
+            S in shape (states, variables), or (states, variables, N) at N points.
+
+        Raises
+        ------
+        InputError
+            For other shapes.
         """
         values = numbers(y, "y")
         n, m = len(self.states), len(self.variables)

@@ -1,7 +1,9 @@
 // Projection after steps (`project`), projection.c in JavaScript: the state is brought back onto invariants by
 // the least change in states over their scales (Hairer, Lubich and Wanner, Geometric Numerical Integration,
 // 2nd ed., sect. IV.4). `projection` of the module gives their values, what these are to be, and derivatives
-// by the states, PROJECTION_PATTERN whose these are, UNITS which states are measured together.
+// by the states, PROJECTION_PATTERN whose these are, UNITS which states are measured together. What an
+// invariant is to be is a parameter behind the others; where it is no number, or left out, the value is kept
+// that the invariant has at the start (`begin`).
 function projector(system, rtol, atol) {
   const { projection, SIZES, PROJECTION_PATTERN: pattern, UNITS } = system;
   const n = SIZES.rates, count = (SIZES.projection - pattern.length) / 2;
@@ -10,8 +12,9 @@ function projector(system, rtol, atol) {
   const value = new Float64Array(SIZES.projection), largest = new Float64Array(n), change = new Float64Array(n);
   const left = new Float64Array(count), noise = new Float64Array(count), spread = new Float64Array(count);
   const whole = new Float64Array(count), free = new Uint8Array(count), nothing = new Float64Array(n);
+  const first = new Float64Array(count);
   const allowed = Math.max(rtol, 1024 * Number.EPSILON) / 16;
-  return { project, projectPoint };
+  return { begin, project, projectPoint };
 
   function product(a, b) {
     let sum = 0;
@@ -70,6 +73,11 @@ function projector(system, rtol, atol) {
     }
   }
 
+  function begin(t, x, p, u) {
+    projection(t, x, p, u, value);
+    for (let k = 0; k < count; ++k) first[k] = value[k];
+  }
+
   // Bring x, with what its rounding lost in xLow, back onto the invariants. Whether x was moved.
   function project(t, x, xLow, p, u) {
     let moved = false;
@@ -77,7 +85,10 @@ function projector(system, rtol, atol) {
       largest.fill(atol / rtol);
       for (let i = 0; i < n; ++i) largest[unit[i]] = Math.max(largest[unit[i]], Math.abs(x[i]));
       projection(t, x, p, u, value);
-      for (let k = 0; k < count; ++k) left[k] = value[count + k] - value[k];
+      for (let k = 0; k < count; ++k) {
+        const kept = value[count + k];
+        left[k] = (Number.isNaN(kept) ? first[k] : kept) - value[k];
+      }
       gradients(x);
       if (!leastChange()) return moved;
       for (let i = 0; i < n; ++i) {

@@ -77,6 +77,7 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
     for (let i = 0; i < n; ++i) xOld[i] = x[i] = from[i];
     xLow.fill(0);
     look.start();
+    if (held) held.begin(t, x, p, u);
     values(t, x, p, u, f);
     s.which = firstBad(f);
     if (s.which >= 0) return s.status = NOT_FINITE;

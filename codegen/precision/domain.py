@@ -422,9 +422,26 @@ class AccuracyReport:
     possible: Change
 
     def row(self, result: str, region: str = REGIONS[0], group: str = RATES) -> Row:
-        """Return the row of a ``result`` in a ``region``, of a ``group``: rates, outputs or invariants.
+        """Return the row of a result.
 
-        ``region``: domain, zero, singular or extreme. Raises `InputError` where there is none.
+        Parameters
+        ----------
+        result : str
+            Its name.
+        region : str, default "domain"
+            ``domain``, ``zero``, ``singular`` or ``extreme``.
+        group : str, default "rates"
+            ``rates``, ``outputs`` or ``invariants``.
+
+        Returns
+        -------
+        Row
+            Errors in ulps, and where the worst was found.
+
+        Raises
+        ------
+        InputError
+            Where there is none.
         """
         for row in self.rows:
             if (row.group, row.result, row.region) == (group, result, region):

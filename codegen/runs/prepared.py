@@ -240,12 +240,28 @@ class Integrator:
         parameters: Values = None,
         inputs: InputsGiven | None = None,
     ) -> Result:
-        """Return one run from ``initial``, as `codegen.simulate` with the same arguments returns it.
+        """Return one run, as `codegen.simulate` with the same arguments returns it.
 
-        ``initial``, ``parameters``: numbers by name or in order, texts with units by name. ``inputs``: in
-        the place of those that were given when this was made. Units are those of the system. Raises
-        `InputError` for unusable arguments, `AssumptionError` for values that contradict the system's
-        assumptions.
+        Parameters
+        ----------
+        initial : mapping or array
+            Numbers by name or in order, texts with units by name.
+        parameters : mapping or array, optional
+            In the same forms.
+        inputs : mapping, optional
+            In the place of those that were given when this was made.
+
+        Returns
+        -------
+        Result
+            Nothing is evaluated that is not read. Units are those of the system.
+
+        Raises
+        ------
+        InputError
+            For unusable arguments.
+        AssumptionError
+            For values that contradict the system's assumptions.
         """
         return self._run(initial, parameters, inputs)
 

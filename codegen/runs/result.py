@@ -132,11 +132,27 @@ class Result:
     def accuracy(self, limit: float | None = None) -> Accuracy:
         """Return an estimate of the error of every state, and of how errors grow.
 
-        A second run, by another kind of method at a thousandth of the tolerance or less, gives the error;
-        the derivative along it shows how errors grow. ``limit``: seconds of processor time for that, by
-        default five times what the run took, 2 s at least; where they do not do, the estimate says so.
-        Units are those of the system. Raises `InputError` for a result that was pickled, read or put
-        together, and so does not know what it came from. See `codegen.Accuracy`.
+        Parameters
+        ----------
+        limit : float, optional
+            Seconds of processor time for that, by default five times what the run took, 2 s at
+            least; where they do not do, the estimate says so.
+
+        Returns
+        -------
+        Accuracy
+            See `codegen.Accuracy`. Units are those of the system.
+
+        Raises
+        ------
+        InputError
+            For a result that was pickled, read or put together, and so does not know what it came
+            from.
+
+        Notes
+        -----
+        A second run, by another kind of method at a thousandth of the tolerance or less, gives the
+        error; the derivative along it shows how errors grow.
         """
         if self.estimate is not None:
             return self.estimate
@@ -150,7 +166,20 @@ class Result:
     def with_accuracy(self, limit: float | None = None) -> Result:
         """Return the same with the estimate of `accuracy`, whose warning then is in ``notice``.
 
-        ``limit`` and what is raised: as for `accuracy`.
+        Parameters
+        ----------
+        limit : float, optional
+            As of `accuracy`.
+
+        Returns
+        -------
+        Result
+            Its ``notice`` holds the estimate's warning where there is one.
+
+        Raises
+        ------
+        InputError
+            As of `accuracy`.
         """
         found = self.accuracy(limit)
         warning = "" if self.estimate else found.warning
@@ -201,10 +230,23 @@ class Result:
 
     @typed
     def at(self, t: ArrayLike) -> dict[str, Array]:
-        """Return the states by name at times ``t`` (s) of the run, a number or (K,), each of that shape.
+        """Return the states by name at any times of the run.
 
-        They are values of the dense output ``sol``. Raises `InputError` where that was not made, and for
-        what are no numbers. Units are those of the system.
+        Parameters
+        ----------
+        t : array
+            Times (s), a number or (K,).
+
+        Returns
+        -------
+        dict of str to array
+            Values of the dense output ``sol``, each of the shape of ``t``, () or (K,). Units are
+            those of the system.
+
+        Raises
+        ------
+        InputError
+            Where no dense output was made, and for what are no numbers.
         """
         times = numbers(t, "t")
         if times.ndim > 1:
@@ -228,11 +270,23 @@ class Result:
 
     @typed
     def save(self, path: str | Path) -> Path:
-        """Write all that was found to ``path``, a NumPy archive (.npz), which `load` reads; return it.
+        """Write all that was found into a file.
 
-        Time, states and outputs stand in it by name, units and the rest beside them. A table (.csv) gets
-        time, states and outputs alone. Raises `InputError` for other endings, and where the file cannot be
-        written.
+        Parameters
+        ----------
+        path : str or path
+            A NumPy archive (.npz), which `load` reads, with time, states and outputs by name, units
+            and the rest beside them; or a table (.csv) of time, states and outputs alone.
+
+        Returns
+        -------
+        path
+            Of the file.
+
+        Raises
+        ------
+        InputError
+            For other endings, and where the file cannot be written.
         """
         return save(self, path)
 
@@ -241,19 +295,49 @@ class Result:
     def load(cls, path: str | Path) -> Result:
         """Return a result that `save` has written; nothing in the file is run, whoever wrote it.
 
-        It has no dense output, and does not know what it came from. Units are those of the system. Raises
-        `InputError` for a file that is no such archive.
+        Parameters
+        ----------
+        path : str or path
+            Of an archive (.npz).
+
+        Returns
+        -------
+        Result
+            It has no dense output, and does not know what it came from. Units are those of the
+            system.
+
+        Raises
+        ------
+        InputError
+            For a file that is no such archive.
         """
         return _loaded(read(path))
 
     @typed
     def plot(self, *names: str) -> Any:
-        """Return a picture of states and outputs over time, of all or of ``names``; a notebook displays it.
+        """Return a picture of states and outputs over time; a notebook displays it.
 
-        Its ``save(path)`` writes a file .png, .svg, .pdf or .html; its ``figure()`` is one of Matplotlib.
-        Quantities of one unit are drawn together, the drift of constants of the motion below
-        (`eom.views.time.histories`). Units are those of the system; angles in rad. Raises `InputError` for
-        unknown names and fewer than two times. Needs the extra ``plot``.
+        Parameters
+        ----------
+        names : str
+            Of states and outputs, all unless given.
+
+        Returns
+        -------
+        Picture
+            Quantities of one unit are drawn together, the drift of constants of the motion below
+            (`eom.views.time.histories`). Units are those of the system; angles in rad. Its
+            ``save(path)`` writes a file .png, .svg, .pdf or .html, and its ``figure()`` is one of
+            Matplotlib.
+
+        Raises
+        ------
+        InputError
+            For unknown names and fewer than two times.
+
+        Notes
+        -----
+        Needs the extra ``plot``.
         """
         return display("result as histories", self, names)
 
@@ -261,11 +345,25 @@ class Result:
     def animate(self, scene: Any = None, speed: float | None = None) -> Any:
         """Return an animation of the motion in space; a notebook displays it, ``write(path)`` makes a page.
 
-        ``scene``: that the system was derived from, whose bodies are drawn; without it a single body whose
-        attitude among the states is a quaternion or angles, as a uniform body of its inertia (kg m^2).
-        Vectors have components in A, the frame that attitude is measured in. ``speed``: seconds of the
-        motion that are shown in one. Raises `InputError` for other systems, and for a result that does not
-        know what it came from.
+        Parameters
+        ----------
+        scene : Scene or TreeScene, optional
+            That the system was derived from, whose bodies are drawn; without it a single body whose
+            attitude among the states is a quaternion or angles, as a uniform body of its inertia
+            (kg m^2).
+        speed : float, optional
+            Seconds of the motion that are shown in one.
+
+        Returns
+        -------
+        animation
+            ``write(path)`` makes a page of it. Vectors have components in A, the frame that
+            attitude is measured in.
+
+        Raises
+        ------
+        InputError
+            For other systems, and for a result that does not know what it came from.
         """
         return display("result as animation", self, scene, speed)
 
@@ -285,7 +383,23 @@ class Result:
         return [found.y.T for found in self.events.values()]
 
     def __getitem__(self, name: str) -> Array:
-        """Return the values (N,) of a state or output by ``name``. Raises `InputError` for others."""
+        """Return the values of a state or output.
+
+        Parameters
+        ----------
+        name : str
+            Of the state or output.
+
+        Returns
+        -------
+        array
+            (N,), at the stored times, in its unit.
+
+        Raises
+        ------
+        InputError
+            For others.
+        """
         if name in self.outputs:
             return self.outputs[name]
         if name in self.names:

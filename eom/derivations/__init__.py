@@ -110,14 +110,6 @@ _MAKERS = {
 }
 """Name: module, function, group, title."""
 
-FURNISHED = frozenset(
-    {
-        "rocket-equation", "collisions", "virtual-work", "heavy-symmetric-top",
-        "gravity-gradient-stability",
-    }
-)  # fmt: skip
-"""Derivations with frames, bodies, laws or coordinates of their own, of which no note can tell."""
-
 SOLIDS = (
     "box", "rectangular plate", "triangular plate", "triangular prism", "tetrahedron", "pyramid",
     "rod", "ring", "disc", "annulus", "semicircular disc", "elliptical disc",

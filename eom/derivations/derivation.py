@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.deciding import Deciding
 from eom.derivations.derived import Derived
 from eom.derivations.reached import (
     ASSUMPTION,
@@ -35,7 +36,6 @@ from eom.derivations.verification import (
     check_signs,
     decide,
     has_meaning,
-    verify,
 )
 from eom.errors import InputError, typed, typed_fields
 from eom.expressions import as_expression
@@ -61,7 +61,6 @@ from eom.terms.terms import (
 )
 from eom.terms.vocabulary import definition, omega, position, quantity, velocity
 from eom.worlds.evaluate import Evaluator
-from eom.worlds.generators import worlds
 from eom.worlds.own import Furnished
 from eom.worlds.worlds import closure
 
@@ -89,9 +88,26 @@ class Chain:
     ) -> Chain:
         """State ``left = rules(right)``.
 
-        ``reason``: why, in words; ``applied``: the rules (`eom.terms.rules`), in order; ``label``: by which
-        the line is recalled; ``states``: equations of a lecture that it is. Raises `DerivationError` if
-        nothing changes, or the line is false or undecided.
+        Parameters
+        ----------
+        reason : str
+            Why, in words.
+        applied : Rule
+            The rules (`eom.terms.rules`), in order.
+        label : str, optional
+            By which the line is recalled.
+        states : iterable of str, optional
+            Equations of a lecture that it is.
+
+        Returns
+        -------
+        Chain
+            It goes on from the new right side.
+
+        Raises
+        ------
+        DerivationError
+            If nothing changes, or the line is false or undecided.
         """
         with rules.traced() as trace:
             new = rules.apply(applied, self.equation.right)
@@ -109,8 +125,26 @@ class Chain:
     ) -> Chain:
         """State ``left = right``, the next member of the chain.
 
-        ``right``: a term or SymPy expression; ``reason``: why, in words; ``label``, ``states``: see `then`.
-        Raises `InputError` for what is neither, `DerivationError` as `then` does.
+        Parameters
+        ----------
+        right : term or expression
+            The new right side.
+        reason : str
+            Why, in words.
+        label, states : str, optional
+            See `then`.
+
+        Returns
+        -------
+        Chain
+            It goes on from the new right side.
+
+        Raises
+        ------
+        InputError
+            For what is no term.
+        DerivationError
+            As `then` raises it.
         """
         return self.then(reason, lambda _: as_term(right), label=label, states=states)
 
@@ -124,8 +158,26 @@ class Chain:
     ) -> Chain:
         """Do the same to both sides.
 
-        ``reason``: why, in words; ``operation``: what is done, from a term to a term; ``applied``: rules
-        for the new right side; ``label``, ``states``: see `then`. Raises `DerivationError` as `then` does.
+        Parameters
+        ----------
+        reason : str
+            Why, in words.
+        operation : callable
+            What is done, from a term to a term.
+        applied : Rule
+            Rules for the new right side.
+        label, states : str, optional
+            See `then`.
+
+        Returns
+        -------
+        Chain
+            It goes on from the new right side.
+
+        Raises
+        ------
+        DerivationError
+            As `then` raises it.
         """
         with rules.traced() as trace:
             rules.noted("the same on both sides")
@@ -145,12 +197,31 @@ class Chain:
         states: Iterable[str] = (),
         unknowns: Sequence[Any] = (),
     ) -> Chain:
-        """State what follows from this line, and from ``others``, by an inference.
+        """State what follows from this line, and from others, by an inference.
 
-        ``reason``: why, in words; ``inference``: a row of `eom.terms.rules.inferences`; ``label``,
-        ``states``: see `then`; ``unknowns``: coordinates of which nothing was said yet, that keep this
-        line from here on, as `Derivation.determine` says. Raises `InputError` where it does not apply, and
-        as `then` does.
+        Parameters
+        ----------
+        reason : str
+            Why, in words.
+        inference : Inference
+            A row of `eom.terms.rules.inferences`.
+        others : Chain
+            Further lines that it takes.
+        label, states : str, optional
+            See `then`.
+        unknowns : sequence of symbols, optional
+            Coordinates of which nothing was said yet, that keep this line from here on, as
+            `Derivation.determine` says.
+
+        Returns
+        -------
+        Chain
+            It goes on from what follows.
+
+        Raises
+        ------
+        DerivationError
+            Where the inference does not apply, and as `then` raises it.
         """
         with rules.traced() as trace:
             rules.noted(inference.words)
@@ -164,7 +235,22 @@ class Chain:
     def turned(self, reason: str, *, label: str = "", states: Iterable[str] = ()) -> Chain:
         """State ``right = left``.
 
-        ``reason``: why, in words; ``label``, ``states``: see `then`.
+        Parameters
+        ----------
+        reason : str
+            Why, in words.
+        label, states : str, optional
+            See `then`.
+
+        Returns
+        -------
+        Chain
+            It goes on from what was left.
+
+        Raises
+        ------
+        DerivationError
+            As `then` raises it.
         """
         sides = Equation(self.equation.right, self.equation.left)
         with rules.traced() as trace:
@@ -201,16 +287,30 @@ class Derivation:
     own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
     letters: dict[Any, str] = field(default_factory=dict, init=False)
-    _drawn: tuple[tuple[Any, ...], Furnished] | None = field(default=None, init=False, repr=False)
+    _lines: Deciding = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        self._lines = Deciding(self.own, self.scalars)
         self.only(*self.assumed)
 
     @typed
     def constants(self, **meanings: str) -> list[Any]:
         """Return new symbols for numbers that do not change, by their names, with what they are in words.
 
-        ``meanings``: words by name. Raises `InputError` for a name that has another meaning.
+        Parameters
+        ----------
+        meanings : str, optional
+            What each is in words, by the name of its symbol.
+
+        Returns
+        -------
+        list of symbols
+            New ones, in the order of their names here.
+
+        Raises
+        ------
+        InputError
+            For a name that has another meaning.
         """
         return [self._named(n, quantity("scalar", n), words) for n, words in meanings.items()]
 
@@ -218,8 +318,24 @@ class Derivation:
     def coordinate(self, name: str, words: str, rates: int = 2) -> tuple[Any, ...]:
         """Return a new symbol for what changes with time, and those of its first ``rates`` rates.
 
-        ``name``: of the symbol; rates are called name_dot, name_ddot; ``words``: what it is. Raises
-        `InputError` for a name that has another meaning.
+        Parameters
+        ----------
+        name : str
+            Of the symbol; its rates are called name_dot, name_ddot.
+        words : str
+            What it is.
+        rates : int, default 2
+            How many rates get symbols, too.
+
+        Returns
+        -------
+        tuple of symbols
+            The coordinate and its rates.
+
+        Raises
+        ------
+        InputError
+            For a name that has another meaning.
         """
         found = [self._named(name, quantity("coordinate", name), words)]
         for k in range(1, rates + 1):
@@ -237,8 +353,24 @@ class Derivation:
     def let(self, name: str, value: Any, words: str) -> Any:
         """Return a new symbol that stands for a scalar made of what is known.
 
-        ``name``: of the symbol; ``value``: a term or SymPy expression, such as a partial derivative;
-        ``words``: what it is. Raises `InputError` for a name that has another meaning.
+        Parameters
+        ----------
+        name : str
+            Of the symbol.
+        value : term or expression
+            What it stands for, such as a partial derivative.
+        words : str
+            What it is.
+
+        Returns
+        -------
+        symbol
+            It stands for the scalar in every line from here on.
+
+        Raises
+        ------
+        InputError
+            For a name that has another meaning.
         """
         return self._named(name, as_term(value), words)
 
@@ -246,7 +378,24 @@ class Derivation:
     def frame(self, name: str, angle: Any, axis: int = 3, base: str = "I") -> None:
         """Let a new frame be turned from ``base`` about its axis ``axis`` through ``angle`` (rad).
 
-        Raises `InputError`, a `DerivationError`, for a name that is taken or an axis other than 1, 2, 3.
+        Parameters
+        ----------
+        name : str
+            Of the new frame.
+        angle : number, symbol or expression
+            By which it is turned (rad), right-handed.
+        axis : int, default 3
+            1, 2 or 3, of ``base`` and of the new frame alike.
+        base : str, default "I"
+            The frame that it is turned from, the inertial one by default.
+
+        Raises
+        ------
+        InputError
+            For what is no scalar, no name or a name that is taken, as a `DerivationError`; for an
+            axis other than 1, 2, 3.
+        DerivationError
+            For a name that is taken.
         """
         self._new(name, {*self.own.frames, *"IABCS"})
         if axis not in {1, 2, 3}:
@@ -259,7 +408,17 @@ class Derivation:
     def point(self, name: str, place: Term) -> None:
         """Let a new point have the position ``place`` from the inertial origin.
 
-        Raises `InputError`, a `DerivationError`, for a name that is taken or a place that is no vector.
+        Parameters
+        ----------
+        name : str
+            Of the new point.
+        place : Term
+            Its position from the inertial origin (m), a vector.
+
+        Raises
+        ------
+        DerivationError
+            For a name that is taken or a place that is no vector.
         """
         self._new(name, {*self.own.points, *"OCP", "OI", "OA", "OB", "open", "body", "system"})
         if place.kind != VECTOR:
@@ -270,7 +429,7 @@ class Derivation:
     def _defined(self, named: Term, words: str) -> None:
         """State what a new quantity is; nothing of it is kept where it has no value."""
         try:
-            for world in self._worlds()(self.assumed, 1):
+            for world in self._lines.worlds()(self.assumed, 1):
                 Evaluator(world, self.scalars).value(named)
             self.define(named, words)
         except InputError:
@@ -284,12 +443,31 @@ class Derivation:
     ) -> None:
         """Let a new body have its centre of mass at ``place``: a point by the same name.
 
-        ``mass``: a number or SymPy expression; ``frame``: fixed in the body with its axes along the
-        principal ones, ``moments``: those of inertia about them through the centre of mass, three; both
-        are left out for a point mass. Its ``mass``, ``linear_momentum``, ``angular_momentum``,
-        ``kinetic_energy`` and what `eom.terms.own.OF_BODIES` lists besides are quantities from here on.
-        Raises `InputError`, a `DerivationError`, for a name that is taken, and where frame and moments do
-        not fit.
+        Parameters
+        ----------
+        name : str
+            Of the body, and of its centre of mass as a point.
+        mass : number or expression
+            In kg.
+        place : Term
+            The position of its centre of mass from the inertial origin (m).
+        frame : str, optional
+            Fixed in the body with its axes along the principal ones; none for a point mass.
+        moments : sequence, optional
+            Those of inertia about these axes through the centre of mass (kg m^2), three; none for a
+            point mass.
+
+        Raises
+        ------
+        InputError
+            For what is no mass or moment.
+        DerivationError
+            For a name that is taken, and where frame and moments do not fit.
+
+        Notes
+        -----
+        Its ``mass``, ``linear_momentum``, ``angular_momentum``, ``kinetic_energy`` and what
+        `eom.terms.own.OF_BODIES` lists besides are quantities from here on.
         """
         if len(moments) != 3 * bool(frame):
             expected = "three moments of inertia with a frame, none without"
@@ -307,8 +485,19 @@ class Derivation:
     def configure(self, *coordinates: Any) -> None:
         """Let the places of all particles be functions of ``coordinates`` (symbols), and of time.
 
-        Their slopes are any vectors; forces of constraints do no virtual work along them. Raises
-        `DerivationError` for what is no coordinate.
+        Parameters
+        ----------
+        coordinates : symbols
+            Each with a rate.
+
+        Raises
+        ------
+        DerivationError
+            For what is no coordinate.
+
+        Notes
+        -----
+        Their slopes are any vectors; forces of constraints do no virtual work along them.
         """
         meanings = [self.scalars.get(s) for s in coordinates]
         for symbol, meaning in zip(coordinates, meanings, strict=True):
@@ -326,10 +515,31 @@ class Derivation:
     ) -> Chain:
         """State a law or a constraint that motions keep from here on.
 
-        ``equation``: the law; ``unknowns``: the coordinates (symbols) that obey it, whose highest rates
-        stand linearly in it; ``reason``: in words; ``options``: see `state`. Raises `DerivationError` or
-        another `InputError` where these rates cannot be had from it, or where it is at odds with a law
-        before; nothing is kept then.
+        Parameters
+        ----------
+        equation : Equation
+            The law.
+        unknowns : symbols
+            The coordinates that obey it, whose highest rates stand linearly in it.
+        reason : str, default "law of the motion"
+            Why it is a law, in words.
+        options : object, optional
+            ``label`` and ``states``, see `state`.
+
+        Returns
+        -------
+        Chain
+            The line, as a chain that goes on.
+
+        Raises
+        ------
+        DerivationError
+            Where these rates cannot be had from it, or where it is at odds with a law before;
+            nothing is kept then.
+
+        Notes
+        -----
+        Worlds obey it from here on, so that lines which follow from it hold.
         """
         with self.kept(equation, unknowns):
             return self.law(equation, reason, **options)
@@ -338,8 +548,22 @@ class Derivation:
     def kept(self, equation: Equation, unknowns: Sequence[Any]) -> Iterator[None]:
         """Return a context from which on ``unknowns``, coordinates, keep an ``equation``.
 
-        Nothing is kept without any, and where an error is raised within. Raises `DerivationError` for
-        what is no coordinate.
+        Parameters
+        ----------
+        equation : Equation
+            What is kept.
+        unknowns : sequence of symbols
+            Coordinates that keep it; without any, nothing is kept.
+
+        Returns
+        -------
+        context manager
+            Where an error is raised within it, nothing is kept.
+
+        Raises
+        ------
+        DerivationError
+            For what is no coordinate.
         """
         for symbol in unknowns:
             meaning = self.scalars.get(symbol)
@@ -351,7 +575,7 @@ class Derivation:
         if not unknowns:
             yield
             return
-        self.own.laws.append(Law(self._carried(equation), tuple(unknowns)))
+        self.own.laws.append(Law(self._lines.carried(equation), tuple(unknowns)))
         try:
             yield
         except InputError:
@@ -362,9 +586,26 @@ class Derivation:
     def rolls(self, body: str, contact: Term, *unknowns: Any, reason: str = "") -> Chain:
         """Let a body roll on what is at rest: where it touches, it does not move.
 
-        ``body``: its name; ``contact``: the vector from its centre of mass to where it touches;
-        ``unknowns``: see `determine`; ``reason``: in words. Raises `InputError` as that does, and for
-        what is no body that turns.
+        Parameters
+        ----------
+        body : str
+            Its name.
+        contact : Term
+            The vector from its centre of mass to where it touches (m).
+        unknowns : symbols
+            See `determine`.
+        reason : str, optional
+            In words; there is a sentence of its own.
+
+        Returns
+        -------
+        Chain
+            The line that the velocity of the point that touches is zero.
+
+        Raises
+        ------
+        DerivationError
+            As `determine` raises it, and for what is no body that turns.
         """
         row = self.own.bodies.get(body)
         if row is None or not row.frame:
@@ -373,48 +614,17 @@ class Derivation:
         words = reason or "it rolls: where it touches, it does not move"
         return self.determine(Equation(speed, zero(VECTOR)), *unknowns, reason=words)
 
-    def _carry(self, term: Term) -> Term:
-        """Return a term with bodies of its own spelt out and partial derivatives carried out."""
-        return rules.slopes(self.scalars, self.own)(rules.spelt_out(self.own)(term))
-
-    def _carried(self, equation: Equation) -> Equation:
-        return replace(equation, left=self._carry(equation.left), right=self._carry(equation.right))
-
-    def _worlds(self) -> Furnished:
-        """Return worlds with what stands so far: the same as long as nothing new is said."""
-        own = self.own
-        named = (own.frames, own.points, own.bodies)
-        key = (*(tuple(part.items()) for part in named), tuple(own.laws), own.configured)
-        if self._drawn is None or self._drawn[0] != key:
-            self._drawn = key, Furnished(own, {})
-        drawn = self._drawn[1]
-        for s, t in self.scalars.items():  # what is new was not there when laws were stated
-            if s not in drawn.scalars:
-                drawn.scalars[s] = self._carry(t)
-        return drawn
-
     def _verified(self, equation: Equation, reason: str) -> str:
-        where = f"{self.name}: {reason}"
+        where, lines = f"{self.name}: {reason}", self._lines
         try:
-            return self._decided(equation, self.assumed, where)
+            return lines.decided(equation, self.assumed, where)
         except DerivationError as error:
             if error.what != FALSE:
                 raise
-            why = disagreement(self._carried(equation), self._worlds(), self.assumed)
+            why = disagreement(lines.carried(equation), lines.worlds(), self.assumed)
             raise DerivationError(
                 FALSE, where=where, got=error.got, expected=error.expected, hint=why
             ) from None
-
-    def _decided(self, equation: Equation, assumed: Iterable[str], where: str) -> str:
-        """Return how a line holds under assumptions. Raises `InputError` where it does not."""
-        if equation.relation == ":=" and self.own.meaning(equation.left) == equation.right:
-            return "definition"
-        defines = equation.relation == ":="
-        shown = equation if defines else self._carried(equation)
-        drawn = self._worlds()
-        known = self.scalars if defines else drawn.scalars
-        with_own = drawn if self.own else worlds
-        return verify(shown, assumed, known, where=where, drawn=with_own)
 
     def _needed(self, equation: Equation, reason: str, evidence: str) -> tuple[str, ...]:
         """Return a smallest set of the assumptions made so far under which a line holds.
@@ -427,7 +637,7 @@ class Derivation:
         def holds(names: Iterable[str]) -> None:
             found = evidence
             if found != IDENTITY:
-                found = self._decided(line, names, f"{self.name}: {reason}")
+                found = self._lines.decided(line, names, f"{self.name}: {reason}")
             if found == IDENTITY and has_meaning(line, self.scalars):
                 decide(line, names, self.scalars, count=1)
 
@@ -435,13 +645,35 @@ class Derivation:
 
     @typed
     def assume(self, *names: str) -> None:
-        """From here on, take ``names`` for granted. Raises `InputError` for conflicts."""
+        """From here on, take assumptions for granted, too.
+
+        Parameters
+        ----------
+        names : str
+            Of assumptions that worlds know, such as ``constant_mass``.
+
+        Raises
+        ------
+        InputError
+            For unknown ones, and for conflicts.
+        """
         closure((*self.assumed, *names))
         self.assumed = tuple(dict.fromkeys((*self.assumed, *names)))
 
     @typed
     def only(self, *names: str) -> None:
-        """From here on, take ``names`` for granted and nothing else."""
+        """From here on, take these assumptions for granted and no other.
+
+        Parameters
+        ----------
+        names : str
+            As of `assume`.
+
+        Raises
+        ------
+        InputError
+            As `assume` raises it.
+        """
         self.assumed = ()
         self.assume(*names)
 
@@ -451,9 +683,28 @@ class Derivation:
     ) -> Chain:
         """State what defines a quantity of the vocabulary.
 
-        ``named``: such as ``quantity("angular_momentum", "body", "O")``; ``reason``: in words;
-        ``label``, ``states``: see `Chain.then`. Raises `InputError`, and `DerivationError` for a
-        quantity without a definition.
+        Parameters
+        ----------
+        named : Term
+            Such as ``quantity("angular_momentum", "body", "O")``.
+        reason : str
+            In words.
+        label : str, optional
+            By which the line is recalled.
+        states : iterable of str, optional
+            Equations of a lecture that it is.
+
+        Returns
+        -------
+        Chain
+            The line ``named := meaning``, as a chain that goes on.
+
+        Raises
+        ------
+        InputError
+            For a line that does not hold.
+        DerivationError
+            For a quantity without a definition.
         """
         meaning = self.own.meaning(named) or definition(named)
         if meaning is None:
@@ -466,9 +717,26 @@ class Derivation:
     def name_scalar(self, symbol: Any, meaning: Term, reason: str, **options: Any) -> Chain:
         """Let a SymPy symbol stand for a scalar.
 
-        ``symbol``: a SymPy symbol; ``meaning``: a term, such as ``quantity("coordinate", "q")``;
-        ``reason``: in words; ``options``: see `state`. Raises `DerivationError` for a symbol with another
-        meaning, or one that its meaning holds.
+        Parameters
+        ----------
+        symbol : symbol
+            What stands for it from here on.
+        meaning : Term
+            A scalar, such as ``quantity("coordinate", "q")``.
+        reason : str
+            In words.
+        options : object, optional
+            ``label`` and ``states``, see `state`.
+
+        Returns
+        -------
+        Chain
+            The line that defines the symbol.
+
+        Raises
+        ------
+        DerivationError
+            For a symbol with another meaning, or one that its meaning holds.
         """
         known = self.scalars.get(symbol, meaning)
         inside = {s for n in nodes(meaning) if n.head == "expr" for s in n.data[0].free_symbols}
@@ -480,29 +748,89 @@ class Derivation:
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
     def letter(self, symbol: Any, words: str) -> None:
-        """Say what a symbol is that stands for no term: ``symbol``, a SymPy symbol, and ``words``."""
+        """Say what a symbol is that stands for no term.
+
+        Parameters
+        ----------
+        symbol : symbol
+            Such as a parameter of a shape.
+        words : str
+            What it is.
+        """
         self.letters[symbol] = words
 
     @typed
     def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
         """State a law; it, too, has to hold in the worlds.
 
-        ``equation``: the law; ``reason``: in words; ``options``: see `state`. Raises `DerivationError`.
+        Parameters
+        ----------
+        equation : Equation
+            The law.
+        reason : str
+            In words.
+        options : object, optional
+            ``label`` and ``states``, see `state`.
+
+        Returns
+        -------
+        Chain
+            The line, as a chain that goes on.
+
+        Raises
+        ------
+        DerivationError
+            For a line that does not hold in all worlds.
         """
         return self.state(equation, reason, "law", **options)
 
     def given(self, equation: Equation, reason: str, **options: Any) -> Chain:
         """State what an assumption means as a formula; it has to hold in the worlds.
 
-        ``equation``: the meaning; ``reason``: in words; ``options``: see `state`. Raises `DerivationError`.
+        Parameters
+        ----------
+        equation : Equation
+            What the assumption means.
+        reason : str
+            In words.
+        options : object, optional
+            ``label`` and ``states``, see `state`.
+
+        Returns
+        -------
+        Chain
+            The line, as a chain that goes on.
+
+        Raises
+        ------
+        DerivationError
+            For a line that does not hold in the worlds of what is assumed.
         """
         return self.state(equation, reason, "assumption", **options)
 
     def show(self, equation: Equation, reason: str, *applied: Rule, **options: Any) -> Chain:
         """State an equation, both sides of which rules lead to the same.
 
-        ``equation``: the line; ``reason``: why, in words; ``applied``: the rules, in order, for both
-        sides; ``options``: see `state`. Raises `DerivationError` where they do not lead there.
+        Parameters
+        ----------
+        equation : Equation
+            The line.
+        reason : str
+            Why it holds, in words.
+        applied : Rule
+            The rules (`eom.terms.rules`), in order, for both sides.
+        options : object, optional
+            ``label`` and ``states``, see `state`.
+
+        Returns
+        -------
+        Chain
+            The line, as a chain that goes on.
+
+        Raises
+        ------
+        DerivationError
+            Where the rules do not lead both sides to the same.
         """
         with rules.traced() as trace:
             reached = meets(equation, applied)
@@ -525,10 +853,31 @@ class Derivation:
     ) -> Chain:
         """Verify a statement and add it.
 
-        ``equation``: the line; ``reason``: why it holds, in words; ``kind``: "law", "definition",
-        "assumption", or "result"; ``label``: by which it is recalled; ``states``: equations of a lecture
-        that it is; ``path``: how a result was reached. Raises `DerivationError` for a line that is false,
-        undecided, trivial or stated before, for a label that is taken and for other kinds.
+        Parameters
+        ----------
+        equation : Equation
+            The line.
+        reason : str
+            Why it holds, in words.
+        kind : str, default "result"
+            ``law``, ``definition``, ``assumption``, or ``result``.
+        label : str, optional
+            By which it is recalled.
+        states : iterable of str, optional
+            Equations of a lecture that it is.
+        path : path, optional
+            How a result was reached.
+
+        Returns
+        -------
+        Chain
+            The line, as a chain that goes on.
+
+        Raises
+        ------
+        DerivationError
+            For a line that is false, undecided, trivial or stated before, for a label that is taken
+            and for other kinds.
         """
         checked = self._summed(equation, path, reason)
         evidence = self._verified(checked, reason)
@@ -562,9 +911,24 @@ class Derivation:
     def suppose(self, equation: Equation, reason: str, **options: Any) -> Chain:
         """State a condition ``a >= 0``, which holds of some motions or bodies: of those that are meant.
 
-        ``equation``: the condition; ``reason``: in words; ``options``: ``label``, ``states``, see `state`.
-        Lines follow from it by `eom.terms.rules.inferences.signs`. Raises `DerivationError` for what is no
-        such condition, or holds nowhere.
+        Parameters
+        ----------
+        equation : Equation
+            A condition ``a >= 0``.
+        reason : str
+            In words.
+        options : object, optional
+            ``label`` and ``states``, see `state`.
+
+        Returns
+        -------
+        Chain
+            The condition, from which lines follow by `eom.terms.rules.inferences.signs`.
+
+        Raises
+        ------
+        DerivationError
+            For what is no such condition, or holds nowhere.
         """
         if equation.relation != ">=" or not equation.right.is_zero:
             expected = "something that is not negative, >= 0"
@@ -584,8 +948,8 @@ class Derivation:
 
         Of letters that stand for no term nothing is known.
         """
-        free, carried = Furnished(replace(self.own, laws=[]), {}), self._carry(term)
-        scalars = {s: self._carry(t) for s, t in self.scalars.items()}
+        free, carried = Furnished(replace(self.own, laws=[]), {}), self._lines.carry(term)
+        scalars = {s: self._lines.carry(t) for s, t in self.scalars.items()}
         free.scalars.update(scalars)
         if not _is_known(carried, scalars):
             return True
@@ -610,12 +974,39 @@ class Derivation:
 
     @typed
     def start(self, term: Term) -> Chain:
-        """Return a chain that transforms ``term``; it states nothing yet."""
+        """Return a chain that transforms ``term``; it states nothing yet.
+
+        Parameters
+        ----------
+        term : Term
+            The left side of what comes.
+
+        Returns
+        -------
+        Chain
+            It states nothing until it is told what the term equals.
+        """
         return Chain(self, Step("", Equation(term, term), ""))
 
     @typed
     def recall(self, label: str) -> Chain:
-        """Return the chain of a step before by its ``label``. Raises `DerivationError` for unknown ones."""
+        """Return the chain of a step before.
+
+        Parameters
+        ----------
+        label : str
+            Of the step.
+
+        Returns
+        -------
+        Chain
+            It goes on from the step's right side.
+
+        Raises
+        ------
+        DerivationError
+            For unknown ones.
+        """
         for step in self.steps:
             if step.label == label:
                 return Chain(self, step)
@@ -624,14 +1015,42 @@ class Derivation:
     def chain_of(self, named: Any) -> Chain:
         """Return the chain of the line that defines a quantity or a symbol, ``named``: see `definition_of`.
 
-        Raises `InputError` as that does.
+        Parameters
+        ----------
+        named : term or symbol
+            A quantity or a symbol that is defined here, see `definition_of`.
+
+        Returns
+        -------
+        Chain
+            The line that defines it, as a chain that goes on.
+
+        Raises
+        ------
+        InputError
+            As `definition_of` raises it.
         """
         return self.recall(self.stated[self.definition_of(named)])
 
     def definition_of(self, named: Any) -> Equation:
         """Return the line that defines a quantity or a symbol here.
 
-        ``named``: a term, or a SymPy symbol. Raises `InputError`, a `DerivationError` where none does.
+        Parameters
+        ----------
+        named : term or symbol
+            A quantity, or a symbol that stands for one.
+
+        Returns
+        -------
+        Equation
+            The line ``named := meaning``.
+
+        Raises
+        ------
+        InputError
+            For what is neither.
+        DerivationError
+            Where no line defines it.
         """
         term = as_term(named)
         found = next((e for e in self.stated if e.left == term and e.relation == ":="), None)
@@ -642,9 +1061,30 @@ class Derivation:
     def in_components(
         self, chain: Chain, frame: str, reason: str, *applied: Rule, **options: Any
     ) -> Chain:
-        """Take components of both sides of ``chain`` in ``frame`` and push them inwards.
+        """Take components of both sides of a chain in a frame and push them inwards.
 
-        ``reason``: in words; ``applied``: rules for the right side; ``options``: see `Chain.both`.
+        Parameters
+        ----------
+        chain : Chain
+            Between vectors or dyadics.
+        frame : str
+            Whose axes components are along.
+        reason : str
+            In words.
+        applied : Rule
+            Rules for the right side.
+        options : object, optional
+            ``label`` and ``states``, see `Chain.both`.
+
+        Returns
+        -------
+        Chain
+            The line between columns or matrices.
+
+        Raises
+        ------
+        DerivationError
+            As `Chain.both` raises it.
         """
         inwards = rules.components(frame)
         return chain.both(reason, lambda t: inwards(column(t, frame)), inwards, *applied, **options)
@@ -653,12 +1093,33 @@ class Derivation:
     def check(self, equation: Equation, reason: str) -> None:
         """Verify a statement without adding it: that a result is what the steps lead to.
 
-        ``equation``: the statement; ``reason``: what it is, in words. Raises `DerivationError`.
+        Parameters
+        ----------
+        equation : Equation
+            The statement.
+        reason : str
+            What it is, in words.
+
+        Raises
+        ------
+        DerivationError
+            For one that does not hold.
         """
         self._verified(equation, reason)
 
     def finish(self, **result: Any) -> Derived:
-        """Return the derivation, finished; ``result``: what it gives by name, such as a system."""
+        """Return the derivation, finished.
+
+        Parameters
+        ----------
+        result : object, optional
+            What it gives by name, such as a system.
+
+        Returns
+        -------
+        Derived
+            Frozen; nothing can be stated any more.
+        """
         return Derived(
             self.name,
             self.title,

@@ -39,7 +39,23 @@ class Derived:
     letters: Mapping[Any, str] = field(default_factory=dict)
 
     def __getitem__(self, label: str) -> Step:
-        """Return the step with a ``label``. Raises `KeyError`."""
+        """Return the step with a label.
+
+        Parameters
+        ----------
+        label : str
+            Of the step.
+
+        Returns
+        -------
+        Step
+            With its statement, reason and evidence.
+
+        Raises
+        ------
+        KeyError
+            For a label that no step has.
+        """
         for step in self.steps:
             if step.label == label:
                 return step
@@ -58,8 +74,22 @@ class Derived:
     def part(self, *labels: str | EllipsisType, notation: str = "arrow") -> Excerpt:
         """Return some steps, which show themselves in a notebook: ``part("law", ..., "momentum")``.
 
-        ``labels``: of steps; `...` between two labels is all that stands between them. ``notation``: one of
-        `eom.typeset.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
+        Parameters
+        ----------
+        labels : str or ...
+            Of steps; `...` between two labels is all that stands between them.
+        notation : str, default "arrow"
+            One of `eom.typeset.notation.NOTATIONS` or its aliases.
+
+        Returns
+        -------
+        Excerpt
+            It shows itself in a notebook, numbered as in the whole.
+
+        Raises
+        ------
+        InputError
+            For labels that no step has.
         """
         return Excerpt(self, chosen(self, labels), notation)
 
@@ -73,11 +103,27 @@ class Derived:
     ) -> str:
         """Return the derivation as one document.
 
-        ``style``: "text", "latex", "markdown" or "html"; ``notation``: one of
-        `eom.typeset.notation.NOTATIONS` or its aliases, by which frames and vectors are written; ``steps``:
-        whether every step is shown, or the last statement of each chain alone; ``form``: "full", or
-        "handout", one page with the results and the reasons of the key steps. Raises `InputError` for other
-        styles, notations and forms.
+        Parameters
+        ----------
+        style : str, default "text"
+            ``text``, ``latex``, ``markdown`` or ``html``.
+        notation : str, default "arrow"
+            One of `eom.typeset.notation.NOTATIONS` or its aliases, by which frames and vectors are
+            written.
+        steps : bool, default True
+            Whether every step is shown, or the last statement of each chain alone.
+        form : str, default "full"
+            ``full``, or ``handout``: one page with the results and the reasons of the key steps.
+
+        Returns
+        -------
+        str
+            The same derivation gives the same text.
+
+        Raises
+        ------
+        InputError
+            For other styles, notations and forms.
         """
         return show_derivation(self, style, notation, steps, form=form)
 

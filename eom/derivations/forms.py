@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from eom.derivations import showing
 from eom.derivations.handout import handout
 from eom.derivations.showing import FORMATS, Drawn, Shown, check_choices
+from eom.derivations.wording import notation_of, spelt
 from eom.errors import InputError, unknown_name
 from eom.typeset import pages
 from eom.typeset.notation import notation_named
@@ -33,7 +34,8 @@ def show_derivation(
     check_choices(style, notation)
     if form not in FORMS:
         raise unknown_name("form", form, FORMS)
-    chosen = notation_named(notation)
+    chosen = notation_of(derivation, notation_named(notation))
+    derivation = spelt(derivation, chosen)
     if form == "full":
         return FORMATS[style](list(showing.blocks(derivation, chosen, steps, drawn)))
     if not steps:

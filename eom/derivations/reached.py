@@ -37,10 +37,24 @@ class Path:
     evidence: str = ""
 
     def sources(self, stated: Mapping[Equation, str], where: str) -> tuple[str, ...]:
-        """Return the lines that the result follows from, in order.
+        """Return the lines that the result follows from.
 
-        ``stated``: the labels of all lines; ``where``: the derivation and step, for errors. Raises
-        `DerivationError` where a rule uses what no line states.
+        Parameters
+        ----------
+        stated : mapping of Equation to str
+            The labels of all lines.
+        where : str
+            The derivation and step, for errors.
+
+        Returns
+        -------
+        tuple of str
+            Labels, in order.
+
+        Raises
+        ------
+        DerivationError
+            Where a rule uses what no line states.
         """
         used = {label: None for label in self.lines if label}
         for statement in self.trace.known:

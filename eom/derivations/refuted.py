@@ -45,12 +45,12 @@ def disagreement(equation: Equation, drawn: Furnished, assumptions: Iterable[str
     shown = _counterexample(equation, drawn, tuple(assumptions))
     if shown is None:
         return ""
-    kit = _Written(drawn.scalars, drawn.own)
+    kit = Written(drawn.scalars, drawn.own)
     rest = _left_over(equation, kit)
     shown = shown.with_letters(kit.made)
     if rest is None or not _agrees(rest, shown):
         return shown.words([])
-    free = set().union(*(e.free_symbols for e in _entries(rest)))
+    free = set().union(*(e.free_symbols for e in entries(rest)))
     return f"left less right is {_text(rest)}; {shown.words(free)}"
 
 
@@ -124,7 +124,7 @@ def _failing(equation: Equation, drawn: Furnished, assumed: tuple[str, ...]) -> 
 
 def _agrees(rest: Value, shown: _Failing) -> bool:
     """Return whether what is left over has the value by which the sides differ."""
-    pairs = zip(_entries(rest), *shown.sides, strict=True)
+    pairs = zip(entries(rest), *shown.sides, strict=True)
     try:
         return all(abs(shown.number(e) - (a - b)) < NEAR * (1 + abs(a)) for e, a, b in pairs)
     except (InputError, Singular, IndexError):
@@ -142,22 +142,22 @@ def _row(entries: Sequence[str]) -> str:
 # -- what is left over -------------------------------------------------------------------------------
 
 
-def _left_over(equation: Equation, kit: _Written) -> Value | None:
+def _left_over(equation: Equation, kit: Written) -> Value | None:
     """Return left less right by coordinates, rates and constants; None where that is not to be had."""
     try:
         rest = kit.value(equation.left) - kit.value(equation.right)
-        found = [_short_form(kit.moving(e)) for e in _entries(rest)]
+        found = [_short_form(kit.moving(e)) for e in entries(rest)]
     except InputError:
         return None
     return found[0] if len(found) == 1 else sp.Matrix(len(found) // 3 or 1, 3, found)
 
 
-def _entries(value: Value) -> list[Any]:
+def entries(value: Value) -> list[Any]:
     return list(value) if isinstance(value, sp.MatrixBase) else [sp.sympify(value, strict=True)]
 
 
 def _text(value: Value) -> str:
-    return _row([sp.sstr(sp.factor_terms(e)) for e in _entries(value)])
+    return _row([sp.sstr(sp.factor_terms(e)) for e in entries(value)])
 
 
 def _is(term: Term, name: str) -> bool:
@@ -165,7 +165,7 @@ def _is(term: Term, name: str) -> bool:
 
 
 @dataclass
-class _Written:
+class Written:
     """Terms as SymPy expressions over the symbols of a derivation, vectors by components in I."""
 
     scalars: Scalars
@@ -185,8 +185,15 @@ class _Written:
 
     def expression(self, e: Any) -> Any:
         """Return an expression with symbols that stand for others spelt out."""
-        spelt = {s: self.value(m) for s, m in self.scalars.items() if e.has(s) and _defined(m)}
+        spelt = {s: self.value(m) for s, m in self.scalars.items() if e.has(s) and self._spelt(m)}
         return e.xreplace(spelt)
+
+    def _spelt(self, meaning: Term) -> bool:
+        """Return whether a symbol stands for others, or is the rate of one that does."""
+        if not _is_rate(meaning):
+            return _defined(meaning)
+        base = self.scalars.get(meaning.args[0].data[0], _NONE)
+        return base is not _NONE and self._spelt(base)
 
     def rate(self, e: Any) -> Any:
         """Return the time derivative of an expression."""
@@ -216,10 +223,10 @@ class _Written:
         if frame != "I":
             raise InputError("this frame turns in any way", got=frame)
 
-    def moving(self, e: Any) -> Any:
-        """Return an expression with the rates that the laws give."""
+    def moving(self, e: Any, laws: Iterable[Any] | None = None) -> Any:
+        """Return an expression with the rates that the laws give, all or some of them."""
         if self.own.laws and not self.motions:
-            for law in self.own.laws:
+            for law in self.own.laws if laws is None else laws:
                 self._solve(law)
         for _ in range(len(self.motions)):
             e = e.xreplace(self.motions)
@@ -228,7 +235,7 @@ class _Written:
     def _solve(self, law: Any) -> None:
         """Solve a law for the highest rates that stand in it of what it determines."""
         sides = [self.value(t) for t in (law.equation.left, law.equation.right)]
-        rest = [_short_form(e.xreplace(self.motions)) for e in _entries(sides[0] - sides[1])]
+        rest = [_short_form(e.xreplace(self.motions)) for e in entries(sides[0] - sides[1])]
         highest = [_highest(s, self.rates, rest) for s in law.unknowns]
         found = sp.solve(rest, highest, dict=True)
         if len(found) != 1:
@@ -295,7 +302,7 @@ def _turned(axis: int, angle: Any) -> Any:
     return found
 
 
-def _der(kit: _Written, term: Term) -> Value:
+def _der(kit: Written, term: Term) -> Value:
     value, frame = kit.value(term.args[0]), term.data[0]
     if not isinstance(value, sp.MatrixBase):
         return kit.rate(value)
@@ -307,7 +314,7 @@ def _der(kit: _Written, term: Term) -> Value:
     return turn * (turn.T * value * turn).applyfunc(kit.rate) * turn.T
 
 
-def _atom(kit: _Written, term: Term) -> Value:
+def _atom(kit: Written, term: Term) -> Value:
     name, *labels = term.data
     if name == "unit":
         return kit.turn(labels[0])[:, int(labels[1]) - 1]
@@ -329,38 +336,38 @@ def _atom(kit: _Written, term: Term) -> Value:
     return kit.value(meaning)
 
 
-def _dot(kit: _Written, term: Term) -> Value:
+def _dot(kit: Written, term: Term) -> Value:
     a, b = map(kit.value, term.args)
     if term.kind == SCALAR:
         return (a.T * b)[0]
     return b.T * a if term.args[0].kind == "vector" else a * b
 
 
-def _entries_of(kit: _Written, term: Term) -> Value:
+def _entries_of(kit: Written, term: Term) -> Value:
     values = [kit.value(a) for a in term.args]
     return sp.Matrix(3, len(values) // 3, values)
 
 
-def _column(kit: _Written, term: Term) -> Value:
+def _column(kit: Written, term: Term) -> Value:
     turn, value = kit.turn(term.data[0]), kit.value(term.args[0])
     return turn.T * value if value.shape == (3, 1) else turn.T * value * turn
 
 
-def _sum(kit: _Written, term: Term) -> Value:
+def _sum(kit: Written, term: Term) -> Value:
     first, *others = (kit.value(a) for a in term.args)
     for value in others:
         first = first + value
     return first
 
 
-def _product(kit: _Written, term: Term) -> Value:
+def _product(kit: Written, term: Term) -> Value:
     first, *others = (kit.value(a) for a in term.args)
     for value in others:
         first = first * value
     return first
 
 
-_ROWS: dict[str, Callable[[_Written, Term], Value]] = {
+_ROWS: dict[str, Callable[[Written, Term], Value]] = {
     "expr": lambda kit, t: kit.expression(t.data[0]),
     "zero": lambda _, t: sp.zeros(3, 1 if t.kind in {"vector", "column"} else 3),
     "add": _sum,

@@ -17,7 +17,7 @@ import sympy as sp
 from eom.derivations.corrections import CLAIMS, NOTES
 from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
-from eom.derivations.wording import frames_of, letters_in_words
+from eom.derivations.wording import frames_of, letters_in_words, notation_of, spelt
 from eom.errors import unknown_name
 from eom.system import System
 from eom.terms.terms import (
@@ -118,7 +118,9 @@ def show_steps(
     All else as `eom.derivations.forms.show_derivation`.
     """
     check_choices(style, notation)
-    return FORMATS[style](list(_derived(derivation, notation_named(notation), labels)))
+    chosen = notation_of(derivation, notation_named(notation))
+    derivation = spelt(derivation, chosen)
+    return FORMATS[style](list(_derived(derivation, chosen, labels)))
 
 
 def check_choices(style: str, notation: str) -> None:
@@ -408,11 +410,16 @@ MUNDANE = frozenset(
 """Rules that are named where no other one is applied."""
 
 
+FACTORS: dict[str, Box] = {name: Symbol(name) for name in "ab"}
+"""The letters of rules such as a.b = b.a."""
+
+
 @dataclass
 class _Notes:
     """What stands beside each step; an assumption is put into words where it first counts.
 
-    ``numbers``: of the steps by label; ``told``: the assumptions that stand in words already.
+    ``numbers``: of the steps by label; ``told``: the assumptions, and the displays and claims of the
+    lectures, that stand in words already.
     """
 
     derivation: Shown
@@ -431,14 +438,20 @@ class _Notes:
         self.told.update(new)
         under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
         evidence = "" if step.by and step.evidence.startswith("held") else step.evidence
-        states = (f"{s} ({_SAID[s]})" if s in _SAID else s for s in step.states)
+        states = map(self._stated, step.states)
         parts = [kind, *states, self._origin(step), f"under {under}" if under else "", evidence]
         remarks = "; ".join(p for p in parts if p)
         assumed = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in new)
         told = f"Assumed: {assumed}." if assumed else ""
         words = capitalised(step.reason, self.known)
-        said, more, before = (phrases(w, self.known) for w in (words, remarks, told))
-        return Note(self.numbers[step.label], said, more, before)
+        said, before = (phrases(w, self.known) for w in (words, told))
+        return Note(self.numbers[step.label], said, phrases(remarks, self.known | FACTORS), before)
+
+    def _stated(self, label: str) -> str:
+        """Return the label of a display or claim, at its first mention with what was corrected in it."""
+        said = _SAID.get(label, "") if label not in self.told else ""
+        self.told.add(label)
+        return f"{label} ({said})" if said else label
 
     def _origin(self, step: Step) -> str:
         """Say from which lines a step follows, and by which rules."""

@@ -127,7 +127,8 @@ def is_plain(equation: Equation) -> bool:
     """Return whether both sides are made of SymPy expressions alone."""
     parts = [n for side in (equation.left, equation.right) for n in nodes(side)]
     return all(n.args or n.head in {"expr", "zero"} for n in parts) and not any(
-        n.head in {"der", "sum", "integral", "column", "start", "since", "at"} for n in parts
+        n.head in {"der", "partial", "sum", "integral", "column", "start", "since", "at"}
+        for n in parts
     )
 
 

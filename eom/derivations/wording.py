@@ -7,14 +7,15 @@ notation.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from eom.terms.terms import Term, nodes
-from eom.terms.vocabulary import QUANTITIES, unit
-from eom.typeset.boxes import GREEK_NAMES, Box, symbol
+from eom.terms.rules import entrywise
+from eom.terms.terms import INERTIAL, Equation, Term, der, nodes
+from eom.terms.vocabulary import CENTRE, QUANTITIES, unit
+from eom.typeset.boxes import GREEK_NAMES, Box, Symbol, symbol
 from eom.typeset.letters import ROLES, Notation, letter_box
-from eom.typeset.notation import term_box
+from eom.typeset.notation import term_box, write
 
 FRAME_LABELS: dict[str, tuple[int, ...]] = {
     "angular_velocity": (1, 2),
@@ -41,6 +42,44 @@ class Named:
 
     box: Box
     thing: tuple[str, ...]
+
+
+CENTRES = ("C", "G")
+"""The letters of the centre of mass in books; of a derivation that calls a number C, the second."""
+
+
+def notation_of(derivation: Any, notation: Notation) -> Notation:
+    """Return a notation in which the centre of mass has no letter that a number of the derivation has."""
+    first, second = map(Symbol, CENTRES)
+    names = {s.name for s in derivation.scalars}
+    if notation.point(CENTRE) != first or CENTRES[0] not in names:
+        return notation
+
+    def point(label: str) -> Box:
+        return second if label == CENTRE else notation.point(label)
+
+    return replace(notation, point=point)
+
+
+def spelt(derivation: Any, notation: Notation) -> Any:
+    """Return a derivation whose scalars are called as the notation calls the quantities they stand for."""
+    names = {}
+    for s, meaning in derivation.scalars.items():
+        letter = write(meaning, notation, "ascii") if meaning.head == "atom" else s.name
+        if letter != s.name and letter.isalpha() and meaning.data[0] in notation.letters:
+            names[s] = type(s)(letter, **s.assumptions0)
+    if not names:
+        return derivation
+    renamed = entrywise(lambda e: e.xreplace(names))
+
+    def called(equation: Equation) -> Equation:
+        return replace(equation, left=renamed(equation.left), right=renamed(equation.right))
+
+    return replace(
+        derivation,
+        steps=tuple(replace(s, statement=called(s.statement)) for s in derivation.steps),
+        scalars={names.get(s, s): renamed(t) for s, t in derivation.scalars.items()},
+    )
 
 
 def terms_of(derivation: Any) -> list[Term]:
@@ -89,13 +128,14 @@ def named(derivation: Any, notation: Notation) -> Iterator[Named]:
 def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
     """Return the boxes of letters that reasons spell, in a notation."""
     found = terms_of(derivation)
-    known: dict[str, Box] = {"t": symbol("t")}
+    known: dict[str, Box] = {name: symbol(name) for name in ("t", *sorted(_INDICES - {"k"}))}
     for letter, name in PLAIN_LETTERS.items():
         known |= _plain_letter(letter, name, found, notation)
     known |= _places(found, notation)
     known |= {p: notation.point(p) for p in points_of(found)}
     for frame in frames_of(found):
         known |= {frame: notation.frame(frame), **_axes(frame, notation)}
+    known |= _indexed(found, notation)
     for n in found:
         if n.head == "atom" and ROLES.get(n.data[0], ())[:1] == ("letter",):
             known[n.data[1]] = term_box(n, notation)
@@ -103,7 +143,24 @@ def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
             known |= {k: symbol(k) for k in n.data[1:] if k in _INDICES}
     symbols = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
     names = {s.name for s in (*symbols, *derivation.scalars)} - GREEK_NAMES
-    return known | {name: symbol(name) for name in names}
+    return known | {name: symbol(name) for name in names.difference(frames_of(found))}
+
+
+_INDEXED = {"linear_momentum": "p", "internal_force": "f", "external_force": "f"}
+"""The letters by which reasons spell quantities of particles, with their indices: f_ij."""
+
+
+def _indexed(found: list[Term], notation: Notation) -> dict[str, Box]:
+    """Return the boxes of quantities of particles as reasons spell them, either way round."""
+    known: dict[str, Box] = {}
+    for n in found:
+        letter = _INDEXED.get(n.data[0]) if n.head == "atom" else None
+        labels = n.data[1:] if letter else ()
+        if labels and _INDICES.issuperset(labels):
+            for order in {tuple(labels), tuple(reversed(labels))}:
+                turned = replace(n, data=(n.data[0], *order))
+                known[f"{letter}_{''.join(order)}"] = term_box(turned, notation)
+    return known
 
 
 def _axes(frame: str, notation: Notation) -> dict[str, Box]:
@@ -126,7 +183,10 @@ def _places(found: list[Term], notation: Notation) -> dict[str, Box]:
         for a in places:
             if a.data[2] == origin:
                 of = a.data[1]
-                known[letter if of in {"dm", "P"} else f"{letter}_{of}"] = term_box(a, notation)
+                name = letter if of in {"dm", "P"} else f"{letter}_{of}"
+                known[name] = term_box(a, notation)
+                known[f"{name}'"] = term_box(der(a, INERTIAL), notation)
+                known[f"{name}''"] = term_box(der(der(a, INERTIAL), INERTIAL), notation)
     turning = next((a for a in atoms if a.data == ("angular_velocity", "B", "I")), None)
     return known if turning is None else known | {"omega": term_box(turning, notation)}
 

@@ -10,6 +10,17 @@ import sympy as sp
 Expr = Any
 
 
+def gather_above(expression: Expr, variables: Iterable[Expr]) -> Expr:
+    """Return one fraction, with its numerator gathered as by `gather`.
+
+    >>> a, b, c, x = sp.symbols("a b c x")
+    >>> gather_above(a * x / c - b * x / c, (x,))
+    x*(a - b)/c
+    """
+    above, below = sp.fraction(sp.together(expression))
+    return gather(above, variables) / below
+
+
 def gather(expression: Expr, variables: Iterable[Expr]) -> Expr:
     """Collect the constant coefficients of each distinct product of ``variables``.
 

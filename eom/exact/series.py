@@ -206,6 +206,18 @@ def total(terms: Sequence[Series]) -> Series:
     return _series(terms[0].field, [sum(c) for c in columns])
 
 
+def each(rule: Callable[[Series], Series], a: Any) -> Any:
+    """Apply ``rule`` to a series, or to every component of a vector or a matrix."""
+    return rule(a) if isinstance(a, Series) else tuple(each(rule, x) for x in a)
+
+
+def entrywise(rule: Callable[[Series, Series], Series], a: Any, b: Any) -> Any:
+    """Combine two series, vectors or matrices of one shape component by component."""
+    if isinstance(a, Series):
+        return rule(a, b)
+    return tuple(entrywise(rule, x, y) for x, y in zip(a, b, strict=True))
+
+
 def add(a: Vector, b: Vector) -> Vector:
     """Return a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
@@ -283,24 +295,13 @@ def apply(m: Matrix, a: Vector) -> Vector:
     return (x, y, z)
 
 
-def each(rule: Callable[[Series], Series], m: Matrix) -> Matrix:
-    """Apply ``rule`` to every entry."""
-    return tuple(tuple(rule(e) for e in row) for row in m)
-
-
-def entrywise(rule: Callable[[Series, Series], Series], a: Matrix, b: Matrix) -> Matrix:
-    """Combine two matrices of one shape entry by entry."""
-    return tuple(
-        tuple(rule(x, y) for x, y in zip(r, s, strict=True)) for r, s in zip(a, b, strict=True)
-    )
-
-
 def inverse(m: Matrix) -> Matrix:
     """Return the inverse of a 3 x 3 matrix by its adjugate."""
     a, b, c = ((row[0], row[1], row[2]) for row in m)
     adjugate = transpose((cross(b, c), cross(c, a), cross(a, b)))
     scale_by = dot(a, cross(b, c)).reciprocal()
-    return each(lambda e: e * scale_by, adjugate)
+    found: Matrix = each(lambda e: e * scale_by, adjugate)
+    return found
 
 
 def cayley(s: Vector) -> Matrix:

@@ -21,7 +21,9 @@ from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
 from eom.derivations.derived import Derived
 from eom.derivations.showing import Item, meaning_of, only_names, separate, symbols
+from eom.derivations.small_numbers import Judge
 from eom.derivations.steps import Step
+from eom.derivations.wording import notation_of
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
@@ -43,35 +45,48 @@ RELATIONS = ("=", ":=")
 class Lesson:
     """A ``topic``: its ``derivation``, with the steps that can be lines of an exercise, and its lexicon.
 
-    ``front``: from the name of a notation to front matter that `eom check` reads; ``legend``: from lines
-    and a notation to symbols with their meanings.
+    ``front``: from the name of a notation to front matter that `eom check` reads, "" where no note can say
+    it; ``legend``: from lines and a notation to symbols with their meanings; ``judge``: what proves a line
+    false in a derivation with frames, bodies or laws of its own, None where notes are checked.
     """
 
     topic: str
     derivation: Derived
     front: Callable[[str], str]
     legend: Callable[[Derived, Notation], Iterable[Item]] = symbols
+    judge: Judge | None = field(default=None, compare=False)
 
 
 def topics() -> dict[str, dict[str, str]]:
     """Return the title of each topic, by group and name: those of the derivations.
 
-    Left out are those with frames, bodies or laws of their own: no note can tell the checker of these.
-
     >>> topics()["Particles"]["point-mass"]
     'Dynamics of a point mass'
     """
-    found = {
-        group: {name: title for name, title in made.items() if name not in derivations.FURNISHED}
-        for group, made in derivations.titles().items()
-    }
-    return {group: made for group, made in found.items() if made}
+    return derivations.titles()
 
 
 @typed
 def lesson(topic: str) -> Lesson:
     """Return a ``topic`` by its name, one of `topics`. Raises `InputError` for others.
 
+    Parameters
+    ----------
+    topic : str
+        One of `topics`.
+
+    Returns
+    -------
+    Lesson
+        The derivation that exercises are made from, and the symbols that stand at its beginning.
+
+    Raises
+    ------
+    InputError
+        For other names.
+
+    Examples
+    --------
     >>> len(lesson("point-mass").derivation.steps)
     29
     """
@@ -84,7 +99,13 @@ def lesson(topic: str) -> Lesson:
         return Lesson(topic, made, lambda _: front_matter_of(solid), lambda *_: legend(solid))
     made = derivations.derive(topic)
     lines = tuple(s for s in made.steps if _is_line(s))
-    return Lesson(topic, _with(made, lines), lambda notation: front_matter(made, notation))
+    judge = Judge(made.scalars, made.own) if made.own else None
+    return Lesson(topic, _with(made, lines), lambda notation: _front(made, notation), judge=judge)
+
+
+def _front(made: Derived, notation: str) -> str:
+    """Return front matter for a note of a derivation, none where no note can say what it is about."""
+    return "" if made.own.configured else front_matter(made, notation)
 
 
 def _is_line(step: Step) -> bool:
@@ -95,7 +116,7 @@ def _is_line(step: Step) -> bool:
 
 
 def _with(made: Derived, steps: tuple[Step, ...]) -> Derived:
-    return Derived(made.name, made.title, made.group, steps, made.scalars, {})
+    return replace(made, steps=steps, result={})
 
 
 Expr = Any
@@ -283,15 +304,19 @@ class Sheet:
         return self.right.steps[self.number - 1]
 
     @property
+    def letters(self) -> Notation:
+        """The notation, as its lines take it. Raises `InputError` for an unknown one."""
+        return notation_of(self.right, notation_named(self.asked.notation))
+
+    @property
     def legend(self) -> tuple[Item, ...]:
         """Symbols of the lines with their meanings, of both versions of the false one: none is told.
 
         Raises `InputError` for an unknown notation.
         """
         both = (*self.right.steps, *self.wrong.steps)
-        notation = notation_named(self.asked.notation)
         shown = only_scalars_of(replace(self.right, steps=both))
-        return tuple(self.asked.lesson.legend(shown, notation))
+        return tuple(self.asked.lesson.legend(shown, self.letters))
 
 
 @dataclass(frozen=True)
@@ -384,7 +409,7 @@ def task(exercise: Sheet) -> Said:
 
 def key(exercise: Exercise) -> Iterator[Said]:
     """Yield the key: the line, the term, what is right, small numbers, and what of the lines behind."""
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     slip = exercise.planted.slip
     wrong = exercise.wrong.steps[exercise.number - 1]
     yield said(f"Line ({exercise.number}) is false: {slip.words}. It says")
@@ -408,7 +433,7 @@ def _carried(exercise: Exercise) -> Iterator[Said]:
             "itself, so that one line alone is to be blamed."
         )
         return
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     *most, last = (f"({number})" for number, _ in exercise.carried)
     places = f"{', '.join(most)} and {last}" if most else last
     yield said(
@@ -447,8 +472,20 @@ def _numbers(exercise: Exercise) -> Iterator[Said]:
 def student(exercise: Sheet, lexicon: bool = True) -> str:
     """Return the page of an ``exercise`` for the student as Markdown.
 
-    ``lexicon``: whether it begins with the front matter with which `eom check` can judge it.
+    Parameters
+    ----------
+    exercise : Sheet
+        What is asked; of an `Exercise` the answer is not told.
+    lexicon : bool, default True
+        Whether the page begins with the front matter with which `eom check` can judge it.
 
+    Returns
+    -------
+    str
+        Markdown: the heading, what the symbols mean, and the numbered lines.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> student(exercise("point-mass", seed=1), lexicon=False).splitlines()[0]
     '# Which line is false? Dynamics of a point mass'
@@ -458,7 +495,7 @@ def student(exercise: Sheet, lexicon: bool = True) -> str:
 
 
 def _student(exercise: Sheet) -> Iterator[Block]:
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     yield Heading(f"Which line is false? {_line(exercise.right.title)}", 1)
     yield Paragraph(markdown(task(exercise)))
     yield Heading("Symbols")
@@ -471,6 +508,19 @@ def _student(exercise: Sheet) -> Iterator[Block]:
 def marker(exercise: Exercise) -> str:
     """Return the key of an exercise as Markdown: which line, what should stand there, and numbers.
 
+    Parameters
+    ----------
+    exercise : Exercise
+        As `eom.exercises.exercise` makes it.
+
+    Returns
+    -------
+    str
+        Markdown for whoever marks: which line, what should stand there, and the numbers for which
+        it is false.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> marker(exercise("point-mass", seed=1)).splitlines()[4]
     'Line (3) is false: what changes is taken for constant. It says'
@@ -486,9 +536,24 @@ def marker(exercise: Exercise) -> str:
 def solutions(exercises: Sequence[Exercise]) -> str:
     """Return a sheet with the solutions of some ``exercises`` as Markdown, one a section.
 
-    Each: the line and what was done in it, as it stands and as it should, the teacher's sentence, and
-    which lines carry the slip on. Raises `InputError` where there are none.
+    Parameters
+    ----------
+    exercises : sequence of Exercise
+        At least one, in the order of the sheet.
 
+    Returns
+    -------
+    str
+        Of each exercise: the line and what was done in it, as it stands and as it should, the
+        teacher's sentence, and which lines carry the slip on.
+
+    Raises
+    ------
+    InputError
+        Where there are none.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> solutions([exercise("point-mass", seed=1)]).splitlines()[4]
     'Line (3): what changes is taken for constant.'
@@ -500,7 +565,7 @@ def solutions(exercises: Sequence[Exercise]) -> str:
 
 
 def _solution(exercise: Exercise) -> Iterator[str]:
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     slip, wrong = exercise.planted.slip, exercise.wrong
     yield from (f"## {_line(exercise.right.title)}, {exercise.asked.seed}", "")
     yield from (f"Line ({exercise.number}): {slip.words}.", "")

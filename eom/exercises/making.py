@@ -1,7 +1,8 @@
 """An exercise: a few lines of a derivation, of which one is false, and the proof that it is that one.
 
 A line and a slip are drawn by the seed; the slip counts if the checker finds fault with that line and
-with no other. Lines after it stay as they were: each of them is right by itself, whatever the line
+with no other. In a derivation with frames, bodies or laws of its own, of which a note can tell little, the
+line is proved false in the derivation's own worlds; there all others were verified. Lines after it stay as they were: each of them is right by itself, whatever the line
 before it, so that exactly one line of the page is false.
 """
 
@@ -12,19 +13,27 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
+from typing import Any
+
+import sympy as sp
 
 import eom.checker.note.checking as checker
-from eom.checker.report.findings import FAULTS, Finding
+from eom.checker.read.spans import NOWHERE, Source
+from eom.checker.report.findings import FAULTS, Counterexample, Explanation, Finding
 from eom.derivations.derived import Derived
 from eom.derivations.reached import same
+from eom.derivations.small_numbers import Judge
 from eom.derivations.steps import Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises import lessons, slips
 from eom.exercises.lessons import LINES, Asked, Exercise, Lesson, Sheet, lesson, line_latex
 from eom.exercises.slips import Planted
-from eom.terms.terms import Equation, nodes
-from eom.typeset.notation import notation_named
+from eom.terms.terms import COLUMN, INERTIAL, SCALAR, VECTOR, Equation, Term, column, nodes
+from eom.typeset.boxes import Formula
+from eom.typeset.letters import Notation
+from eom.typeset.markup import render
+from eom.typeset.notation import notation_named, write
 
 LEAST_LINES, MOST_LINES = 2, 40
 MOST_CARRIED = 3
@@ -52,9 +61,37 @@ def exercise(
 ) -> Exercise:
     """Return the exercise of a topic and seed; the same arguments give the same exercise.
 
-    ``topic``: one of `eom.exercises.topics`; all others: see `planted_in`. Raises `InputError` for unknown
-    names, and where no slip can be planted that the checker finds.
+    Parameters
+    ----------
+    topic : str
+        One of `eom.exercises.topics`.
+    seed : int, default 0
+        Of what is drawn: the lines, the slip and where it is planted.
+    notation : str, default "arrow"
+        One of `eom.typeset.notation.NOTATIONS`, how frames and vectors are written.
+    lines : int, default 6
+        At most so many lines, 2 to 40.
+    slip : str, optional
+        A kind of slip, any unless given.
+    difficulty : str, optional
+        ``easy`` (the line itself shows it), ``medium`` or ``hard`` (it takes mechanics), any unless
+        given.
+    carried : int, default 0
+        In so many further lines, 0 to 3, the slip is carried on.
 
+    Returns
+    -------
+    Exercise
+        The same arguments give the same exercise.
+
+    Raises
+    ------
+    InputError
+        For unknown names, for other numbers, and where no slip can be planted that the checker
+        finds.
+
+    Examples
+    --------
     >>> exercise("point-mass", seed=1).counterexample.values[0]
     ('m', '1')
     """
@@ -75,12 +112,37 @@ def planted_in(
 ) -> Exercise:
     """Return an exercise made from a lesson, ``about``.
 
-    ``seed``: of what is drawn; ``notation``: one of `eom.typeset.notation.NOTATIONS`; ``lines``: at most
-    so many, 2 to 40; ``slip``: a kind of slip, "" for any; ``difficulty``: easy (the line itself shows
-    it), medium, hard (it takes mechanics), "" for any; ``carried``: in so many further lines, 0 to 3, the
-    slip is carried on. Raises `InputError` for unknown names, for other numbers, and where no slip can be
-    planted that the checker finds.
+    Parameters
+    ----------
+    about : Lesson
+        The derivation that lines are taken from, see `lesson`.
+    seed : int, default 0
+        Of what is drawn: the lines, the slip and where it is planted.
+    notation : str, default "arrow"
+        One of `eom.typeset.notation.NOTATIONS`, how frames and vectors are written.
+    lines : int, default 6
+        At most so many lines, 2 to 40.
+    slip : str, optional
+        A kind of slip, any unless given.
+    difficulty : str, optional
+        ``easy`` (the line itself shows it), ``medium`` or ``hard`` (it takes mechanics), any unless
+        given.
+    carried : int, default 0
+        In so many further lines, 0 to 3, the slip is carried on.
 
+    Returns
+    -------
+    Exercise
+        The same arguments give the same exercise.
+
+    Raises
+    ------
+    InputError
+        For unknown names, for other numbers, and where no slip can be planted that the checker
+        finds.
+
+    Examples
+    --------
     >>> from eom.exercises import lesson
     >>> len(planted_in(lesson("point-mass"), lines=4).right.steps)
     4
@@ -125,6 +187,13 @@ def _check(asked: Asked) -> None:
             "wrong number of lines that carry a slip on",
             got=asked.carried,
             expected=f"0 to {min(MOST_CARRIED, asked.lines - 1)}, of {asked.lines} lines",
+        )
+    if asked.carried and asked.lesson.judge:
+        raise InputError(
+            "lines that carry a slip on are found by the checker of notes, which cannot tell here",
+            where=asked.lesson.topic,
+            got=asked.carried,
+            expected="0, or another topic",
         )
 
 
@@ -230,6 +299,8 @@ def _first(rng: random.Random, k: int, count: int, lines: int) -> int:
 
 def _is_false(derivation: Derived, step: Step, planted: Planted) -> bool:
     """Return whether an equation is not true; what cannot be decided may be false."""
+    if derivation.own:
+        return True  # its judge is asked
     claimed = replace(planted.equation, relation="=")
     try:
         verify(claimed, step.assumptions, derivation.scalars)
@@ -242,9 +313,20 @@ def _is_false(derivation: Derived, step: Step, planted: Planted) -> bool:
 def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
     """Return an exercise with other false versions of its false line, each proved like the first one.
 
-    ``made``: of `exercise`. At most ``count``, the planted one among them; lines differ by how they
-    are written.
+    Parameters
+    ----------
+    made : Exercise
+        Of `exercise`.
+    count : int, default 4
+        So many false versions at most, the planted one among them.
 
+    Returns
+    -------
+    Exercise
+        The same exercise with its ``others``; these differ by how they are written.
+
+    Examples
+    --------
     >>> len(with_others(exercise("point-mass", seed=1), count=2).others)
     2
     """
@@ -267,7 +349,7 @@ def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
 
 def _written(made: Exercise, equation: Equation) -> str:
     step = replace(made.step, statement=equation)
-    return line_latex(made.right, step, notation_named(made.asked.notation))
+    return line_latex(made.right, step, made.letters)
 
 
 # -- lines that carry it on ---------------------------------------------------------------------------
@@ -302,7 +384,10 @@ def judged(sheet: Sheet) -> Finding | None:
     """Return what the checker says of the false line; None unless it blames that one alone.
 
     It reads the page as the student gets it. Lines that carry the slip on have to be found to do so.
+    Where the lesson has a judge of its own, this is asked about the false line.
     """
+    if sheet.asked.lesson.judge is not None:
+        return _by_judge(sheet, sheet.asked.lesson.judge)
     report = checker.check(lessons.student(sheet))
     displays = [f for f in report.findings if f.kind == "display"]
     if len(displays) != len(sheet.right.steps):
@@ -313,6 +398,36 @@ def judged(sheet: Sheet) -> Finding | None:
     if blamed != [found, *after] or found.verdict not in FAULTS or not _is_shown(found):
         return None
     return found if all(f.carried == found.line for f in after) else None
+
+
+def _by_judge(sheet: Sheet, judge: Judge) -> Finding | None:
+    """Return the finding on a line that is false where all laws hold, with the numbers that show it."""
+    claimed = replace(sheet.planted.equation, relation="=")
+    assumed = sheet.step.assumptions
+    numbers = judge.numbers(claimed, sheet.step.statement, assumed)
+    heads = [_head(t, sheet.letters) for t in (claimed.left, claimed.right)]
+    if numbers is None or None in heads or not judge.refutes(claimed, assumed):
+        return None
+    values = [(render(Formula(s), "latex"), sp.latex(v)) for s, v in numbers.values.items()]
+    members = zip((h or "" for h in heads), map(_row, numbers.sides), strict=True)
+    example = Counterexample(tuple(values), tuple(members), assumed)
+    latex = line_latex(sheet.wrong, sheet.wrong.steps[sheet.number - 1], sheet.letters)
+    explanation = Explanation(counterexample=example)
+    return Finding(
+        sheet.number, "display", Source(latex), NOWHERE, latex, "wrong", explanation=explanation
+    )
+
+
+def _head(term: Term, notation: Notation) -> str | None:
+    """Return a side as its numbers are about it: a vector by its components in I; None for matrices."""
+    shown = column(term, INERTIAL) if term.kind == VECTOR else term
+    return write(shown, notation, "latex") if shown.kind in {SCALAR, COLUMN} else None
+
+
+def _row(side: Sequence[Any]) -> str:
+    """Return a number, or three in brackets."""
+    texts = [sp.latex(x) for x in side]
+    return texts[0] if len(texts) == 1 else rf"\left( {', '.join(texts)} \right)"
 
 
 def _is_shown(found: Finding) -> bool:

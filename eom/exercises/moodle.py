@@ -20,6 +20,7 @@ from typing import Any
 import sympy as sp
 
 from eom.derivations.derived import Derived
+from eom.derivations.wording import notation_of
 from eom.errors import typed
 from eom.exercises.lessons import (
     DISPLAY,
@@ -146,9 +147,19 @@ def _text(parent: ET.Element, tag: str, text: str, style: str = "") -> ET.Elemen
 def moodle(exercises: Sequence[Exercise]) -> str:
     """Return ``exercises`` as one file in Moodle's XML.
 
-    About each there are two questions (which line is false? what is right?) and, where the answer can be
-    typed, a third for the plugin STACK. Returns the text of the file.
+    Parameters
+    ----------
+    exercises : sequence of Exercise
+        In the order in which questions are written.
 
+    Returns
+    -------
+    str
+        The text of the file. About each exercise there are two questions (which line is false? what
+        is right?) and, where the answer can be typed, a third for the plugin STACK.
+
+    Examples
+    --------
     >>> from eom.exercises import exercise
     >>> moodle([exercise("point-mass", seed=1)]).count("<question ")  # the first is the category
     3
@@ -210,7 +221,7 @@ def _which(quiz: ET.Element, exercise: Exercise) -> None:
 
 def _correction(quiz: ET.Element, exercise: Exercise) -> None:
     """Add the question what stands rightly in the place of the false line."""
-    notation = notation_named(exercise.asked.notation)
+    notation = exercise.letters
     asked = said(f"Line ({exercise.number}) is false. What should stand in its place?")
     text = _html([*_symbols(exercise), *_lines(exercise), asked])
     made = _choice(quiz, exercise, "what is right?", text, shuffle=True)
@@ -223,7 +234,7 @@ def _correction(quiz: ET.Element, exercise: Exercise) -> None:
 
 def _line(exercise: Exercise, lines: Any) -> str:
     step = lines.steps[exercise.number - 1]
-    return line_latex(lines, step, notation_named(exercise.asked.notation))
+    return line_latex(lines, step, exercise.letters)
 
 
 def _symbols(exercise: Exercise) -> Iterator[Said]:
@@ -240,12 +251,12 @@ def _lines(exercise: Exercise) -> Iterator[Said]:
     """Yield the lines: what is assumed anew, the reason, the formula."""
     wrong = exercise.wrong
     for step, block in zip(
-        wrong.steps, steps(wrong, notation_named(exercise.asked.notation)), strict=True
+        wrong.steps, steps(wrong, exercise.letters), strict=True
     ):
         (note,) = block.notes
         if note.assumed:
             yield spoken(note.assumed)
-        latex = line_latex(wrong, step, notation_named(exercise.asked.notation))
+        latex = line_latex(wrong, step, exercise.letters)
         yield said(f"({note.number}) ", *spoken(note.reason), ":", display(latex))
 
 
@@ -397,7 +408,7 @@ def as_data(made: Exercise) -> dict[str, Any]:
 
     ``maxima``: the side with the slip as it is right, null where it is no scalar expression.
     """
-    notation = notation_named(made.asked.notation)
+    notation = made.letters
     typed = typed_answer(made)
     return {
         "topic": made.asked.lesson.topic,
@@ -428,7 +439,7 @@ def as_data(made: Exercise) -> dict[str, Any]:
 
 
 def _numbered(lines: Derived, notation: str) -> list[dict[str, Any]]:
-    chosen = notation_named(notation)
+    chosen = notation_of(lines, notation_named(notation))
     return [
         {
             "number": number,

@@ -35,11 +35,28 @@ GREEK_ANGLES = ("psi", "theta", "phi")  # first, second, third rotation
 def elementary(axis: int, angle: Expr) -> Expr:
     """Return ``C_BA`` for a frame B got from A by turning through ``angle`` about ``axis``.
 
-    ``angle``: an expression (rad), right-handed; ``axis``: 1, 2 or 3. The matrix is 3 x 3 and takes
-    components in A to components in B.
-    Euler's theorem: C = cos 1 + (1 - cos) a a^T - sin tilde(a).
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10.
+    Parameters
+    ----------
+    axis : int
+        1, 2 or 3, of A and of B alike.
+    angle : expression
+        By which B is turned (rad), right-handed about the axis.
 
+    Returns
+    -------
+    matrix
+        3 x 3; it takes components in A to components in B.
+
+    Notes
+    -----
+    Euler's theorem: C = cos 1 + (1 - cos) a a^T - sin tilde(a).
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10.
+
+    Examples
+    --------
     >>> elementary(3, sp.Symbol("psi")).row(0)
     Matrix([[cos(psi), sin(psi), 0]])
     """
@@ -73,7 +90,18 @@ class Attitude(Protocol):
         """``C_BA`` over the coordinates, 3 x 3: it takes components in A to components in B."""
 
     def rates(self, omega: Vector) -> tuple[Expr, ...]:
-        """Return the rates of the coordinates; ``omega`` of B in A (rad/s), components in B."""
+        """Return the rates of the coordinates.
+
+        Parameters
+        ----------
+        omega : Vector
+            Of B in A (rad/s), components in B.
+
+        Returns
+        -------
+        tuple of expressions
+            One a coordinate, in 1/s or rad/s.
+        """
 
     @property
     def singularities(self) -> tuple[Singularity, ...]:
@@ -351,11 +379,29 @@ def direction_cosines() -> DirectionCosines:
 def attitude(name: str) -> Attitude:
     """Return attitude coordinates by ``name``: ``quaternion``, ``dcm`` or one of the 12 sequences.
 
-    Of B in A: angles psi, theta, phi (rad) about axes of the body as turned so far; q0 to q3, scalar first;
-    C11 to C33, row by row, of C_BA, which takes components in A to components in B.
-    Raises `InputError` for other names.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+    Parameters
+    ----------
+    name : str
+        ``quaternion``, ``dcm`` or one of the 12 sequences of turns, such as ``3-1-2``.
 
+    Returns
+    -------
+    Attitude
+        Coordinates of B in A: angles psi, theta, phi (rad) about axes of the body as turned so far;
+        q0 to q3, scalar first; C11 to C33, row by row, of C_BA, which takes components in A to
+        components in B.
+
+    Raises
+    ------
+    InputError
+        For other names.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), ch. 2; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+
+    Examples
+    --------
     >>> attitude("3-1-2").matrix[1, 2]
     sin(theta)
     """

@@ -47,23 +47,76 @@ class Vector:
         return vector(self.frame, (rule(a, b) for a, b in pairs))
 
     def scaled(self, factor: Expr) -> Vector:
-        """Return ``factor`` times this vector."""
+        """Return a multiple of the vector.
+
+        Parameters
+        ----------
+        factor : expression
+            Of any unit.
+
+        Returns
+        -------
+        Vector
+            In the same frame.
+        """
         return self.map(lambda c: factor * c)
 
     def map(self, rule: Callable[[Expr], Expr]) -> Vector:
-        """Return the vector with ``rule`` applied to each component."""
+        """Return the vector with each component changed.
+
+        Parameters
+        ----------
+        rule : callable
+            From an expression to an expression.
+
+        Returns
+        -------
+        Vector
+            In the same frame.
+        """
         return vector(self.frame, (rule(c) for c in self.components))
 
     def dot(self, other: Vector) -> Expr:
-        """Return the scalar product with ``other``. Raises `InputError` unless the frames are the same."""
+        """Return the scalar product with another vector.
+
+        Parameters
+        ----------
+        other : Vector
+            In the same frame.
+
+        Returns
+        -------
+        expression
+            The sum of the products of components.
+
+        Raises
+        ------
+        InputError
+            Unless the frames are the same.
+        """
         _same_frame(self, other)
         return sp.Add(*(a * b for a, b in zip(self.components, other.components, strict=True)))
 
     def cross(self, other: Vector) -> Vector:
         """Return the vector product, this times ``other``.
 
-        Raises `InputError` unless the frames are the same.
+        Parameters
+        ----------
+        other : Vector
+            In the same frame, which is right-handed.
 
+        Returns
+        -------
+        Vector
+            In that frame.
+
+        Raises
+        ------
+        InputError
+            Unless the frames are the same.
+
+        Examples
+        --------
         >>> x, y = vector("B", (1, 0, 0)), vector("B", (0, 1, 0))
         >>> x.cross(y).components
         (0, 0, 1)
@@ -108,7 +161,23 @@ class Rotation:
         return Rotation(self.from_frame, self.to_frame, self.matrix.T)
 
     def apply(self, v: Vector) -> Vector:
-        """Return ``v``, given in ``from_frame``, in ``to_frame``. Raises `InputError` for other frames."""
+        """Return a vector by its components in the other frame.
+
+        Parameters
+        ----------
+        v : Vector
+            Given in ``from_frame``.
+
+        Returns
+        -------
+        Vector
+            The same vector in ``to_frame``.
+
+        Raises
+        ------
+        InputError
+            For other frames.
+        """
         if v.frame != self.from_frame:
             raise InputError(
                 f"C_{self.to_frame}{self.from_frame} takes components in {self.from_frame}",
@@ -120,8 +189,30 @@ class Rotation:
 def vector(frame: str, components: Iterable[Expr]) -> Vector:
     """Return a vector of three numbers or expressions, ``components`` in a ``frame`` by its name.
 
-    Any consistent units. Raises `InputError` for text in place of expressions.
+    Parameters
+    ----------
+    frame : str
+        The name of the frame that components are in a base of.
+    components : iterable of expressions
+        Three numbers or expressions, along the first, second and third axis.
 
+    Returns
+    -------
+    Vector
+        In any consistent units. Vectors of different frames do not add up: a rotation has to bring
+        them into one.
+
+    Raises
+    ------
+    InputError
+        For text in place of expressions.
+
+    Notes
+    -----
+    Components are those in a ``frame``, whatever the vector is seen from.
+
+    Examples
+    --------
     >>> vector("B", (1, 0, 0)).cross(vector("B", (0, 1, 0)))
     Vector(frame='B', components=(0, 0, 1))
     """

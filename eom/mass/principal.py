@@ -85,21 +85,44 @@ KINDS = (
 def principal_axes(J: Iterable[Iterable[Expr]], digits: int = DIGITS) -> PrincipalAxes:
     """Return principal moments by rising size, and the rotation to their axes.
 
-    ``J``: 3 x 3 (kg m^2), off-diagonal entries minus the products of inertia. C, 3 x 3, takes components in
-    the given axes B to components along the principal ones, and C J C^T = diag(moments).
+    Parameters
+    ----------
+    J : iterable of rows
+        3 x 3 (kg m^2), off-diagonal entries minus the products of inertia.
+    digits : int, default 30
+        To how many digits roots are taken that are not exact, of a matrix without floats.
 
+    Returns
+    -------
+    PrincipalAxes
+        Principal moments by rising size, and C, 3 x 3, which takes components in the given axes B
+        to components along the principal ones: C J C^T = diag(moments).
+
+    Raises
+    ------
+    InputError
+        For a matrix that is not 3 by 3, real, finite and symmetric, or that no body has; that of a
+        thin rod or a point will do.
+
+    Notes
+    -----
     Signs: the largest component of axes 1 and 2 is positive (the first of equal ones); axis 3 makes
     them right-handed. The axes of equal moments are those nearest to b1, b2, b3.
 
     Floats: moments and axes are floats, to 1e-15 of the largest moment; moments are equal, and the
-    matrix symmetric, within `eom.exact.numbers.TOLERANCE` of it. Integers, fractions, SymPy numbers: exact
-    where an axis of B is principal or a moment rational; otherwise to ``digits`` digits, and equal
-    where 2 ``digits`` digits agree. Symbols: closed forms for generic values, by rising size, signs
-    of the axes open; where b_k is principal, axis k stays b_k and the pair across it rises; two
-    moments that are identically equal come first, unless they are known to be the greater. Raises
-    `InputError` for a matrix that is not 3 by 3, real, finite and symmetric, or that no body has;
-    that of a thin rod or a point will do. Source: lecture 002 eq. 3.28-3.35.
+    matrix symmetric, within `eom.exact.numbers.TOLERANCE` of it. Integers, fractions, SymPy
+    numbers: exact where an axis of B is principal or a moment rational; otherwise to ``digits``
+    digits, and equal where 2 ``digits`` digits agree. Symbols: closed forms for generic values, by
+    rising size, signs of the axes open; where b_k is principal, axis k stays b_k and the pair
+    across it rises; two moments that are identically equal come first, unless they are known to be
+    the greater.
 
+    References
+    ----------
+    Lecture 002 eq. 3.28-3.35.
+
+    Examples
+    --------
     >>> principal_axes([[3, 1, 0], [1, 3, 0], [0, 0, 3]]).moments
     (2, 3, 4)
     """
@@ -124,9 +147,23 @@ def principal_axes(J: Iterable[Iterable[Expr]], digits: int = DIGITS) -> Princip
 def definiteness(J: Iterable[Iterable[Expr]]) -> Definiteness:
     """Return whether an inertia matrix is positive definite, semi-definite, or that of no body.
 
-    Returns also why, and the axis that shows it. ``J``: as of `principal_axes`, of numbers only (kg
-    m^2), as are tolerances, errors (`InputError`) and source; an impossible matrix is no error.
+    Parameters
+    ----------
+    J : iterable of rows
+        As of `principal_axes`, of numbers only (kg m^2); tolerances are those, too.
 
+    Returns
+    -------
+    Definiteness
+        The kind, why, and the value and axis that show it. An impossible matrix is no error.
+
+    Raises
+    ------
+    InputError
+        As of `principal_axes`, for what is no real symmetric matrix of numbers.
+
+    Examples
+    --------
     >>> definiteness([[0, 0, 0], [0, 2, 0], [0, 0, 2]]).kind
     'positive semi-definite'
     """

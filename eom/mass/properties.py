@@ -65,20 +65,49 @@ class MassProperties:
         return _inertia(self.second_moments - c * c.T / self.mass)
 
     def shifted(self, r: Iterable[Expr]) -> MassProperties:
-        """Return the same about the point ``r`` (m; from the present one; axes unchanged).
+        """Return the same about another point.
 
-        Raises `InputError` for other than three components.
-        Source: Huygens and Steiner's theorem, in second moments: S' = S - c r^T - r c^T + m r r^T.
+        Parameters
+        ----------
+        r : iterable of expressions
+            From the present point to that one (m); axes stay.
+
+        Returns
+        -------
+        MassProperties
+            About the point ``r``.
+
+        Raises
+        ------
+        InputError
+            For other than three components.
+
+        References
+        ----------
+        Huygens and Steiner's theorem, in second moments: S' = S - c r^T - r c^T + m r r^T.
         """
         step, c, m = _column(r, "r"), self.first_moment, self.mass
         second = self.second_moments - c * step.T - step * c.T + m * step * step.T
         return MassProperties(m, _tidied(c - m * step), _tidied(second))
 
     def rotated(self, C_BA: Expr) -> MassProperties:
-        """Return the moments in axes B, where ``C_BA`` takes components in A to components in B.
+        """Return the moments in other axes.
 
-        ``C_BA``: a 3 by 3 matrix or a `Rotation`. Raises `InputError` for one of numbers that is
-        no rotation to within 1e-9; expressions are taken at their word.
+        Parameters
+        ----------
+        C_BA : matrix or Rotation
+            3 by 3; it takes components in A, the present axes, to components in B.
+
+        Returns
+        -------
+        MassProperties
+            In axes B, about the same point.
+
+        Raises
+        ------
+        InputError
+            For a matrix of numbers that is no rotation to within 1e-9; expressions are taken at
+            their word.
         """
         C = sp.ImmutableMatrix(C_BA.matrix if isinstance(C_BA, Rotation) else C_BA)
         _check_rotation(C)
@@ -88,9 +117,22 @@ class MassProperties:
         )
 
     def of_mass(self, mass: Expr) -> MassProperties:
-        """Return the same with the density scaled so that the mass is ``mass`` (kg).
+        """Return the same with the density scaled to a mass.
 
-        Raises `InputError` for a mass that is not positive.
+        Parameters
+        ----------
+        mass : expression
+            In kg.
+
+        Returns
+        -------
+        MassProperties
+            With the same centre.
+
+        Raises
+        ------
+        InputError
+            For a mass that is not positive.
         """
         m = as_expression(mass)
         if m.is_positive is False:

@@ -86,16 +86,41 @@ class Region:
         return self.at(self.density) * self.element
 
     def at(self, f: Expr) -> Expr:
-        """Return ``f``, over the coordinates `X`, as a function of the parameters.
+        """Return a function of the place as one of the region's parameters.
 
-        Raises `InputError` for what is no expression.
+        Parameters
+        ----------
+        f : expression
+            Over the coordinates `X`.
+
+        Returns
+        -------
+        expression
+            Over the parameters.
+
+        Raises
+        ------
+        InputError
+            For what is no expression.
         """
         places = dict(zip(X, self.position, strict=True))
         return as_expression(f).xreplace(places)
 
     def moment(self, f: Expr) -> Expr:
-        """Return the integral of ``f`` dm, where ``f`` is written over the coordinates `X`.
+        """Return the integral of a function of the place over the mass.
 
+        Parameters
+        ----------
+        f : expression
+            Over the coordinates `X`.
+
+        Returns
+        -------
+        expression
+            The integral of ``f`` dm, exact.
+
+        Examples
+        --------
         >>> u = sp.Symbol("u", positive=True)
         >>> Region((u, 0, 0), ((u, 0, 2),)).moment(X[0] ** 2)
         8/3
@@ -109,10 +134,25 @@ class Region:
 def properties(region: Region) -> MassProperties:
     """Return mass and moments of ``region`` about the origin of its coordinates.
 
-    Units (kg, m where the region has them), shapes and axes as of `MassProperties`. The integrals are
-    exact. Raises `InputError` for a region of numbers alone that `check` refuses; sizes in symbols are
-    checked by that function when their values are known.
+    Parameters
+    ----------
+    region : Region
+        The body as a map from parameters to places, with its density.
 
+    Returns
+    -------
+    MassProperties
+        About the origin of its coordinates. Units (kg, m where the region has them), shapes and
+        axes as of `MassProperties`; the integrals are exact.
+
+    Raises
+    ------
+    InputError
+        For a region of numbers alone that `check` refuses; sizes in symbols are checked by that
+        function when their values are known.
+
+    Examples
+    --------
     >>> u, v, a = (sp.Symbol(n, positive=True) for n in "uva")
     >>> square = Region((a * u, a * v, 0), ((u, 0, 1), (v, 0, 1)))
     >>> properties(square).about_centre[2, 2]
@@ -129,8 +169,24 @@ def properties(region: Region) -> MassProperties:
 def simplex(*corners: Sequence[Expr]) -> Region:
     """Return the rod, triangle or tetrahedron with two, three or four ``corners``.
 
-    Each: three coordinates, in any consistent units, along the body's axes. Raises `InputError` for others.
+    Parameters
+    ----------
+    corners : sequences of expressions
+        Two, three or four points, each of three coordinates, in any consistent units, along the
+        body's axes.
 
+    Returns
+    -------
+    Region
+        Of density 1; `MassProperties.of_mass` scales what is computed of it.
+
+    Raises
+    ------
+    InputError
+        For another number of corners or of coordinates.
+
+    Examples
+    --------
     >>> properties(simplex((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))).mass
     1/6
     """

@@ -219,10 +219,29 @@ and the base along b3; hemispheres bulge, and pyramids point, along b3.
 def mass_properties(name: str, point: str = CENTRE) -> MassProperties:
     """Return moments of mass about a named ``point``, over the symbol ``mass`` and the sizes.
 
-    Of a uniform solid (kg, m), in axes whose third is the axis of a symmetric one. ``point``: ``centre`` of
-    mass, or one of the solid's own such as an apex. By integration, as of `eom.mass.regions.properties`.
-    Raises `InputError` for an unknown solid or point.
+    Parameters
+    ----------
+    name : str
+        Of a uniform solid, such as ``cone`` or ``rod``.
+    point : str, default "centre of mass"
+        The centre of mass, or one of the solid's own such as an ``apex`` or an ``end``.
 
+    Returns
+    -------
+    MassProperties
+        Moments about the point (kg, m), in axes whose third is the axis of a symmetric one.
+
+    Raises
+    ------
+    InputError
+        For an unknown solid or point.
+
+    Notes
+    -----
+    By integration, as of `eom.mass.regions.properties`.
+
+    Examples
+    --------
     >>> mass_properties("cone", "apex").centre[2]
     3*height/4
     """
@@ -239,10 +258,26 @@ def mass_properties(name: str, point: str = CENTRE) -> MassProperties:
 def inertia(name: str, point: str = CENTRE) -> Expr:
     """Return the inertia matrix about a named ``point``, over the symbol ``mass`` and the sizes.
 
-    3 x 3 (kg m^2), off-diagonal entries minus the products of inertia; solid, axes, point and source as of
-    `mass_properties`.
-    Raises `InputError` for an unknown solid or point.
+    Parameters
+    ----------
+    name : str
+        Of a uniform solid, as of `mass_properties`.
+    point : str, default "centre of mass"
+        As of `mass_properties`.
 
+    Returns
+    -------
+    matrix
+        3 x 3 (kg m^2), off-diagonal entries minus the products of inertia; axes and source as of
+        `mass_properties`.
+
+    Raises
+    ------
+    InputError
+        For an unknown solid or point.
+
+    Examples
+    --------
     >>> inertia("rod", "end")[0, 0]
     length**2*mass/3
     """

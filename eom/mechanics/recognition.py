@@ -99,11 +99,29 @@ Reading = Turns | Parameters
 def recognise(rows: Sequence[Sequence[Any]]) -> tuple[Reading, ...]:
     """Return what a rotation matrix is, the plainest reading first.
 
-    ``rows``: three of three, numbers or expressions over at most four symbols, taken as the matrix from
-    reference to body components. Of numbers every sequence is a reading; angles in radians. Source of the
-    formulas: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2. Raises `InputError` for what
-    is no rotation, with the entry whose sign is to blame where there is one.
+    Parameters
+    ----------
+    rows : sequence of rows
+        Three of three, numbers or expressions over at most four symbols, taken as the matrix from
+        reference to body components.
 
+    Returns
+    -------
+    tuple of Reading
+        What the matrix is, the plainest reading first; angles in radians. Of numbers every sequence
+        is a reading.
+
+    Raises
+    ------
+    InputError
+        For what is no rotation, with the entry whose sign is to blame where there is one.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), ch. 2.
+
+    Examples
+    --------
     >>> c, s = sp.cos(sp.Symbol("a")), sp.sin(sp.Symbol("a"))
     >>> print(recognise([[c, -s, 0], [s, c, 0], [0, 0, 1]])[0])
     the transpose of a turn about axis 3 by a

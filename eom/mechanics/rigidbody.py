@@ -103,15 +103,38 @@ def euler_equations(
 ) -> tuple[Expr | None, tuple[Expr, ...]]:
     """Return (mass matrix or None, rates) of dh/dt = torque; principal axes need no matrix.
 
-    ``J``: inertia matrix (kg m^2) about the centre of mass or a fixed point, in B; ``torque`` about
-    the same point (N m), in B. ``omega``: angular velocity of B in inertial space (rad/s), in B.
-    ``momentum``: symbols that name J omega (N m s), where the result shall use them.
+    Parameters
+    ----------
+    J : matrix
+        Inertia matrix, 3 x 3 (kg m^2), about the centre of mass or a fixed point, in B.
+    torque : Vector
+        About the same point (N m), in B.
+    omega : Vector, optional
+        Angular velocity of B in inertial space (rad/s), in B; each component a symbol.
+    momentum : Vector, optional
+        Symbols that name J omega (N m s), where the result shall use them.
 
-    The mass matrix is 3 x 3, there are three rates. A full inertia matrix stays on the left and is never
-    inverted. Raises `InputError` for vectors in different frames, an inertia that is no 3 x 3 matrix, and
-    an angular velocity whose components are not three symbols.
-    Source: lecture 002 eq. 3.22-3.27; Goldstein, Classical Mechanics (2002), sect. 5.5.
+    Returns
+    -------
+    tuple of matrix or None, tuple of expressions
+        The mass matrix, 3 x 3, or None where axes are principal, and the three rates.
 
+    Raises
+    ------
+    InputError
+        For vectors in different frames, an inertia that is no 3 x 3 matrix, and an angular velocity
+        whose components are not three symbols.
+
+    Notes
+    -----
+    A full inertia matrix stays on the left and is never inverted.
+
+    References
+    ----------
+    Lecture 002 eq. 3.22-3.27; Goldstein, Classical Mechanics (2002), sect. 5.5.
+
+    Examples
+    --------
     >>> J, _ = principal_inertia()
     >>> euler_equations(J, vector("B", (0, 0, 0)))[1][0]
     omega_2*omega_3*(I2 - I3)/I1
@@ -150,17 +173,40 @@ def rigid_body(
 ) -> System:
     """Derive a rigid body's equations of motion: Euler's equations, and attitude where given.
 
-    ``inertia``: from `principal_inertia` or `full_inertia`. ``torque``: from (C_BA, J) to a
-    `Torque`, both in the body's axes B; C_BA takes components in A to components in B, and is None
-    without ``attitude``. States: omega_1, omega_2, omega_3 (rad/s, of B in inertial space, components in
-    B), then the coordinates of ``attitude`` (of B in the reference frame A). Outputs and invariants
-    hold everything that can be computed; `eom.scenes.scene` keeps what is asked for.
+    Parameters
+    ----------
+    inertia : tuple of matrix, sequence of Quantity
+        From `principal_inertia` or `full_inertia`: the matrix, 3 x 3 (kg m^2), and its parameters.
+    torque : callable
+        From (C_BA, J) to a `Torque`, both in the body's axes B; C_BA takes components in A to
+        components in B, and is None without ``attitude``.
+    attitude : Attitude, optional
+        Coordinates of B in the reference frame A, see `eom.kinematics.coordinates.attitude`; none
+        if left out.
+    name : str, default "rigid_body"
+        What the system is called, also in generated code.
+    title : str, default "Rigid body"
+        Its heading.
 
-    Raises `InputError` for a torque that is not in B, an inertia that is no 3 x 3 matrix, and as
-    `System` does, for symbols of the torque
-    that are in none of its parameters and inputs.
-    Source: lecture 002 eq. 3.22-3.27, 3.36; Hughes, Spacecraft Attitude Dynamics (1986), ch. 2 and 3.
+    Returns
+    -------
+    System
+        States: omega_1, omega_2, omega_3 (rad/s, of B in inertial space, components in B), then the
+        coordinates of ``attitude``. Outputs and invariants hold everything that can be computed;
+        `eom.scenes.scene` keeps what is asked for.
 
+    Raises
+    ------
+    InputError
+        For a torque that is not in B, an inertia that is no 3 x 3 matrix, and as `System` does, for
+        symbols of the torque that are in none of its parameters and inputs.
+
+    References
+    ----------
+    Lecture 002 eq. 3.22-3.27, 3.36; Hughes, Spacecraft Attitude Dynamics (1986), ch. 2 and 3.
+
+    Examples
+    --------
     >>> from eom.mechanics.torques import applied
     >>> M = sp.Symbol("M", real=True)
     >>> spun_up = applied((0, 0, M), inputs=(Quantity(M, "N m", "torque about b3"),))
@@ -350,12 +396,29 @@ def _with_unit(constraint: tuple[str, str, Expr]) -> tuple[str, Expr, str, str]:
 def free_rigid_body(attitude: str | None = None) -> System:
     """Derive the torque-free body in principal axes, with its constants T and H.
 
-    ``attitude``: coordinates of B in inertial space, ``quaternion`` (scalar first), ``dcm`` or one of the
-    12 rotation sequences such as ``3-1-2``; none if left out. States: see `rigid_body`, in SI units.
-    T (J) is the kinetic energy, H (N m s) the magnitude of the angular momentum about the centre of mass.
-    Raises `InputError` for other names of attitudes.
-    Source: lecture 000; Goldstein, Classical Mechanics (2002), sect. 5.6.
+    Parameters
+    ----------
+    attitude : str, optional
+        Coordinates of B in inertial space: ``quaternion`` (scalar first), ``dcm`` or one of the 12
+        rotation sequences such as ``3-1-2``; none if left out.
 
+    Returns
+    -------
+    System
+        States as of `rigid_body`, in SI units. Its invariants are the kinetic energy T (J) and H (N
+        m s), the magnitude of the angular momentum about the centre of mass.
+
+    Raises
+    ------
+    InputError
+        For other names of attitudes.
+
+    References
+    ----------
+    Lecture 000; Goldstein, Classical Mechanics (2002), sect. 5.6.
+
+    Examples
+    --------
     >>> free_rigid_body().invariant_names
     ('T', 'H')
     """
@@ -374,12 +437,29 @@ def free_rigid_body(attitude: str | None = None) -> System:
 def heavy_top(attitude: str = "quaternion") -> System:
     """Derive a body with a fixed point and its centre of mass on b3, under its weight along -a3.
 
-    ``attitude``: coordinates of B in inertial space A, as in `free_rigid_body`. Parameters: principal
-    moments I1, I2, I3 (kg m^2) about the fixed point, mass m (kg), gravity g (m/s^2), and r3 (m), the
-    centre of mass along b3 from the fixed point. States: see `rigid_body`.
-    Raises `InputError` for other names of attitudes.
-    Source: lecture 002 eq. 3.20; Goldstein, Classical Mechanics (2002), sect. 5.7.
+    Parameters
+    ----------
+    attitude : str, default "quaternion"
+        Coordinates of B in inertial space A, as in `free_rigid_body`.
 
+    Returns
+    -------
+    System
+        States as of `rigid_body`. Parameters: principal moments I1, I2, I3 (kg m^2) about the fixed
+        point, mass m (kg), gravity g (m/s^2), and r3 (m), the centre of mass along b3 from the
+        fixed point.
+
+    Raises
+    ------
+    InputError
+        For other names of attitudes.
+
+    References
+    ----------
+    Lecture 002 eq. 3.20; Goldstein, Classical Mechanics (2002), sect. 5.7.
+
+    Examples
+    --------
     >>> heavy_top().invariant_names  # energy, angular momentum along the vertical a3, norm
     ('E', 'H_3', 'q_norm')
     """
@@ -396,13 +476,33 @@ def heavy_top(attitude: str = "quaternion") -> System:
 def gravity_gradient_satellite(attitude: str = "quaternion") -> System:
     """Derive a satellite on a circular orbit; attitude is that in the orbit frame.
 
-    The orbit frame A: a1 radially out, a2 along the velocity, a3 the orbit normal; it turns by n a3.
-    ``attitude``: coordinates of B in A, as in `free_rigid_body`. Parameters: principal moments I1, I2, I3
-    (kg m^2) about the centre of mass, orbital rate n (rad/s). omega is still that in inertial space.
-    The torque is 3 n^2 a1 x (J a1), of first order in size of the body by radius of the orbit.
-    Raises `InputError` for other names of attitudes.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 8.1.
+    Parameters
+    ----------
+    attitude : str, default "quaternion"
+        Coordinates of B in A, as in `free_rigid_body`.
 
+    Returns
+    -------
+    System
+        States as of `rigid_body`; omega is still that in inertial space. Parameters: principal
+        moments I1, I2, I3 (kg m^2) about the centre of mass, orbital rate n (rad/s).
+
+    Raises
+    ------
+    InputError
+        For other names of attitudes.
+
+    Notes
+    -----
+    The orbit frame A: a1 radially out, a2 along the velocity, a3 the orbit normal; it turns by n
+    a3. The torque is 3 n^2 a1 x (J a1), of first order in size of the body by radius of the orbit.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), sect. 8.1.
+
+    Examples
+    --------
     >>> gravity_gradient_satellite().invariant_names  # E is Jacobi's integral
     ('E', 'q_norm')
     """

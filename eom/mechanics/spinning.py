@@ -174,8 +174,23 @@ class SpinningSymmetricBody:
     ) -> System:
         """Return the equations of motion, over the states theta, psi, phi, theta', psi', C.
 
-        Singular where cos(theta) = 0. Raises `InputError` as `System` does, for symbols of the torque that
-        are in none of ``parameters`` and ``inputs``.
+        Parameters
+        ----------
+        name : str, default "spinner"
+            What the system is called, also in generated code.
+        title : str, default "3-1-2 spinning symmetric rigid body"
+            Its heading.
+
+        Returns
+        -------
+        System
+            Over the states theta, psi, phi, theta', psi', C. Singular where cos(theta) = 0.
+
+        Raises
+        ------
+        InputError
+            As `System` does, for symbols of the torque that are in none of ``parameters`` and
+            ``inputs``.
         """
         theta_ddot, psi_ddot = self.accelerations
         Omega = self._over_spin(OMEGA)

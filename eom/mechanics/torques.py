@@ -117,9 +117,27 @@ def applied(
 ) -> Torque:
     """Return a torque given by its ``components`` in B (N m); all zero means torque-free.
 
-    ``parameters``, ``inputs``: quantities of the symbols in it. Raises `InputError` for text in place of
-    expressions.
+    Parameters
+    ----------
+    components : sequence of expressions
+        Three, in B (N m); all zero means torque-free.
+    parameters : sequence of Quantity, optional
+        Quantities of the symbols in it that are constant.
+    inputs : sequence of Quantity, optional
+        Quantities of those that are given from outside.
 
+    Returns
+    -------
+    Torque
+        A couple, the same about every point; torques are added with ``+``.
+
+    Raises
+    ------
+    InputError
+        For text in place of expressions.
+
+    Examples
+    --------
     >>> applied((0, 0, -sp.Symbol("M"))).components.components
     (0, 0, -M)
     """
@@ -148,11 +166,29 @@ def _direction(
 def weight(C: Expr, offset: Sequence[bool] = (False, False, True)) -> Torque:
     """Return the torque of weight about a fixed point: integral of r x (-g a3) dm = m r_C x (-g a3).
 
-    ``C``: C_BA, 3 x 3, takes components in A to components in B. ``offset`` says along which body axes the
-    centre of mass lies off the fixed point (parameters ``r1``, ``r2``, ``r3`` in metres, mass m in kg, g in
-    m/s^2). Gravity acts along -a3. The integrand is linear in r, so that the first moment m r_C replaces
-    the integral of r dm. Source: lecture 002 eq. 3.20.
+    Parameters
+    ----------
+    C : matrix
+        C_BA, 3 x 3, takes components in A to components in B.
+    offset : sequence of bool, optional
+        Along which body axes the centre of mass lies off the fixed point.
 
+    Returns
+    -------
+    Torque
+        In B (N m). Parameters: ``r1``, ``r2``, ``r3`` in metres, mass m in kg, g in m/s^2.
+
+    Notes
+    -----
+    Gravity acts along -a3. The integrand is linear in r, so that the first moment m r_C replaces
+    the integral of r dm.
+
+    References
+    ----------
+    Lecture 002 eq. 3.20.
+
+    Examples
+    --------
     >>> from eom.kinematics.coordinates import attitude
     >>> weight(attitude("dcm").matrix).components.components
     (C23*g*m*r3, -C13*g*m*r3, 0)
@@ -185,12 +221,30 @@ def weight(C: Expr, offset: Sequence[bool] = (False, False, True)) -> Torque:
 def gravity_gradient(C: Expr, J: Expr) -> Torque:
     """Return the gravity-gradient torque (N m) on a circular orbit of rate ``n`` (rad/s).
 
-    ``C``: C_BA, 3 x 3; ``J``: inertia matrix about the centre of mass in B, 3 x 3 (kg m^2). A is the
-    orbit frame: a1 radially out, a2 along the velocity, a3 the orbit normal; its angular velocity is n
-    a3. The inverse-square attraction of dm at R a1 + r is expanded to first order in r/R, and
-    integrated: with mu/R^3 = n^2 the torque is 3 n^2 a1 x (J a1). Source: Hughes, Spacecraft Attitude
-    Dynamics (1986), sect. 8.1.
+    Parameters
+    ----------
+    C : matrix
+        C_BA, 3 x 3, from the orbit frame A to the body's axes B.
+    J : matrix
+        Inertia matrix about the centre of mass in B, 3 x 3 (kg m^2).
 
+    Returns
+    -------
+    Torque
+        In B (N m), on a circular orbit of rate ``n`` (rad/s), which is its parameter.
+
+    Notes
+    -----
+    A is the orbit frame: a1 radially out, a2 along the velocity, a3 the orbit normal; its angular
+    velocity is n a3. The inverse-square attraction of dm at R a1 + r is expanded to first order in
+    r/R, and integrated: with mu/R^3 = n^2 the torque is 3 n^2 a1 x (J a1).
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), sect. 8.1.
+
+    Examples
+    --------
     >>> from eom.kinematics.coordinates import attitude
     >>> I1, I2, I3 = sp.symbols("I1:4", positive=True)
     >>> gravity_gradient(attitude("dcm").matrix, sp.diag(I1, I2, I3)).components.components[0]

@@ -151,8 +151,23 @@ BOOKS: dict[str, tuple[str, Convention]] = {
 def book(name: str) -> Convention:
     """Return the convention of a book or program, by its ``name`` in `BOOKS`.
 
-    Raises `InputError` for other names.
+    Parameters
+    ----------
+    name : str
+        A key of `BOOKS`.
 
+    Returns
+    -------
+    Convention
+        Which way its rotations go, in which order and about which axes they are counted.
+
+    Raises
+    ------
+    InputError
+        For other names.
+
+    Examples
+    --------
     >>> book("hughes").scalar
     'last'
     """
@@ -181,10 +196,26 @@ class Stated:
 def attitude_of_matrix(rows: Sequence[Sequence[float]], convention: Convention = HOUSE) -> Matrix:
     """Return C, in the house's convention, of a matrix in another.
 
-    ``rows``: three of three numbers, in a ``convention``. C, as rows, takes components in the reference
-    axes (east, north, up) to components in the body's (forward, left, up).
-    Its entries have no unit. Raises `InputError` for what is no rotation, to 1e-9.
+    Parameters
+    ----------
+    rows : sequence of sequence of floats
+        Three of three numbers, which have no unit.
+    convention : Convention, optional
+        What the matrix does, and between which axes; the house's unless given.
 
+    Returns
+    -------
+    rows of numbers
+        C, as rows; it takes components in the reference axes (east, north, up) to components in the
+        body's (forward, left, up).
+
+    Raises
+    ------
+    InputError
+        For what is no rotation, to 1e-9.
+
+    Examples
+    --------
     >>> attitude_of_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]], book("siciliano"))[0]  # active
     (0.0, 1.0, 0.0)
     """
@@ -212,10 +243,30 @@ def attitude_of_matrix(rows: Sequence[Sequence[float]], convention: Convention =
 def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -> Matrix:
     """Return C, in the house's convention, of a unit quaternion.
 
-    ``q``: four numbers, in a ``convention``, scalar first or last as it says. C as of `attitude_of_matrix`.
-    Raises `InputError` for a norm that is not 1, to 1e-9 or to the rounding of its decimals. Source:
-    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+    Parameters
+    ----------
+    q : sequence of floats
+        Four numbers of a unit quaternion, scalar first or last as the convention says.
+    convention : Convention, optional
+        The order of components, and what the rotation does; the house's unless given.
 
+    Returns
+    -------
+    rows of numbers
+        C as of `attitude_of_matrix`.
+
+    Raises
+    ------
+    InputError
+        For a norm that is not 1, to 1e-9 or to the rounding of its decimals.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27; Shuster, J. Astronaut. Sci. 41 (1993)
+    439.
+
+    Examples
+    --------
     >>> attitude_of_quaternion((0, 0, 1, 0), book("hughes"))[0]  # half a turn about axis 3
     (-1.0, 0.0, 0.0)
     """
@@ -229,10 +280,33 @@ def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -
 def attitude_of_angles(angles: Sequence[float], convention: Convention = HOUSE) -> Matrix:
     """Return C, in the house's convention, of three ``angles`` (rad) of the convention's sequence.
 
-    C as of `attitude_of_matrix`; the angles turn about axes of the body or of space, as the ``convention``
-    says. Raises `InputError` for other than three finite angles.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2.
+    Parameters
+    ----------
+    angles : sequence of floats
+        Three ``angles`` (rad) of the convention's sequence, in its order.
+    convention : Convention, optional
+        Whether the angles turn about axes of the body or of space; the house's unless given.
 
+    Returns
+    -------
+    rows of numbers
+        C as of `attitude_of_matrix`.
+
+    Raises
+    ------
+    InputError
+        For other than three finite angles.
+
+    Notes
+    -----
+    With the house's convention the angles turn about axes of the body.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), ch. 2.
+
+    Examples
+    --------
     >>> [round(x, 6) for x in attitude_of_angles((0.1, 0, 0))[0]]  # about axis 3
     [0.995004, 0.099833, 0.0]
     """
@@ -270,9 +344,26 @@ def attitude_at_start(scene: Scene) -> Matrix:
 def of_scene(scene: Scene, convention: Convention) -> Stated:
     """Return a scene's attitude at t = 0, its inertia and its angular velocity in a convention.
 
-    The inertia is about the point that the scene's equations are about; units and axes as of `Stated`.
-    Raises `InputError` for a scene without attitude, and for missing or impossible initial values.
+    Parameters
+    ----------
+    scene : Scene
+        With an attitude, and with initial values.
+    convention : Convention
+        In which its attitude is told.
 
+    Returns
+    -------
+    Stated
+        At t = 0. The inertia is about the point that the scene's equations are about; units and
+        axes as of `Stated`.
+
+    Raises
+    ------
+    InputError
+        For a scene without attitude, and for missing or impossible initial values.
+
+    Examples
+    --------
     >>> from eom.scenes.scene import Scene
     >>> of_scene(Scene.ready("bicycle-wheel"), book("hughes")).angles[0]
     0.0
@@ -304,11 +395,38 @@ def state(
 ) -> Stated:
     """Return an attitude, and what is given beside it, from the house's convention in another.
 
-    ``C``: (3, 3), as of `attitude_of_matrix`. ``inertia``: (3, 3), kg m^2, off-diagonal entries minus
-    the products of inertia; ``omega``: (3,), rad/s; both in the body's axes (forward, left, up). Turning
-    about fixed axes is turning about body axes in the opposite order.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+    Parameters
+    ----------
+    C : rows of numbers
+        (3, 3), as of `attitude_of_matrix`.
+    convention : Convention
+        In which it is told.
+    inertia : rows of numbers, optional
+        (3, 3), kg m^2, off-diagonal entries minus the products of inertia, in the body's axes
+        (forward, left, up).
+    omega : sequence of floats, optional
+        (3,), rad/s, in the body's axes, too.
 
+    Returns
+    -------
+    Stated
+        Matrix, quaternion and angles of the convention, and what is given beside them.
+
+    Raises
+    ------
+    InputError
+        For a matrix that is no rotation.
+
+    Notes
+    -----
+    Turning about fixed axes is turning about body axes in the opposite order.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), ch. 2; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+
+    Examples
+    --------
     >>> state(attitude_of_angles((0, 0, 1)), book("ros")).angles  # roll, pitch, yaw
     (1.0, 0.0, 0.0)
     """
@@ -349,8 +467,25 @@ def _turned(omega: Sequence[float], convention: Convention) -> Row:
 def changed(convention: Convention, choices: Mapping[str, str]) -> Convention:
     """Return a convention with some of its fields chosen anew: ``choices``, words by field.
 
-    Raises `InputError` for unknown fields, and as `Convention` for unknown words.
+    Parameters
+    ----------
+    convention : Convention
+        What is changed.
+    choices : mapping of str to str
+        Words by the fields of `Convention`.
 
+    Returns
+    -------
+    Convention
+        The convention with these fields chosen anew.
+
+    Raises
+    ------
+    InputError
+        For unknown fields, and as `Convention` for unknown words.
+
+    Examples
+    --------
     >>> changed(book("hughes"), {"scalar": "first"}) == changed(HOUSE, {})
     True
     """

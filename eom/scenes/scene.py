@@ -59,7 +59,23 @@ class Scene(BaseScene, Description):
         return self.changed(integrate=None) if self.integrate else self
 
     def in_attitude(self, attitude: str) -> Self:
-        """Return the scene in the coordinates ``attitude``, all of whose states are asked for."""
+        """Return the scene in other coordinates of attitude, all of which are asked for.
+
+        Parameters
+        ----------
+        attitude : str
+            ``quaternion``, ``dcm`` or one of the 12 sequences.
+
+        Returns
+        -------
+        the same class
+            With the rates at the start; what was said of the attitude at the start is left out.
+
+        Raises
+        ------
+        InputError
+            As its class raises it, for other names.
+        """
         if attitude == self.attitude:
             return self
         left_out = {"outputs", "initial_attitude", "attitude", "angles", "integrate"}

@@ -107,9 +107,22 @@ class BaseScene(Request):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """Return the scene of a TOML file at ``path``.
+        """Return the scene of a TOML file.
 
-        Raises `InputError` with the file's name for whatever is wrong in it.
+        Parameters
+        ----------
+        path : str or path
+            Of the file.
+
+        Returns
+        -------
+        the same class
+            Of the model that the file names.
+
+        Raises
+        ------
+        InputError
+            With the file's name for whatever is wrong in it.
         """
         file = Path(path)
         data = data_of(file)
@@ -127,7 +140,20 @@ class BaseScene(Request):
     def ready(cls, name: str) -> Self:
         """Return one of the scenes that ship with the package; ``eom list`` names them.
 
-        Raises `InputError` for other names.
+        Parameters
+        ----------
+        name : str
+            One of those that ``eom list`` prints.
+
+        Returns
+        -------
+        the same class
+            As its file says; nothing is derived yet.
+
+        Raises
+        ------
+        InputError
+            For other names.
         """
         return cls.from_toml(catalogue.path_of(name))
 
@@ -137,19 +163,49 @@ class BaseScene(Request):
         return data
 
     def changed(self, **changes: Any) -> Self:
-        """Return the scene with ``changes``: values by key. Raises `InputError` as its class does."""
+        """Return the scene with other values of its fields.
+
+        Parameters
+        ----------
+        changes : object, optional
+            Values by the names of fields.
+
+        Returns
+        -------
+        the same class
+            A new scene, checked as a whole.
+
+        Raises
+        ------
+        InputError
+            As its class raises it.
+        """
         return type(self)(**{**self.model_dump(exclude_unset=True), **changes})._from(self._file)
 
     def with_values(self, values: Mapping[str, float | str]) -> Self:
-        """Return the scene with other ``values`` of parameters, inputs and initial values, by name.
+        """Return the scene with other values of parameters, inputs and initial values.
 
-        Numbers in SI units, or texts: numbers with units, as "30 deg", formulas of numbers, as "pi/2", for
-        initial values also formulas over parameters. Names are those of the scene's systems; values of a
-        body's own, such as I1 or a weight's m and g, too. An attitude coordinate at the start takes the
-        others as they are. What is set under constraints is kept, and the rest made consistent. Raises
-        `InputError` for other names, numbers that follow from others, inputs that follow a law of control,
-        other dimensions, and for what is no scene.
+        Parameters
+        ----------
+        values : mapping of str to float or str
+            By name. Numbers in SI units, or texts: numbers with units, as "30 deg", formulas of
+            numbers, as "pi/2", for initial values also formulas over parameters. Names are those of
+            the scene's systems; values of a body's own, such as I1 or a weight's m and g, too.
 
+        Returns
+        -------
+        the same class
+            An attitude coordinate at the start takes the others as they are. What is set under
+            constraints is kept, and the rest made consistent.
+
+        Raises
+        ------
+        InputError
+            For other names, numbers that follow from others, inputs that follow a law of control,
+            other dimensions, and for what is no scene.
+
+        Examples
+        --------
         >>> from eom import load_scene
         >>> other = load_scene("double-pendulum").with_values({"q_elbow": "30 deg"})
         >>> round(other.initial_values()["q_elbow"], 6)
@@ -196,9 +252,22 @@ class BaseScene(Request):
         return self
 
     def in_attitude(self, attitude: str) -> Self:
-        """Return the scene in the coordinates ``attitude``, all of whose states are asked for.
+        """Return the scene in other coordinates of attitude, all of which are asked for.
 
-        Raises `InputError` where they are not the scene's to choose.
+        Parameters
+        ----------
+        attitude : str
+            Of a scene of one body: ``quaternion``, ``dcm`` or one of the 12 sequences.
+
+        Returns
+        -------
+        the same class
+            Of a tree there is none: its attitudes are those of joints.
+
+        Raises
+        ------
+        InputError
+            Where they are not the scene's to choose.
         """
         raise InputError("attitudes of a tree belong to its joints", got=attitude)
 
@@ -304,7 +373,20 @@ class BaseScene(Request):
     def derive(self, off: Collection[str] = ()) -> System:
         """Return the smallest system that the requested outputs need.
 
-        ``off``: names of passes that are not applied, as ``outputs``. Raises `InputError` for others.
+        Parameters
+        ----------
+        off : collection of str, optional
+            Names of passes that are not applied, such as ``outputs``.
+
+        Returns
+        -------
+        System
+            What is asked for can be computed of it; what nothing needs is left out.
+
+        Raises
+        ------
+        InputError
+            For names of no pass.
         """
         if not off:
             return self._reduced[0]

@@ -55,7 +55,20 @@ class OwnBody:
         return number(1, 2) * dot(omega(self.frame), self.spin) if self.moments else zero("scalar")
 
     def momentum_about(self, point: str, speed: Term) -> Term:
-        """Return the angular momentum about ``point`` where the centre of mass has a ``speed``."""
+        """Return the angular momentum about a point.
+
+        Parameters
+        ----------
+        point : str
+            Its name.
+        speed : Term
+            The velocity of the centre of mass.
+
+        Returns
+        -------
+        Term
+            In N m s.
+        """
         if point == self.name:
             return self.spin
         return add(cross(position(self.name, point), mul(self.mass, speed)), self.spin)
@@ -113,32 +126,84 @@ class Own:
         return bool(self.frames or self.points or self.laws or self.configured)
 
     def turns(self, frame: str) -> Iterator[tuple[Any, Term]]:
-        """Return, one by one, angle and axis of the turns by which ``frame`` is reached from its ground."""
+        """Return, one by one, the turns by which a frame is reached from its ground.
+
+        Parameters
+        ----------
+        frame : str
+            Its name.
+
+        Returns
+        -------
+        iterator of tuples
+            Angle (rad) and axis of each.
+        """
         while frame in self.frames:
             row = self.frames[frame]
             yield row.angle, unit(row.base, row.axis)
             frame = row.base
 
     def ground(self, frame: str) -> str:
-        """Return the frame, not of these, from which ``frame`` is turned."""
+        """Return the frame, not of these, from which a frame is turned.
+
+        Parameters
+        ----------
+        frame : str
+            Its name.
+
+        Returns
+        -------
+        str
+            Its name, such as ``I``.
+        """
         while frame in self.frames:
             frame = self.frames[frame].base
         return frame
 
     def turning(self, frame: str) -> Term:
-        """Return the angular velocity of ``frame`` against its ground: one term a turn."""
+        """Return the angular velocity of a frame against its ground.
+
+        Parameters
+        ----------
+        frame : str
+            Its name.
+
+        Returns
+        -------
+        Term
+            One term a turn (rad/s).
+        """
         parts = [mul(der(expr(angle)), axis) for angle, axis in self.turns(frame)]
         return add(*parts) if parts else zero("vector")
 
     def place(self, point: str) -> Term | None:
-        """Return the position of ``point`` from the inertial origin, None for one that is none of these."""
+        """Return the position of a point from the inertial origin.
+
+        Parameters
+        ----------
+        point : str
+            Its name.
+
+        Returns
+        -------
+        Term
+            None for one that is none of these.
+        """
         return zero("vector") if point == ORIGIN else self.points.get(point)
 
     def meaning(self, term: Term) -> Term | None:
         """Return what a quantity is of what is defined here, None for all else.
 
-        The place of a point, the angular velocity of a frame against the one that it is turned from, and
-        quantities of bodies.
+        Parameters
+        ----------
+        term : Term
+            The place of a point, the angular velocity of a frame against the one that it is turned
+            from, or a quantity of a body.
+
+        Returns
+        -------
+        Term
+            What it is of what is defined here; None for all else.
         """
         if term.head != "atom":
             return None

@@ -297,8 +297,23 @@ def _strict(head: str) -> Callable[[Term, Term], Term]:
 def dot(a: Term, b: Term) -> Term:
     """Return the product of vectors and dyadics ``a`` and ``b`` that is written with a point.
 
-    Of two vectors a scalar. Raises `InputError` for terms of other kinds.
+    Parameters
+    ----------
+    a, b : Term
+        Vectors or dyadics.
 
+    Returns
+    -------
+    Term
+        Of two vectors a scalar, with a dyadic a vector or a dyadic.
+
+    Raises
+    ------
+    InputError
+        For terms of other kinds.
+
+    Examples
+    --------
     >>> dot(atom("unit", "I", "1", kind=VECTOR), zero(VECTOR)).is_zero
     True
     """
@@ -308,6 +323,23 @@ def dot(a: Term, b: Term) -> Term:
 def cross(a: Term, b: Term) -> Term:
     """Return the right-handed vector product of ``a`` and ``b``. Raises `InputError` for other kinds.
 
+    Parameters
+    ----------
+    a, b : Term
+        Vectors, or a vector and a dyadic.
+
+    Returns
+    -------
+    Term
+        A vector, or a dyadic; zero where a factor is.
+
+    Raises
+    ------
+    InputError
+        For terms of other kinds.
+
+    Examples
+    --------
     >>> cross(atom("unit", "I", "1", kind=VECTOR), zero(VECTOR)).is_zero
     True
     """
@@ -330,9 +362,28 @@ def _linear(head: str, term: Term, data: tuple[Any, ...] = ()) -> Term:
 def der(term: Term | Expr, frame: str = INERTIAL, times: int = 1) -> Term:
     """Return the time derivative of ``term``, a term or SymPy expression, ``times`` over (in SI units).
 
-    ``frame``: from which it is seen, the inertial one unless another is given; of scalars, columns and
-    matrices it is the plain one. Raises `InputError` for what is no term.
+    Parameters
+    ----------
+    term : Term or expression
+        A term or SymPy expression, in SI units.
+    frame : str, default "I"
+        From which it is seen, the inertial one unless another is given; of scalars, columns and
+        matrices it is the plain one.
+    times : int, default 1
+        So many times over.
 
+    Returns
+    -------
+    Term
+        The ``frame`` derivative, not worked out: rules do that.
+
+    Raises
+    ------
+    InputError
+        For what is no term.
+
+    Examples
+    --------
     >>> der(sp.Symbol("q")).head
     'der'
     """
@@ -360,8 +411,25 @@ def since(term: Term) -> Term:
 def partial(term: Term | Expr, variable: Term | Expr) -> Term:
     """Return the partial derivative of ``term``, a function of coordinates and rates, by one of them.
 
-    ``variable``: a symbol; in SI units. Raises `InputError` for what is no scalar.
+    Parameters
+    ----------
+    term : Term or expression
+        A scalar that is a function of coordinates and rates, in SI units.
+    variable : Term or expression
+        One of them, a symbol.
 
+    Returns
+    -------
+    Term
+        The derivative, not worked out: rules do that.
+
+    Raises
+    ------
+    InputError
+        For what is no scalar.
+
+    Examples
+    --------
     >>> partial(sp.Symbol("L"), sp.Symbol("q")).head
     'partial'
     """
@@ -371,6 +439,22 @@ def partial(term: Term | Expr, variable: Term | Expr) -> Term:
 def total(term: Term, index: str = "i", over: str = "particles") -> Term:
     """Return the sum over all particles (or rotors, ``over``) of a ``term`` with the label ``index``.
 
+    Parameters
+    ----------
+    term : Term
+        What is summed up, with the label ``index`` for the one of which it is.
+    index : str, default "i"
+        The label that is bound by the sum.
+    over : str, default "particles"
+        What the label runs over: ``particles`` or ``rotors``.
+
+    Returns
+    -------
+    Term
+        The sum, zero where the term is.
+
+    Examples
+    --------
     >>> total(atom("mass", "i", kind=SCALAR)).head
     'sum'
     """

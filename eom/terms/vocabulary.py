@@ -46,9 +46,25 @@ class Quantity:
 def quantity(name: str, *labels: str) -> Term:
     """Return a quantity by its ``name`` in `QUANTITIES` as a term.
 
-    ``labels``: whose it is, and about which point or in which frames, in the order of its words. Raises
-    `InputError` for other names, and for a wrong number of labels.
+    Parameters
+    ----------
+    name : str
+        One of `QUANTITIES`.
+    labels : str
+        Whose it is, and about which point or in which frames, in the order of its words.
 
+    Returns
+    -------
+    Term
+        In SI units. It is an atom: what it is made of is the definition that a derivation states.
+
+    Raises
+    ------
+    InputError
+        For other names, and for a wrong number of labels.
+
+    Examples
+    --------
     >>> words(quantity("angular_momentum", "body", "C"))
     'angular momentum of the body about the centre of mass'
     """
@@ -74,7 +90,10 @@ def definition(term: Term) -> Term | None:
 
 def words(term: Term) -> str:
     """Return the meaning of an atom in words."""
-    return QUANTITIES[term.data[0]].words.format(*(_LABEL_WORDS.get(n, n) for n in term.data[1:]))
+    said, labels = QUANTITIES[term.data[0]].words, [_LABEL_WORDS.get(n, n) for n in term.data[1:]]
+    if "about {1}" in said and labels[0] == labels[1]:
+        labels[1] = "its centre of mass"
+    return said.format(*labels)
 
 
 _HEAD_WORDS = {
@@ -112,6 +131,20 @@ _LABEL_WORDS = {
 def position(of: str, origin: str = ORIGIN) -> Term:
     """Return the position vector of the point ``of`` from ``origin``, the inertial one by default.
 
+    Parameters
+    ----------
+    of : str
+        A point, such as ``C`` for the centre of mass.
+    origin : str, default "OI"
+        A point, too; ``OI`` is the origin of the inertial frame.
+
+    Returns
+    -------
+    Term
+        In metres, from ``origin`` to the point; the origin is the inertial one by default.
+
+    Examples
+    --------
     >>> words(position("C"))
     'position of the centre of mass from the inertial origin'
     """
@@ -121,6 +154,18 @@ def position(of: str, origin: str = ORIGIN) -> Term:
 def velocity(of: str) -> Term:
     """Return the absolute velocity of a point ``of``: the inertial derivative of its position.
 
+    Parameters
+    ----------
+    of : str
+        A point, such as ``C`` for the centre of mass.
+
+    Returns
+    -------
+    Term
+        In m/s, the inertial derivative of its position from the inertial origin.
+
+    Examples
+    --------
     >>> velocity("C").args[0] == position("C")
     True
     """
@@ -135,6 +180,20 @@ def mass(of: str) -> Term:
 def omega(frame: str = "B", base: str = "I") -> Term:
     """Return the angular velocity of ``frame`` with respect to ``base``, right-handed.
 
+    Parameters
+    ----------
+    frame : str, default "B"
+        Which turns.
+    base : str, default "I"
+        Against which it turns.
+
+    Returns
+    -------
+    Term
+        In rad/s: that of ``frame`` with respect to ``base``, right-handed.
+
+    Examples
+    --------
     >>> words(omega())
     'angular velocity of frame B with respect to I'
     """
@@ -144,6 +203,20 @@ def omega(frame: str = "B", base: str = "I") -> Term:
 def unit(frame: str, axis: int) -> Term:
     """Return the unit vector along the axis number ``axis`` (1, 2, 3) of ``frame``.
 
+    Parameters
+    ----------
+    frame : str
+        Whose axis it is.
+    axis : int
+        1, 2 or 3.
+
+    Returns
+    -------
+    Term
+        Along the axis number ``axis`` (1, 2, 3) of ``frame``, without a unit.
+
+    Examples
+    --------
     >>> words(unit("I", 3))
     'unit vector along axis 3 of frame I'
     """

@@ -66,12 +66,31 @@ def opened(box: Box) -> tuple[Box, ...]:
         parts = _within(box.base, Scripts(Operator("close"), box.sub, box.sup))
         return parts if len(parts) > 1 else (box,)
     if isinstance(box, Fraction):
-        parts = opened(box.above)
-        if len(parts) > 1:
-            inside = Fence(box.above) if _is_sum(box.above) else box.above
-            first, *rest = opened(Row((inside,)))
-            return (Fraction(Symbol("1"), box.below), Row((Operator("times"), first)), *rest)
+        return _opened_fraction(box)
     return (box,)
+
+
+def _opened_fraction(box: Fraction) -> tuple[Box, ...]:
+    """Return a fraction of what stands before the first bracket above, and then the brackets."""
+    above = box.above
+    if isinstance(above, Formula):
+        above = expression_box(above.value, above.names)
+    if len(opened(above)) < 2:
+        return (box,)
+    if _is_sum(above) or not isinstance(above, Row):
+        before, behind = (), (Fence(above) if _is_sum(above) else above,)
+    else:
+        place = next((k for k, item in enumerate(above.items) if _is_fenced(item)), 0)
+        before, behind = above.items[:place], above.items[place:]
+    while before and isinstance(before[-1], Operator):
+        before = before[:-1]
+    first, *rest = opened(Row(behind))
+    quotient = Fraction(Row(before) if before else Symbol("1"), box.below)
+    return (quotient, Row((Operator("times"), first)), *rest)
+
+
+def _is_fenced(item: Box) -> bool:
+    return isinstance(item.base if isinstance(item, Scripts) else item, Fence)
 
 
 def _is_sum(box: Box) -> bool:

@@ -1,7 +1,9 @@
 r"""SymPy expressions as boxes, in the order of the field: ``(I_3 - I_2)\,\omega_2\omega_3``.
 
-A product has its number first, then sizes (symbols that are positive), sums, letters of either sign,
-functions, integrals. A minus before a difference is taken up by it.
+A product has its number first, then sizes (symbols that are positive), sums of these, letters of either
+sign, functions, integrals; of letters Latin ones, then other sums, Greek letters, numbered ones, time. A sum
+begins with what is added; a polynomial with its highest power, an equation of motion with its highest rates,
+what is neither with its number. A minus before a difference is taken up by it.
 What is no sum, product, power, known function, integral, derivative or matrix stays a formula for SymPy's
 own printers.
 """
@@ -17,6 +19,7 @@ import sympy as sp
 from sympy.printing.conventions import requires_partial
 
 from eom.typeset.boxes import (
+    GREEK_NAMES,
     Box,
     Fence,
     Form,
@@ -50,7 +53,7 @@ def expression_box(value: Expr, names: Names | None = None) -> Box:
     if isinstance(value, sp.MatrixBase):
         return _grid(value, known, "bmatrix")
     if isinstance(value, sp.Add):
-        return _sum(_added_first(value.as_ordered_terms()), known)
+        return _sum(value, known)
     if isinstance(value, sp.Mul | sp.Rational | sp.Float):
         minus, rest = _one_signed(value)
         box = _unsigned(list(sp.Mul.make_args(rest)), known)
@@ -64,8 +67,7 @@ def expression_box(value: Expr, names: Names | None = None) -> Box:
 
 def signed(value: Expr) -> list[tuple[bool, Expr]]:
     """Return the terms of a sum, each with whether it is subtracted, and without its sign."""
-    terms = value.as_ordered_terms() if isinstance(value, sp.Add) else [value]
-    return [_one_signed(t) for t in terms]
+    return [_one_signed(t) for t in in_order(value)]
 
 
 def with_signs(parts: Sequence[tuple[bool, Box]]) -> tuple[Box, ...]:
@@ -91,9 +93,83 @@ def _one_signed(term: Expr) -> tuple[bool, Expr]:
     return False, sp.Mul(-coefficient, *factors)
 
 
-def _sum(terms: Sequence[Expr], names: Names) -> Box:
-    parts = map(_one_signed, terms)
+def _sum(value: Expr, names: Names) -> Box:
+    parts = signed(value)
     return row(*with_signs([(minus, expression_box(rest, names)) for minus, rest in parts]))
+
+
+def in_order(value: Expr) -> list[Expr]:
+    """Return the terms of a sum in the order of the field, any other value alone.
+
+    A polynomial in a letter of either sign, of which each term has another power, begins with the highest
+    one; rates with what they are rates of begin with the highest; else SymPy's order, with a number, or
+    with squares of sums first. One that is added begins, if there is one.
+    """
+    if not isinstance(value, sp.Add):
+        return [value]
+    terms = value.as_ordered_terms()
+    powers = _rates_in(terms) or _powers_of(_variable(terms), terms)
+    if powers:
+        terms = [t for _, t in sorted(zip(powers, terms, strict=True), key=lambda pair: -pair[0])]
+    elif any(t.is_Number for t in terms):
+        terms.sort(key=_degree)
+    else:
+        terms.sort(key=lambda t: not (t.is_Pow and t.base.is_Add and t.exp.is_Integer))
+    return _added_first(terms)
+
+
+_RATE = re.compile(r"(.*?)(_\d+)?_(d+)ot")
+
+
+def _rates_in(terms: Sequence[Expr]) -> list[int]:
+    """Return which rate stands in each term, 2 for a second one; none unless they are rates of others."""
+    names = {s.name for t in terms for s in t.free_symbols}
+    found = {name: m for name in names if (m := _RATE.fullmatch(name))}
+    highest = max((len(m[3]) for m in found.values()), default=0)
+    stems = {m[1] for m in found.values()}
+    beside = any(re.split(r"_\d", name)[0] in stems for name in names - found.keys())
+    if not highest or (highest == 1 and not beside):
+        return []
+    orders = [
+        max((len(found[s.name][3]) for s in t.free_symbols if s.name in found), default=0)
+        for t in terms
+    ]
+    return [int(n == highest) for n in orders]
+
+
+def _degree(term: Expr) -> int:
+    """Return how many letters a term has as factors, each as often as its power says."""
+    powers = (f.as_base_exp() for f in sp.Mul.make_args(term) if not f.is_number)
+    return sum(int(n) if n.is_Integer else 1 for _, n in powers)
+
+
+def _variable(terms: Sequence[Expr]) -> Expr | None:
+    """Return the letter in which terms are a polynomial; of several one whose highest power is alone."""
+    letters = {s for t in terms for f in sp.Mul.make_args(t) for s in _letters_of(f)}
+    found = [(_powers_of(s, terms), s) for s in sorted(letters, key=str)]
+    able = [(p, s) for p, s in found if len(set(p)) == len(terms) and max(p) > 1]
+
+    def best(pair: tuple[list[int], Expr]) -> tuple[bool, int, str]:
+        powers, s = pair
+        leading = terms[powers.index(max(powers))]
+        return not (leading / s ** max(powers)).is_number, -max(powers), str(s)
+
+    return min(able, key=best)[1] if able else None
+
+
+def _letters_of(factor: Expr) -> set[Expr]:
+    base = factor.base if isinstance(factor, sp.Pow) else factor
+    return {base} if base.is_Symbol and not base.is_positive else set()
+
+
+def _powers_of(letter: Expr | None, terms: Sequence[Expr]) -> list[int]:
+    """Return the power of a letter in each term; none where it is in one by other ways, too."""
+    if letter is None:
+        return []
+    found = [t.as_coeff_exponent(letter) for t in terms]
+    if any(rest.has(letter) or not n.is_Integer or n < 0 for rest, n in found):
+        return []
+    return [int(n) for _, n in found]
 
 
 def _is_difference(factor: Expr) -> bool:
@@ -116,7 +192,7 @@ def _added_first(terms: Sequence[Expr]) -> list[Expr]:
 
 
 def _bracketed(total: Expr, names: Names) -> Box:
-    inside = _sum(_added_first(total.as_ordered_terms()), names)
+    inside = _sum(total, names)
     return Fence(inside, flat=not is_tall(inside))
 
 
@@ -128,7 +204,7 @@ def _unsigned(factors: list[Expr], names: Names) -> Box:
 
     Sums and integrals above stand beside the fraction where they are long.
     """
-    above, below = _divided(factors)
+    above, below = _divided(_contents(factors))
     if not below:
         return _product(above, names, alone=True)
     denominator = _product(below, names, alone=True)
@@ -137,6 +213,24 @@ def _unsigned(factors: list[Expr], names: Names) -> Box:
         front = [f for f in above if f not in behind]
         return Row((Fraction(_product(front, names), denominator), THIN, _product(behind, names)))
     return Fraction(_product(above, names, alone=True), denominator)
+
+
+def _contents(factors: Sequence[Expr]) -> list[Expr]:
+    """Return factors with the numbers common to all terms of a sum in front: 2 (a - b) of 2 a - 2 b."""
+    single = len(factors) == 1 and isinstance(factors[0], sp.Add)
+    if single or any(f.is_Float for f in factors):
+        return list(factors)
+    number, found = sp.S.One, []
+    for f in factors:
+        base, power = f.as_base_exp()
+        content = base.primitive()[0] if isinstance(base, sp.Add) else sp.S.One
+        if content != 1 and content.is_Integer and power.is_Integer:
+            number *= content**power
+            f = sp.Add(*(t / content for t in base.args)) ** power  # noqa: PLW2901 - as it is shown
+        elif f.is_Rational:
+            number, f = number * f, sp.S.One  # noqa: PLW2901 - put in front
+        found.append(f)
+    return [number, *(f for f in found if f != 1)]
 
 
 def _divided(factors: Sequence[Expr]) -> tuple[list[Expr], list[Expr]]:
@@ -156,9 +250,11 @@ def _divided(factors: Sequence[Expr]) -> tuple[list[Expr], list[Expr]]:
 
 
 _NUMBER, _SIZE, _SUM, _LETTER, _FUNCTION, _LAST = range(6)
-"""What stands before what in a product."""
+"""What stands before what in a product; a sum of letters of either sign counts as a letter."""
 _MASSES = re.compile(r"[mM](_\w+|\d+)?")
 """Masses stand before other sizes."""
+_MOMENTS = re.compile(r"[IJ]_?[123]")
+"""Moments of inertia are sizes, whatever is assumed of their symbols."""
 
 
 def _rank(factor: Expr) -> int:
@@ -168,21 +264,60 @@ def _rank(factor: Expr) -> int:
     if factor.is_number:
         return _NUMBER
     if isinstance(base, sp.Symbol):
-        return _SIZE if base.is_positive else _LETTER
+        return _SIZE if _is_size(base) else _LETTER
     if isinstance(base, sp.Add):
-        return _SUM if factor is base or factor.exp.is_Integer else _FUNCTION
+        whole = factor is base or factor.exp.is_Integer
+        return _FUNCTION if not whole else _SUM if _is_of_sizes(base) else _LETTER
     return _LAST if isinstance(base, sp.Integral | sp.Derivative) else _FUNCTION
 
 
+def _is_size(base: Expr) -> bool:
+    return base.is_Symbol and bool(base.is_positive or _MOMENTS.fullmatch(base.name))
+
+
+def _is_of_sizes(total: Expr) -> bool:
+    """Return whether a sum counts as a size: a term is made of sizes alone, or each holds one."""
+    sizes = [[_is_size(b) for b in _bases(t)] for t in total.args]
+    return any(found and all(found) for found in sizes) or all(map(any, sizes))
+
+
+def _bases(term: Expr) -> list[Expr]:
+    """Return what the factors of a product are powers of, but for numbers."""
+    bases = (f.base if isinstance(f, sp.Pow) else f for f in sp.Mul.make_args(term))
+    return [b for b in bases if not b.is_number]
+
+
 def _in_order(factors: Sequence[Expr]) -> list[Expr]:
-    """Return factors in the order of a product; those of one rank keep SymPy's, masses go first."""
+    """Return factors in the order of a product; those of one place keep SymPy's."""
     found = sorted(sp.Mul(*factors, evaluate=False).as_ordered_factors(), key=_place)
-    return _cyclic(found)
+    return _cyclic(found) if any(map(_is_indexed, found)) else found
 
 
-def _place(factor: Expr) -> tuple[int, bool]:
+def _place(factor: Expr) -> tuple[int, bool, int]:
+    """Return the rank, then masses before others, and the place of a letter among letters."""
     base = factor.base if isinstance(factor, sp.Pow) else factor
-    return _rank(factor), not _is_mass(base)
+    rank = _rank(factor)
+    return rank, not _is_mass(base), _place_of_letter(base) if rank == _LETTER else 0
+
+
+def _place_of_letter(base: Expr) -> int:
+    """Return the place: Latin letters, sums, Greek letters; numbered rates of turning, others; time."""
+    if not base.is_Symbol:
+        return 1
+    if base.name == "t":
+        return 6
+    stem = re.split(r"_|\d", base.name)[0]
+    if not re.search(r"\d", base.name):
+        return 2 if stem in GREEK_NAMES else 0
+    return 3 if stem == "omega" else 5 if stem in GREEK_NAMES else 4
+
+
+def _is_indexed(factor: Expr) -> bool:
+    """Return whether a factor holds moments about axes, by which it belongs to a cyclic equation."""
+    base = factor.base if isinstance(factor, sp.Pow) else factor
+    terms = base.args if isinstance(base, sp.Add) else (base,)
+    names = (s.name for t in terms for s in t.free_symbols if _is_size(s))
+    return any(_INDEXED.fullmatch(name) for name in names)
 
 
 def _is_mass(base: Expr) -> bool:
@@ -256,6 +391,8 @@ def _is_loose(factor: Expr) -> bool:
 
 def _power(value: Expr, names: Names) -> Box:
     base, exponent = value.base, value.exp
+    if _is_even(exponent) and isinstance(base, sp.Add) and _is_mostly_negative(base):
+        base = -base
     if base == sp.E:
         return Scripts(Symbol("e"), sup=expression_box(exponent, names))
     if _is_negative(exponent):
@@ -268,6 +405,14 @@ def _power(value: Expr, names: Names) -> Box:
     if isinstance(base, sp.Function) and _name(base) in _COMMANDS and exponent.is_Integer:
         return _applied(Scripts(_COMMANDS[_name(base)], sup=upper), base.args[0], names)
     return raised(_base(base, names), upper)
+
+
+def _is_even(exponent: Expr) -> bool:
+    return bool(exponent.is_Integer and exponent % 2 == 0)
+
+
+def _is_mostly_negative(total: Expr) -> bool:
+    return 2 * sum(map(_is_negative, total.args)) > len(total.args)
 
 
 def _exponent(exponent: Expr, names: Names) -> Box:

@@ -113,6 +113,8 @@ SILENT = frozenset({"P", "body", "system"})
 def quantity_box(notation: Notation, name: str, labels: Iterable[str], kind: str) -> Box:
     """Return letter and indices of a quantity; of an element of mass it is a differential."""
     labelled = list(zip(ROLES[name], labels, strict=True))
+    if [role for role, _ in labelled] == ["who", "point"] and labelled[0][1] == labelled[1][1]:
+        labelled = labelled[:1]  # about its own centre of mass, whose name the body has
     letter = next((n for role, n in labelled if role == "letter"), notation.letters.get(name, name))
     subs = [_index(notation, role, label) for role, label in labelled]
     box = letter_box(notation, letter, kind, subs)

@@ -240,6 +240,7 @@ _ESCAPES = {c: f"\\{c}" for c in "{}$&#%_"} | {
     "−": "$-$",
     "≤": "$\\le$",
     "≥": "$\\ge$",
+    "√": "$\\surd$",
     "→": "$\\to$",
     "–": "--",
     "—": "---",
@@ -573,6 +574,8 @@ def _mathml_grid(box: Grid, inner: Render) -> str:
 
 _MATHML_FORMS = {
     "negative": ' form="prefix"',
+    "plus": ' form="infix"',
+    "minus": ' form="infix"',
     "open": ' stretchy="false"',
     "close": ' stretchy="false"',
 }

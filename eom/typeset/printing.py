@@ -255,8 +255,25 @@ FORMATS: dict[str, Callable[[System], str]] = {"text": text, "latex": latex, "ma
 def show(system: System, style: str = "text") -> str:
     """Return a system as a text, its ``style`` one of `FORMATS`: text, latex or markdown.
 
-    Units stand with the quantities. Raises `InputError` for other formats.
+    Parameters
+    ----------
+    system : System
+        What is shown: quantities with units and meanings, definitions, equations, outputs.
+    style : str, default "text"
+        One of `FORMATS`: text, latex or markdown.
 
+    Returns
+    -------
+    str
+        The same system gives the same text. Units stand with the quantities.
+
+    Raises
+    ------
+    InputError
+        For other formats.
+
+    Examples
+    --------
     >>> from eom.mechanics.rigidbody import free_rigid_body
     >>> print(show(free_rigid_body()).splitlines()[3])
       omega_1  angular velocity about b1 [rad/s]

@@ -1,7 +1,8 @@
 """Sentences with mathematics in them: letters that words spell out are set as letters.
 
-``omega_1``, ``theta'``, ``I_t``, ``b1``, ``lambda^2``, ``dh/dt`` stand for letters; a lone letter is one
-where it is known to be. Between letters ``x`` is a cross product, a full stop a dot, a hyphen a minus.
+``omega_1``, ``theta'``, ``I_t``, ``b1``, ``lambda^2``, ``dh/dt`` stand for letters, a prime for a rate; a
+lone letter is one where it is known to be. Between letters ``x`` is a cross product, a full stop a dot, a
+hyphen a minus.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ from eom.typeset.boxes import (
     GREEK,
     GREEK_NAMES,
     Box,
+    Fence,
     Form,
     Operator,
     Row,
     Scripts,
     Sign,
     Symbol,
+    accented,
     raised,
     symbol,
 )
@@ -33,13 +36,17 @@ _TOKEN = re.compile(
     rf"(?:d(?P<above>[A-Za-z]|{_SPELT})/d(?P<below>[A-Za-z]|{_SPELT})(?![\w(])"
     r"|(?P<mass>dm)(?!\w)"
     rf"|(?P<name>(?:{_SPELT})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[A-Za-z]\d?)"
-    r"(?P<marks>'*)(?:\^(?P<power>\d|T\b))?(?![\w(]))"
+    r"(?P<marks>'*)(?:\^(?P<power>-?\d|[Tx]\b))?(?![\w(]))"
 )
 _AXES = re.compile(r"[bI][123]")
 _NOUN = re.compile(r" (?!(?:turns|is|and|or|to|in|as|has|moves|stays|follows|with)\b)[a-z]{2,}")
 """What follows an A that begins a sentence and is its article, and no frame that does something."""
 _BETWEEN = re.compile(r"[\s().,=+\-/0-9<>|]*")
 _PRIME = Sign("'", "'", "mo")
+_DOTS = {1: "dot", 2: "ddot"}
+_SIGNS = {">=": "\u2265", "<=": "\u2264", "sqrt(": "\u221a("}
+"""Signs that words spell."""
+_SPELT_SIGNS = re.compile("|".join(map(re.escape, _SIGNS)))
 
 Setting = Callable[[Box], str]
 """Writes a formula within words."""
@@ -66,12 +73,15 @@ def phrases(words: str, known: Mapping[str, Box]) -> tuple[str | Box, ...]:
     return _joined(words, found)
 
 
+_FACTOR = re.compile(r"(?:(?<![\w'])[A-Za-z]\w?'*|\))$")
+
+
 def _is_cross(words: str, m: re.Match[str], found: list[tuple[int, int, Box]]) -> bool:
     """Return whether a token is the sign of a cross product: x after a letter or a bracket."""
     if m[0] != "x" or words[m.start() - 1 : m.start()] != " " or words[m.end() :][:1] != " ":
         return False
     before = words[: m.start() - 1]
-    return before.endswith(")") or (bool(found) and found[-1][1] == len(before))
+    return _FACTOR.search(before) is not None or (bool(found) and found[-1][1] == len(before))
 
 
 def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
@@ -85,24 +95,47 @@ def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
     if _is_word(words, m, known):
         return None
     lettered = "_" in name or name in GREEK_NAMES or _AXES.fullmatch(name) or power or marks
-    lettered = lettered or (bool(known) and _is_capital(words, m))
+    lettered = lettered or (bool(known) and _is_capital(words, m)) or _is_beside_cross(words, m)
     if name not in known and not lettered and name.partition("_")[0] not in GREEK:
         return None
     box = known.get(name, symbol(name))
-    if marks:
-        held = Form("braces", (box,)) if isinstance(box, Scripts) and box.sup is not None else box
-        box = Row((held, *[_PRIME] * len(marks)))
-    return raised(box, Symbol(power, "roman" if power == "T" else "italic")) if power else box
+    box = known.get(f"{name}{marks}") or _rate(box, len(marks)) if marks else box
+    return raised(box, _power(power)) if power else box
+
+
+def _rate(box: Box, count: int) -> Box:
+    """Return a letter with dots, or with primes where there is no room for dots."""
+    dotted = accented(_DOTS[count], box) if count in _DOTS else None
+    if dotted is not None:
+        return dotted
+    held = Form("braces", (box,)) if isinstance(box, Scripts) and box.sup is not None else box
+    return Row((held, *[_PRIME] * count))
+
+
+def _power(word: str) -> Box:
+    if word == "x":
+        return Operator("cross-mark")
+    if word.startswith("-"):
+        return Row((Operator("negative"), Symbol(word[1:])))
+    return Symbol(word, "roman" if word == "T" else "italic")
+
+
+def _is_beside_cross(words: str, m: re.Match[str]) -> bool:
+    """Return whether a letter is a factor of a cross product or stands beside a bracket with a dot."""
+    before, after = words[: m.start()], words[m.end() :]
+    factor = re.match(r" x [A-Za-z(]", after) or re.search(r"(\w'*|\)) x \(?$", before)
+    return factor is not None or before.endswith(").") or after.startswith(".(")
 
 
 def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
     """Return whether a lone letter is an article, or stands behind an apostrophe."""
     if words[m.start() - 1 : m.start()] == "'" and m.start():
         return True
-    if m["name"] == "a":
-        around = words[max(0, m.start() - 3) : m.start()], words[m.end() : m.end() + 3]
-        near = around[0].rstrip().endswith(("=", "(", " x")) or around[1] == " x "
-        return "a" not in known or not (near or around[1][:1] in {".", ","})
+    if m["name"] == "a" and not (m["power"] or m["marks"] or _is_beside_cross(words, m)):
+        around = words[max(0, m.start() - 3) : m.start()], words[m.end() :]
+        near = around[0].rstrip().endswith(("=", "(", "-", "+", "/"))
+        near = near or around[1][:1] in {".", ","} or around[1].startswith(" along ")
+        return "a" not in known or not near
     begins = not m.start() and _NOUN.match(words, m.end()) is not None
     return m["name"] == "A" and (begins or words[: m.start()].endswith(". "))
 
@@ -115,16 +148,23 @@ def _is_capital(words: str, m: re.Match[str]) -> bool:
 
 
 def _joined(words: str, found: Iterable[tuple[int, int, Box]]) -> tuple[str | Box, ...]:
-    """Return words and formulas in turn; signs between letters are set as such."""
+    """Return words and formulas in turn; signs between letters are set as such.
+
+    Behind a matrix in brackets there is no dot: such a notation writes them side by side.
+    """
     marks = [(0, 0, None), *found, (len(words), len(words), None)]
     parts: list[str | Box] = []
     for (_, end, before), (start, _, after) in pairwise(marks):
-        parts += [_signs(words[end:start], before is not None, after is not None)]
+        gap = words[end:start]
+        beside = gap == "." and isinstance(before, Fence) and before.opening == "["
+        gap = " " if beside else _signs(gap, before is not None, after is not None)
+        parts += [_SPELT_SIGNS.sub(lambda m: _SIGNS[m[0]], gap)]
         parts += [after] if after is not None else []
     return tuple(p for p in parts if p != "")
 
 
 def _signs(gap: str, before: bool, after: bool) -> str:
+    gap = re.sub(r"(?<= )-(?=\d)" if not before else r"(?<= )-(?= ?\d)", "\u2212", gap)
     if before and after and _BETWEEN.fullmatch(gap.replace(" x ", " ")):
         gap = re.sub(r"(?<! )\.(?! )", " \u00b7 ", gap).replace(" x ", " \u00d7 ")
         return gap.replace("-", "\u2212")

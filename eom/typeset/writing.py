@@ -101,8 +101,17 @@ def pieces(writer: Writer, term: Term) -> tuple[Box, ...]:
     """Return the terms of a sum with their signs, or the one box."""
     if term.head == "expr":
         return expression_pieces(term.data[0])
-    signed = [s for a in (term.args if term.head == "add" else (term,)) for s in _signed(writer, a)]
-    return with_signs(signed)
+    parts = by_axes(term.args) if term.head == "add" else (term,)
+    return with_signs([s for a in parts for s in _signed(writer, a)])
+
+
+def by_axes(parts: tuple[Term, ...]) -> tuple[Term, ...]:
+    """Return terms along different axes of one frame in the order of the axes, others as they are."""
+    ends = [p.args[-1] if p.head == "mul" else p for p in parts]
+    units = [e.data for e in ends if e.head == "atom" and e.data[0] == "unit"]
+    if len({*units}) < len(parts) or len({frame for _, frame, _ in units}) > 1:
+        return parts
+    return tuple(part for _, part in sorted(zip(units, parts, strict=True), key=lambda p: p[0]))
 
 
 def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tuple[Box, ...]:
@@ -383,7 +392,10 @@ def _since(writer: Writer, term: Term) -> Written:
 
 
 def _start(writer: Writer, term: Term) -> Written:
-    """Return the value at t0."""
+    """Return the value at t0, that of time by its own letter."""
+    (inside,) = term.args
+    if inside.head == "expr" and inside.data[0].is_Symbol and inside.data[0].name == "t":
+        return symbol("t_0"), ATOM
     place = Row((Operator("open"), Scripts(Symbol("t"), Symbol("0")), Operator("close")))
     return Row((writer.box(term.args[0], ATOM), place)), ATOM
 

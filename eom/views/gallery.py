@@ -186,6 +186,18 @@ def default(scene: AnyScene) -> str:
 def available(scene: AnyScene) -> tuple[str, ...]:
     """Return the names of all pictures that ``scene`` can have, in the order of `PICTURES`.
 
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model.
+
+    Returns
+    -------
+    tuple of str
+        Keys of `PICTURES`, in their order.
+
+    Examples
+    --------
     >>> import eom
     >>> available(eom.load_scene("rolling-disc"))
     ('histories', 'work-precision', 'sketch', 'joints', 'frames')
@@ -196,9 +208,26 @@ def available(scene: AnyScene) -> tuple[str, ...]:
 def picture(name: str, ask: Ask) -> Picture:
     """Return the picture ``name``, a key of `PICTURES`, of what ``ask`` names.
 
-    Raises `InputError` for other names, for a picture that the scene cannot have, and as the function of
-    the picture does (`eom.views.body.polhodes.polhodes` and its like).
+    Parameters
+    ----------
+    name : str
+        A key of `PICTURES`.
+    ask : Ask
+        The scene, and for how long and at how many times.
 
+    Returns
+    -------
+    Picture
+        As the function of the picture returns it.
+
+    Raises
+    ------
+    InputError
+        For other names, for a picture that the scene cannot have, and as the function of the
+        picture does (`eom.views.body.polhodes.polhodes` and its like).
+
+    Examples
+    --------
     >>> import eom
     >>> made = picture("polhodes", Ask(eom.load_scene("t-handle")))
     >>> [panel.title for panel in made.rows[0]]
@@ -220,8 +249,25 @@ def picture(name: str, ask: Ask) -> Picture:
 def pictures(names: Sequence[str], ask: Ask) -> Picture:
     """Return one picture or several below each other, under the title of the scene.
 
-    ``names``: keys of `PICTURES`, one at least; ``ask``, errors: as of `picture`.
+    Parameters
+    ----------
+    names : sequence of str
+        Keys of `PICTURES`, one at least.
+    ask : Ask
+        As of `picture`.
 
+    Returns
+    -------
+    Picture
+        Their panels below each other, under the title of the scene.
+
+    Raises
+    ------
+    InputError
+        As of `picture`.
+
+    Examples
+    --------
     >>> import eom
     >>> len(pictures(["sphere", "sketch"], Ask(eom.load_scene("t-handle"))).rows)
     2

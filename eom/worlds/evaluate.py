@@ -6,6 +6,7 @@ primitive quantities, which the world supplies.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property, reduce
@@ -22,8 +23,9 @@ from eom.exact.rings import ARITHMETIC, TRIGONOMETRY, Evaluation, Row, arguments
 from eom.exact.series import LENGTH, Series
 from eom.fields import Singular
 from eom.terms.terms import INDICES, Equation, Term, nodes
-from eom.terms.vocabulary import definition
-from eom.worlds.worlds import TURNING, World
+from eom.terms.vocabulary import ORIGIN, definition
+from eom.worlds.varied import lifted, slope, varied
+from eom.worlds.worlds import CONFIGURED, TURNING, World, slope_of_place
 
 Value = Any
 """A series, a vector (three of them, in I), a dyadic (in I), a column or a matrix."""
@@ -33,6 +35,10 @@ Env = Mapping[str, int]
 MAX_POWER = 64
 
 
+class NoSlope(InputError):
+    """Refuse a partial derivative of which a world knows no value: an `InputError` with its parts."""
+
+
 @dataclass(frozen=True)
 class Evaluator:
     """Values of terms in one world; ``scalars`` says what each SymPy symbol stands for."""
@@ -40,6 +46,8 @@ class Evaluator:
     world: World
     scalars: Mapping[Any, Term]
     memo: dict[Any, Value] = field(default_factory=dict)
+    beside: Evaluator | None = None
+    """Where nothing is varied, if something is here."""
 
     def holds(self, equation: Equation) -> bool:
         """Return whether both sides agree in every known coefficient, for all free indices."""
@@ -99,6 +107,23 @@ class Evaluator:
         found: dict[Any, int] = self.memo.setdefault("branches", {})
         return found
 
+    def named(self, symbol: Any, env: Env) -> Value:
+        """Return the value of what a SymPy symbol stands for; a momentum is a variable by itself."""
+        meaning = self.meaning(symbol)
+        if self.beside is not None and meaning.head == "partial":
+            return lifted(self.beside.value(meaning, env), self.world.field)
+        return self.value(meaning, env)
+
+    def varied(self, name: str, power: int) -> Evaluator:
+        """Return the values where a coordinate is varied: see `eom.worlds.varied`."""
+        key = ("varied", name, power)
+        if key not in self.world.memo:
+            self.world.memo[key] = varied(self.world, name, power)
+        if key not in self.memo:
+            self.memo[key] = Evaluator(self.world.memo[key], self.scalars, beside=self)
+        found: Evaluator = self.memo[key]
+        return found
+
     def meaning(self, symbol: Any) -> Term:
         """Return what a SymPy symbol stands for. Raises `InputError` for unknown ones."""
         if symbol not in self.scalars:
@@ -121,7 +146,7 @@ class _Scalars(Evaluation):
 
     def symbol(self, symbol: Any) -> Series:
         """Return the value of what a symbol stands for."""
-        found: Series = self.evaluator.value(self.evaluator.meaning(symbol), self.env)
+        found: Series = self.evaluator.named(symbol, self.env)
         return found
 
     def root(self, node: Any) -> Series:
@@ -261,6 +286,20 @@ _InNumbers.rows = {
 }
 
 
+def variable(scalars: Mapping[Any, Term], by: Term) -> tuple[str, int]:
+    """Return the coordinate that a symbol stands for, or of which it is a rate, and of which order.
+
+    Raises `InputError` for what is neither.
+    """
+    meaning = scalars.get(by.data[0], by) if by.head == "expr" else by
+    if meaning.data[:1] == ("coordinate",):
+        return str(meaning.data[1]), 0
+    if meaning.head != "der" or by == meaning.args[0]:
+        raise NoSlope("only a system says how this depends on a coordinate", got=by.head)
+    name, order = variable(scalars, meaning.args[0])
+    return name, order + 1
+
+
 def is_signed(expression: Any, scalars: Mapping[Any, Term]) -> bool:
     """Return whether an expression has a value where numbers have a sign alone, and in no other field."""
     for part in sp.preorder_traversal(expression):
@@ -303,20 +342,10 @@ def flat(value: Value) -> list[Series]:
     return [value] if isinstance(value, Series) else [s for part in value for s in flat(part)]
 
 
-def _combine(rule: Callable[[Series, Series], Series], a: Value, b: Value) -> Value:
-    if isinstance(a, Series):
-        return rule(a, b)
-    return tuple(_combine(rule, x, y) for x, y in zip(a, b, strict=True))
-
-
-def _each(rule: Callable[[Series], Series], a: Value) -> Value:
-    return rule(a) if isinstance(a, Series) else tuple(_each(rule, x) for x in a)
-
-
 def _sum_of(values: list[Value]) -> Value:
     result = values[0]
     for value in values[1:]:
-        result = _combine(lambda x, y: x + y, result, value)
+        result = series.entrywise(operator.add, result, value)
     return result
 
 
@@ -328,7 +357,7 @@ def _mul(e: Evaluator, term: Term, env: Env) -> Value:
     result = e.value(term.args[-1], env)
     for a in term.args[:-1]:
         factor = e.value(a, env)
-        result = _each(lambda x, f=factor: f * x, result)  # type: ignore[misc]
+        result = series.each(lambda x, f=factor: f * x, result)  # type: ignore[misc]
     return result
 
 
@@ -357,9 +386,9 @@ def _der(e: Evaluator, term: Term, env: Env) -> Value:
     value = e.value(inside, env)
     frame = term.data[0]
     if inside.kind in {"vector", "dyadic"} and frame != "I":
-        local = _each(Series.derivative, _turned(e.world.rotation(frame, "I"), value))
+        local = series.each(Series.derivative, _turned(e.world.rotation(frame, "I"), value))
         return _turned(e.world.rotation("I", frame), local)
-    return _each(Series.derivative, value)
+    return series.each(Series.derivative, value)
 
 
 def _turned(C: series.Matrix, value: Value) -> Value:
@@ -370,11 +399,11 @@ def _turned(C: series.Matrix, value: Value) -> Value:
 
 
 def _since(e: Evaluator, term: Term, env: Env) -> Value:
-    return _each(Series.primitive, e.value(term.args[0], env))
+    return series.each(Series.primitive, e.value(term.args[0], env))
 
 
 def _start(e: Evaluator, term: Term, env: Env) -> Value:
-    return _each(lambda x: e.world.constant(x.coefficients[0]), e.value(term.args[0], env))
+    return series.each(lambda x: e.world.constant(x.coefficients[0]), e.value(term.args[0], env))
 
 
 def _at(_: Evaluator, term: Term, __: Env) -> Value:
@@ -382,13 +411,26 @@ def _at(_: Evaluator, term: Term, __: Env) -> Value:
 
 
 def _partial(e: Evaluator, term: Term, env: Env) -> Value:
+    """Return the slope by a coordinate or one of its rates, of what stands on them."""
     inside, by = term.args
-    if inside.head == "atom" and inside.data[0] == "position" and by.head == "expr":
-        meaning = e.meaning(by.data[0])
-        place = env.get(inside.data[1])
-        if meaning.data[:1] == ("coordinate",) and place is not None:
-            return e.world.primitive("place_slope", (place, meaning.data[1]))
-    raise InputError("only a system says how this depends on a coordinate", got=term.head)
+    name, order = variable(e.scalars, by)
+    if e.world.field == SIGNED:
+        raise NoSlope("no slope is known where numbers have a sign", got=f"one by {name}")
+    if order == 0 and name in e.world.memo.get(CONFIGURED, ()) and _is_place(inside, env):
+        return slope_of_place(e.world, env[inside.data[1]], name)
+    if e.beside is not None:
+        raise NoSlope("no slope is known of a slope", got=f"one by {name}")
+    if any(n.head in _AT_A_TIME for n in nodes(inside)):
+        raise NoSlope("no slope is known of a value at one instant", got=inside.head)
+    return slope(order, lambda power: e.varied(name, power).value(inside, env))
+
+
+def _is_place(term: Term, env: Env) -> bool:
+    """Return whether this is the place of one of the particles."""
+    return term.data[:1] == ("position",) and term.data[1] in env and term.data[2] == ORIGIN
+
+
+_AT_A_TIME = frozenset({"start", "since", "at"})
 
 
 def _sum(e: Evaluator, term: Term, env: Env) -> Value:
@@ -399,7 +441,7 @@ def _sum(e: Evaluator, term: Term, env: Env) -> Value:
         value = e.value(term.args[0], {**env, index: n})
         if over == "mass":
             weight = e.world.masses[n]
-            value = _each(lambda x, w=weight: w * x, value)  # type: ignore[misc]
+            value = series.each(lambda x, w=weight: w * x, value)  # type: ignore[misc]
         values.append(value)
     return _sum_of(values)
 

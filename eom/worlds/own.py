@@ -22,7 +22,7 @@ from eom.terms.terms import Term
 from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.generators import worlds
 from eom.worlds.turning import elementary
-from eom.worlds.worlds import World
+from eom.worlds.worlds import CONFIGURED, World
 
 Scalars = Mapping[Any, Term]
 Motions = dict[str, Series]
@@ -75,21 +75,34 @@ class Furnished:
 
 def _with(world: World, own: Own, scalars: Scalars, motions: Motions) -> World:
     memo: dict[Any, Any] = {("coordinate", name): motion for name, motion in motions.items()}
-    memo["configured",] = own.configured
-    frames, points = {**world.frames}, {**world.points}
-    new = dataclasses.replace(world, frames=frames, points=points, memo=memo)
-    evaluator = Evaluator(new, scalars)
-    for name, frame in own.frames.items():
-        frames[name] = _turned(evaluator, frame)
-    for name, place in own.points.items():
-        points[name] = evaluator.value(place)
-    return new
+    memo[CONFIGURED] = own.configured
+
+    def built(bare: World) -> World:
+        frames, points = {**bare.frames}, {**bare.points}
+        new = dataclasses.replace(bare, frames=frames, points=points)
+        evaluator = Evaluator(new, scalars)
+        for name, frame in own.frames.items():
+            frames[name] = _turned(evaluator, frame)
+        for name, place in own.points.items():
+            points[name] = evaluator.value(place)
+        return new
+
+    return built(dataclasses.replace(world, memo=memo, rebuild=built))
 
 
 def _turned(evaluator: Evaluator, frame: OwnFrame) -> Matrix:
     sine, cosine = (evaluator.scalar(f(frame.angle), {}) for f in (sp.sin, sp.cos))
     turn = elementary(frame.axis - 1, sine, cosine)
     return series.product(turn, evaluator.world.rotation(frame.base, "I"))
+
+
+def highest_rates(own: Own, scalars: Scalars) -> dict[str, int]:
+    """Return the highest rate by which each coordinate stands in the law that determines it, by its name."""
+    world = next(worlds((), 1))
+    names = [[str(scalars[s].data[1]) for s in law.unknowns] for law in own.laws]
+    start = {n: world.primitive("coordinate", (n,)) for some in names for n in some}
+    found = _orders(_Laws(world, own, scalars, start), list(start))
+    return {n: order[n] for some, order in zip(names, found, strict=True) for n in some}
 
 
 # -- laws --------------------------------------------------------------------------------------------

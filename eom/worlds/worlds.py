@@ -512,6 +512,10 @@ class World:
     assumed: frozenset[str] = frozenset()
     memo: dict[Any, Any] = dataclasses.field(default_factory=dict, compare=False, repr=False)
     """What has been found in this world, values of terms without symbols among it."""
+    rebuild: Callable[[World], World] | None = dataclasses.field(
+        default=None, compare=False, repr=False
+    )
+    """What puts on a world all that stands on its coordinates; None where nothing does."""
 
     @property
     def axes(self) -> str:
@@ -726,25 +730,37 @@ def _open_force(world: World) -> Vector:
     return (x, y, z)
 
 
-def _constraint_force(world: World, i: int) -> Vector:
-    """Return a force of constraints, drawn at random; of all together none does virtual work.
+CONFIGURED, HELD = ("configured",), ("constraint forces",)
+"""Where a world keeps the names of coordinates of which places are functions, and forces of constraints."""
+
+
+def slope_of_place(world: World, n: int, *names: str) -> Vector:
+    """Return the slope of the place of a mass by a coordinate, or by one after the other: any vector."""
+    key = ("place_slope", n, *sorted(names))
+    if key not in world.memo:
+        world.memo[key] = _free_vector(world, ("slope", n, *sorted(names)))
+    found: Vector = world.memo[key]
+    return found
+
+
+def constraint_forces(world: World) -> list[Vector]:
+    """Return forces of constraints, drawn at random; of all together none does virtual work.
 
     What is drawn is made orthogonal, in the sum over all masses, to the slopes of the places by each
     coordinate of which the places are functions.
     """
-    key = ("constraint forces",)
-    if key not in world.memo:
+    if HELD not in world.memo:
         count = range(len(world.masses))
         drawn = [_free_vector(world, ("constraint", n)) for n in count]
         before: list[list[Vector]] = []
-        for name in world.memo.get(("configured",), ()):
-            slopes = [world.primitive("place_slope", (n, name)) for n in count]
+        for name in world.memo.get(CONFIGURED, ()):
+            slopes = [slope_of_place(world, n, name) for n in count]
             for other in before:
                 slopes = _without(slopes, other)
             before.append(slopes)
             drawn = _without(drawn, slopes)
-        world.memo[key] = drawn
-    found: Vector = world.memo[key][i]
+        world.memo[HELD] = drawn
+    found: list[Vector] = world.memo[HELD]
     return found
 
 
@@ -772,8 +788,8 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "force": lambda w, i: _open_force(w) if i == OPEN else w.forces[_particle(i)],
     "exhaust_velocity": lambda w, _: _exhaust(w),
     "internal_force": lambda w, i, j: w.internal[i][j],
-    "constraint_force": lambda w, i: _constraint_force(w, _particle(i)),
-    "place_slope": lambda w, i, name: _free_vector(w, ("slope", _particle(i), name)),
+    "constraint_force": lambda w, i: constraint_forces(w)[_particle(i)],
+    "place_slope": lambda w, i, name: slope_of_place(w, _particle(i), name),
     "angular_velocity": _angular_velocity,
     "unit": _unit_vector,
     "identity": _identity,

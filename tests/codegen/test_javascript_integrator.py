@@ -24,12 +24,13 @@ from tests.codegen.test_narrow import STEPS, WALLS, oscillator, t, v, x
 
 needs = pytest.mark.skipif(not (node.NODE and native.compiler()), reason="no Node.js or no C")
 
+LINKED = ("slider-crank", "rolling-disc", "whipple-bicycle")
 DRIVER = """\
 import * as system from "./{module}";
 import {{ {method} }} from "./{method}.mjs";
 const job = {job};
 const s = {method}(system, job.options);
-s.start(job.times[0], job.x, job.p, []);
+s.start(job.times[0], job.x, Float64Array.from(job.p, (v) => v ?? NaN), []);
 const y = new Float64Array(job.x.length), found = [], arrays = new Set([s.x.buffer]);
 for (const t of job.times) {{
   if (!s.advance(t)) break;
@@ -47,7 +48,13 @@ def run(system, x, p, times, folder, method="dop853", **options):
     if isinstance(system, System):
         compiled = codegen.compile(system, "python")
         system = compiled.program, compiled.layout
-    files = generate(*system, "javascript", Choice(method))
+    return driven(
+        generate(*system, "javascript", Choice(method)), x, p, times, folder, method, options
+    )
+
+
+def driven(files, x, p, times, folder, method, options):
+    """Run the files of a system in Node.js; return what the driver prints."""
     module = next(name for name in files if name != f"{method}.mjs")
     for name, text in files.items():
         (folder / name).write_text(text, encoding="ascii")
@@ -104,6 +111,35 @@ def test_states_are_projected_as_in_the_loop_in_c(method, name, tmp_path):
     assert np.max(np.abs(found[1] ** 2 / 2 - 9.81 * np.cos(found[0]) - energy)) < 1e-13
     free = run(system, start, [9.81], times, tmp_path, method, rtol=1e-6)
     assert np.max(np.abs(np.array(free["found"]).T - found)) > 1e-8
+
+
+@needs
+@pytest.mark.parametrize(
+    "name", ["four-bar-linkage", *(pytest.param(n, marks=pytest.mark.slow) for n in LINKED)]
+)
+def test_what_is_exported_keeps_constraints_as_the_loop_in_c(name, tmp_path):
+    """What they are to be is taken from the start where parameters end before it, or are no numbers."""
+    scene = eom.load_scene(name)
+    system, times = scene.derive(), np.linspace(0, scene.integration.t_end, 101)
+    start, numbers = scene.initial_values(), scene.parameter_values()
+    assert system.maintained
+    files = codegen.generate(system, target="javascript", integrator="tsit5")
+    options = {"rtol": 1e-6, "atol": 1e-9}
+    parts = files, list(start.values())
+    p = list(numbers.values())
+    got = driven(*parts, p, times, tmp_path, "tsit5", options)
+    unknown = [*p, *[None] * len(system.maintained)]
+    assert driven(*parts, unknown, times, tmp_path, "tsit5", options)["found"] == got["found"]
+    values = system, start, (0, 2 * times[-1]), numbers, "Tsit5"
+    kept, drifting = (
+        codegen.simulate(*values, t_eval=times, project=onto, **options) for onto in (None, False)
+    )
+    found = np.array(got["found"]).T
+    assert np.max(np.abs(found - kept.y)) < 1e-7 * np.abs(kept.y).max()
+    closure = codegen.compile(system, "numpy").invariants
+    left = [np.abs(closure(times, y, numbers)) for y in (found, drifting.y)]
+    rows = [system.invariant_names.index(n) for n in system.maintained]
+    assert left[0][rows].max() < 1e-12 < 1e-2 * left[1][rows].max()
 
 
 @needs

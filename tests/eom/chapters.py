@@ -8,15 +8,12 @@ from functools import cache
 
 import sympy as sp
 
+from eom.derivations.deciding import Deciding
 from eom.derivations.derivation import SIGNS
-from eom.derivations.verification import DerivationError, verify
+from eom.derivations.verification import DerivationError
 from eom.errors import InputError
-from eom.terms.rules import apply, slopes, spelt_out
 from eom.terms.terms import nodes
-from eom.worlds.generators import worlds
-from eom.worlds.own import Furnished
-from tests.eom import oracle
-from tests.eom.carried import carried
+from tests.eom import configured_oracle, oracle
 from tests.eom.own_oracle import Mechanics
 
 
@@ -124,7 +121,7 @@ def is_true(d, equation, assumptions):
     if equation.relation == ">=" and d.own:
         raise oracle.Undefined("a sign that holds under conditions")
     if d.own.configured:
-        raise oracle.Undefined("nothing else knows slopes of the places of any masses")
+        return configured_oracle.is_true(Held(d), equation, assumptions)
     if d.name not in MOTIONS:
         try:
             return oracle.is_true(equation, assumptions, d.scalars)
@@ -159,20 +156,13 @@ class Held:
 
 
 @cache
-def _drawn(held):
-    rules = spelt_out(held.own), slopes(held.scalars, held.own)
-    scalars = {s: apply(rules, t) for s, t in held.scalars.items()}
-    return scalars, Furnished(held.own, scalars)
+def _lines(held):
+    return Deciding(held.own, held.scalars)
 
 
 def verified(d, equation, assumptions):
     """What the derivation itself says of a line: how it was verified. Raises `DerivationError`."""
-    if equation.relation == ":=":
-        known = d.own.meaning(equation.left) == equation.right
-        return "definition" if known else verify(equation, assumptions, d.scalars)
-    scalars, drawn = _drawn(Held(d))
-    with_own = drawn if d.own else worlds
-    return verify(carried(d, equation), assumptions, scalars, drawn=with_own)
+    return _lines(Held(d)).decided(equation, assumptions)
 
 
 def judge(d, equation, assumptions):

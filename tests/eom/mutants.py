@@ -185,7 +185,8 @@ def _everywhere(e, rule):
             yield from (e.func(*e.args[:k], new, *e.args[k + 1 :]) for new in _bounds(a, rule))
             continue
         for new in _everywhere(a, rule):
-            yield e.func(*e.args[:k], new, *e.args[k + 1 :])
+            if not (isinstance(e, sp.Derivative) and k and not new[0].is_Symbol):
+                yield e.func(*e.args[:k], new, *e.args[k + 1 :])
 
 
 def _bounds(limits, rule):
@@ -320,6 +321,9 @@ def outcome(d, step, mutant):
     return f"{'true' if truth else 'false'}, {verdict}"
 
 
+WRONG = {"false, accepted", "true, rejected", "broken"}
+
+
 @dataclass
 class Count:
     """Edits by kind and by what became of them, and those that were judged wrongly."""
@@ -328,12 +332,22 @@ class Count:
     wrong: list = field(default_factory=list)
 
     def add(self, d, step, mutant):
-        found = outcome(d, step, mutant)
+        why = ""
+        try:
+            found = outcome(d, step, mutant)
+        except Exception as error:  # one that breaks is told, and the others are judged
+            found, why = "broken", f" ({type(error).__name__}: {error})"
         self.by_kind.setdefault(mutant.kind, Counter())[found] += 1
-        if found in {"false, accepted", "true, rejected"}:
-            where = f"{found}: {d.name}, {step.label}, {mutant.kind}"
+        if found in WRONG:
+            where = f"{found}{why}: {d.name}, {step.label}, {mutant.kind}"
             left, right = (plain(side) for side in (mutant.equation.left, mutant.equation.right))
             self.wrong.append(f"{where}: {left} {mutant.equation.relation} {right}")
+
+    def include(self, other):
+        """Add what another has counted."""
+        for kind, found in other.by_kind.items():
+            self.by_kind.setdefault(kind, Counter()).update(found)
+        self.wrong += other.wrong
 
     @property
     def total(self):
@@ -345,6 +359,7 @@ class Count:
 
     @property
     def missed(self):
-        """Whether less than 99 % of the false edits are caught, or a true one is rejected."""
+        """Whether less than 99 % of the false edits are caught, a true one is rejected, or one breaks."""
         accepted = self.total["false, accepted"]
-        return 100 * accepted > self.really_false or self.total["true, rejected"] > 0
+        failed = self.total["true, rejected"] + self.total["broken"]
+        return 100 * accepted > self.really_false or failed > 0

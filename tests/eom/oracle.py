@@ -89,6 +89,11 @@ def _calculus():
         )
 
 
+def times():
+    """The times of the nodes, from the middle of the span."""
+    return _calculus()[0]
+
+
 def rate(values):
     return np.dot(values, _calculus()[1])
 
@@ -483,7 +488,8 @@ def _open_body(rnd, scene, assumed):
 
 
 @lru_cache(maxsize=64)
-def scene_of(assumed, seed):
+def scene_of(assumed, seed, placing=None):
+    """The scene of a seed; ``placing``: where each particle is, by number, if not anywhere."""
     chosen, waiting = set(), list(assumed)
     while waiting:
         name = waiting.pop()
@@ -497,6 +503,8 @@ def scene_of(assumed, seed):
     eye = still([[Decimal(int(i == j)) for j in range(3)] for i in range(3)])
     scene.frames["I"] = Frame(eye, eye[0] * 0)
     scene.frames.setdefault("S", any_frame(Random("oracle", "S", seed)))
+    if placing is not None:
+        scene.places = [placing(n) for n in range(len(scene.masses))]
     _open_body(Random("oracle", "open", seed), scene, chosen)
     _points(rnd, scene, chosen)
     _forces(rnd, scene, chosen)
@@ -841,26 +849,30 @@ def _gauss(order=36):
 
 
 def residual(equation, assumptions, scalars, seed):
+    """How far the two sides are apart in the scene of a seed."""
+    with localcontext(prec=DIGITS):
+        return apart(equation, _values(frozenset(assumptions), seed, tuple(scalars.items())))
+
+
+def apart(equation, values):
     """The largest difference of the two sides near the middle of the span, relative to their size.
 
     For ``>=``: how far the left side, less the right, is below zero.
     """
-    with localcontext(prec=DIGITS):
-        scene = scene_of(frozenset(assumptions), seed)
-        values = _values(frozenset(assumptions), seed, tuple(scalars.items()))
-        free = sorted(_free(equation, scalars) & INDICES)
-        ranges = [range(len(scene.rotors if i == "k" else scene.masses)) for i in free]
-        worst = 0.0
-        for numbers in product(*ranges):
-            env = dict(zip(free, numbers, strict=True))
-            left, right = (values.of(t, env) for t in (equation.left, equation.right))
-            difference = left - right
-            if equation.relation == ">=":
-                difference = np.minimum(difference, Decimal(0))
-            middle = slice(NODES // 2 - 2, NODES // 2 + 3)
-            size = max(1, *(abs(v[..., middle]).max() for v in (left, right)))
-            worst = max(worst, float(abs(difference[..., middle]).max() / size))
-        return worst
+    scene = values.scene
+    free = sorted(_free(equation, values.scalars) & INDICES)
+    ranges = [range(len(scene.rotors if i == "k" else scene.masses)) for i in free]
+    worst = 0.0
+    for numbers in product(*ranges):
+        env = dict(zip(free, numbers, strict=True))
+        left, right = (values.of(t, env) for t in (equation.left, equation.right))
+        difference = left - right
+        if equation.relation == ">=":
+            difference = np.minimum(difference, Decimal(0))
+        middle = slice(NODES // 2 - 2, NODES // 2 + 3)
+        size = max(1, *(abs(v[..., middle]).max() for v in (left, right)))
+        worst = max(worst, float(abs(difference[..., middle]).max() / size))
+    return worst
 
 
 def _free(equation, scalars):

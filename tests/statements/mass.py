@@ -172,7 +172,7 @@ def axes_of_symmetry_are_the_third():
     "derive rigid-body-momentum J-tilde",
     "the product of two tildes is r r^T - (r^T r) 1: minus the integrand",
 )
-@says("derive rigid-body-momentum s28", "r x (omega x r) = omega (r.r) - r (r.omega)")
+@says("derive rigid-body-momentum h-inertia-parted", "r x (omega x r) = omega (r.r) - r (r.omega)")
 def products_of_tildes():
     r, w = sp.Matrix(sp.symbols("r1:4", real=True)), sp.Matrix(sp.symbols("w1:4", real=True))
     tilde = sp.Matrix([[0, -r[2], r[1]], [r[2], 0, -r[0]], [-r[1], r[0], 0]])

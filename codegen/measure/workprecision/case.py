@@ -72,13 +72,32 @@ class Reference:
     how: str
 
     def distance(self, end: Array) -> float:
-        """Return the largest difference of a state at ``end``, (n,), over its largest size on the way."""
+        """Return the largest difference of a state at the end over its largest size on the way.
+
+        Parameters
+        ----------
+        end : array
+            States at the end, (n,).
+
+        Returns
+        -------
+        float
+            Without a unit.
+        """
         return float(np.max(np.abs((end - self.high) - self.low) / self.scale))
 
     def measured(self, end: Array) -> tuple[float, bool]:
-        """Return the error of ``end``, (n,), and whether it is known.
+        """Return the error of states at the end, and whether it is known.
 
-        Below the reference's own error, that one is reported.
+        Parameters
+        ----------
+        end : array
+            States at the end, (n,).
+
+        Returns
+        -------
+        tuple of float, bool
+            As of `distance`. Below the reference's own error, that one is reported.
         """
         found = self.distance(end)
         return (found, True) if found > self.error else (self.error, False)

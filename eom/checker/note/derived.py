@@ -15,6 +15,7 @@ from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.spans import ReadingError
 from eom.derivations.derived import Derived
 from eom.derivations.verification import in_full
+from eom.derivations.wording import notation_of
 from eom.errors import InputError
 from eom.terms.rules import entrywise, slopes
 from eom.terms.terms import VECTOR, Term, expr, nodes
@@ -43,7 +44,7 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     dF, is left to the preset. Raises `InputError` for other notations, and for a derivation of the places
     of any masses as functions of coordinates, which no lexicon says.
     """
-    chosen = notation_named(notation)
+    chosen = notation_of(derivation, notation_named(notation))
     if derivation.own.configured:
         raise InputError(
             "no note can say this: places of all masses as functions of coordinates",

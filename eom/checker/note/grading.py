@@ -41,11 +41,31 @@ def check_files(
 ) -> tuple[Graded, ...]:
     r"""Return what became of each note, in order; folders stand for the notes in them.
 
-    ``notes``: as `eom.check` takes them. ``workers``: processes, 0 for as many as there are cores.
-    ``progress`` receives the fraction done. A note that cannot be read has an error in place of a report.
-    Raises `InputError` for settings that cannot be used, a folder with too many notes, and where no worker
-    can be started, and for fewer workers than none.
+    Parameters
+    ----------
+    notes : iterable of str or path
+        As `eom.check` takes them; a folder stands for the notes in it.
+    settings : Settings, optional
+        How notes are read and how long each may take, as `eom.check` says.
+    workers : int, default 0
+        Processes, 0 for as many as there are cores.
+    progress : Progress, optional
+        Called with the fraction that is done, from 0 to 1.
 
+    Returns
+    -------
+    tuple of Graded
+        What became of each note, in order. A note that cannot be read has an error in place of a
+        report.
+
+    Raises
+    ------
+    InputError
+        For settings that cannot be used, a folder with too many notes, where no worker can be
+        started, and for fewer workers than none.
+
+    Examples
+    --------
     >>> graded = check_files([r"\vec H_C = I_C \vec\omega"], Settings("arrow-tilde"), workers=1)
     >>> [(one.status, one.report.counts) for one in graded]
     [('nothing wrong', {'holds under': 1})]

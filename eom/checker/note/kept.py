@@ -48,11 +48,27 @@ _MARKS = re.compile(r"\*\*\d+\.\*\*|<small>.*?</small>|[*_#]+|\s*—\s*$")
 def to_note(derivation: Derived, notation: str = "arrow") -> str:
     """Return a ``derivation`` as a note in Markdown, with front matter that says what its symbols mean.
 
-    ``notation``: one of `eom.typeset.notation.NOTATIONS` or its aliases. `eom check` judges the lines of it
-    true that its reader knows; results that are no steps, such as a system, are left out. Raises
-    `InputError` for other notations, and for a derivation of the places of any masses as functions of
-    coordinates (`eom.Derivation.configure`), which no lexicon says.
+    Parameters
+    ----------
+    derivation : Derived
+        What is written down, its steps in order.
+    notation : str, default "arrow"
+        One of `eom.typeset.notation.NOTATIONS` or its aliases.
 
+    Returns
+    -------
+    str
+        Markdown whose lines `eom check` judges true where its reader knows them; results that are
+        no steps, such as a system, are left out.
+
+    Raises
+    ------
+    InputError
+        For other notations, and for a derivation of the places of any masses as functions of
+        coordinates (`eom.Derivation.configure`), which no lexicon says.
+
+    Examples
+    --------
     >>> from eom import derive
     >>> to_note(derive("tilde-identities")).splitlines()[1]
     '[check]'
@@ -72,11 +88,32 @@ def from_note(
 ) -> Derived:
     r"""Return a note that is judged true as a derivation, each line of it verified again.
 
-    ``note``, ``notation``, ``lexicon``, ``given``: see `eom.check`; ``name``: of the derivation, the first
-    heading as it is spelt in file names where it is left out. Lines that only give a letter a meaning are
-    no steps: where the letter stands, what it means is shown. Raises `InputError` for a note with a line
-    that is not judged true, or that cannot be verified without the note.
+    Parameters
+    ----------
+    note : str or path
+        As of `eom.check`.
+    notation : str, optional
+        As of `eom.check`.
+    lexicon : str or path, optional
+        As of `eom.check`.
+    given : iterable of str, optional
+        As of `eom.check`: what is assumed throughout.
+    name : str, optional
+        Of the derivation; where it is left out the first heading, as it is spelt in file names.
 
+    Returns
+    -------
+    Derived
+        Its steps are the lines. Those that only give a letter a meaning are no steps: where the
+        letter stands, what it means is shown.
+
+    Raises
+    ------
+    InputError
+        For a note with a line that is not judged true, or that cannot be verified without the note.
+
+    Examples
+    --------
     >>> note = r"# Doubled" + "\n\n" + r"$$ \vec H_C + \vec H_C = 2 \vec H_C $$"
     >>> from_note(note, notation="arrow-tilde").steps[0].evidence
     'held in 3 random worlds'

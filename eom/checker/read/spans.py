@@ -21,7 +21,18 @@ class Span(NamedTuple):
     stop: int
 
     def join(self, other: Span) -> Span:
-        """Return the smallest span that holds both, this and ``other``; `NOWHERE` adds nothing."""
+        """Return the smallest span that holds both.
+
+        Parameters
+        ----------
+        other : Span
+            The other one; `NOWHERE` adds nothing.
+
+        Returns
+        -------
+        Span
+            From the smaller start to the larger end.
+        """
         if other == NOWHERE:
             return self
         if self == NOWHERE:
@@ -45,18 +56,51 @@ class Source:
         object.__setattr__(self, "_starts", tuple(starts))
 
     def line_column(self, offset: int) -> tuple[int, int]:
-        """Return line and column of an ``offset`` in characters, both counted from 1."""
+        """Return line and column of a place.
+
+        Parameters
+        ----------
+        offset : int
+            In characters, from the beginning.
+
+        Returns
+        -------
+        tuple of int, int
+            Both counted from 1.
+        """
         offset = min(max(offset, 0), len(self.text))
         line = bisect.bisect_right(self._starts, offset)
         return line, offset - self._starts[line - 1] + 1
 
     def place(self, span: Span) -> str:
-        """Return a place in words: name, line and column."""
+        """Return a place in words.
+
+        Parameters
+        ----------
+        span : Span
+            Of the source.
+
+        Returns
+        -------
+        str
+            Name, line and column.
+        """
         line, column = self.line_column(span.start)
         return ", ".join(p for p in (self.name, f"line {line}, column {column}") if p)
 
     def shown(self, span: Span) -> tuple[str, int, int]:
-        """Return the line around a place, cut to what can be shown, and where carets go in it."""
+        """Return the line around a place, cut to what can be shown, and where carets go in it.
+
+        Parameters
+        ----------
+        span : Span
+            Of the source.
+
+        Returns
+        -------
+        tuple of str, int, int
+            The line, cut to what can be shown, and where carets begin and end in it.
+        """
         start = min(max(span.start, 0), len(self.text))
         first = self.text.rfind("\n", 0, start) + 1
         last = self.text.find("\n", start)
@@ -66,7 +110,20 @@ class Source:
         return printable(self.text[left:right]), start - left, width
 
     def caret(self, span: Span, indent: int = 0) -> str:
-        """Return two lines: the text around a place, and carets under it, ``indent`` spaces in."""
+        """Return two lines: the text around a place, and carets under it.
+
+        Parameters
+        ----------
+        span : Span
+            Of the source.
+        indent : int, default 0
+            So many spaces in.
+
+        Returns
+        -------
+        str
+            Without a line's end behind the second.
+        """
         text, column, width = self.shown(span)
         return f"{text}\n{' ' * (indent + column)}{'^' * width}"
 

@@ -55,6 +55,7 @@ from eom.terms.terms import Term, add, mul, number, zero
 from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.generators import built
 from eom.worlds.shapes import Draw
+from eom.worlds.small import FULL, SPARSE, Chosen
 from eom.worlds.solutions import Restriction, rate, without_rates
 from eom.worlds.special import revealing
 from eom.worlds.worlds import World, closure
@@ -62,8 +63,6 @@ from eom.worlds.worlds import World, closure
 STARTS = 3
 TESTS = 32
 """Worlds that are built at most to make one small."""
-FULL, SPARSE = (0, 1, 1, 2, 3), (0, 0, 1, 1, 2, 3)
-"""Numbers that worlds are drawn from: where nothing shown should vanish, and where it may."""
 SIMPLE = 2  # digits that need not be fewer
 LARGEST = 10_000
 """Numerators and denominators that are shown at most."""
@@ -100,25 +99,6 @@ class Small(Protocol):
 
     def text(self, term: Term) -> str:
         """Return the LaTeX of a value at t = 0. Raises `InputError` and others where it has none."""
-
-
-@dataclass(frozen=True)
-class Chosen(Field):
-    """A field whose random numbers are those of a list, then more that are small and not negative."""
-
-    choices: list[int] = field(default_factory=list, compare=False)
-    place: list[int] = field(default_factory=lambda: [0], compare=False)
-    more: random.Random | None = field(default=None, compare=False)
-    drawn: tuple[int, ...] = field(default=SPARSE, compare=False)
-
-    def draw(self, generator: random.Random) -> Any:  # noqa: ARG002 - the list decides
-        """Return the next number of the list."""
-        k = self.place[0]
-        self.place[0] += 1
-        if k == len(self.choices):
-            self.choices.append(self.more.choice(self.drawn) if self.more else 1)
-        value = self.choices[k]
-        return value if self.prime else Fraction(value)
 
 
 def counterexample(

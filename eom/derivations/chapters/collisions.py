@@ -102,7 +102,7 @@ class Pair:
     def impulse(self) -> None:
         """Derive the impulse between both."""
         d, m1, m2 = self.d, self.m1, self.m2
-        self.mu = d.let("mu", m1 * m2 / (m1 + m2), "reduced mass")
+        self.mu = d.let("m_r", m1 * m2 / (m1 + m2), "reduced mass")
         known = (put_in(*(d.recall(label).equation for label in ("u_1", "u_2"))), self.reduced)
         d.show(
             Equation(expr(m2 * (self.u2 - self.v2)), expr(self.mu * (1 + self.e) * self.apart)),

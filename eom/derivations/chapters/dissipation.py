@@ -79,7 +79,8 @@ def energy_dissipation() -> Derived:
     rates = _equations(d, system)
     _stability(d, rates)
     _energy_sink(d)
-    return d.finish(equations=system, excess_energy=rule, nutation_rate=model.nutation_rate())
+    sink = d.recall("sink-nutation").equation.right.expression
+    return d.finish(equations=system, excess_energy=rule, nutation_rate=sink)
 
 
 # -- body and slug ---------------------------------------------------------------------------
@@ -268,6 +269,8 @@ def _major_axis(d: Derivation) -> tuple[tuple[Expr, Expr], ...]:
     """Write the energy above that of a spin with the same momentum as a sum of squares."""
     h = angular_momentum(sp.diag(*MOMENTS), OMEGA) + model.slug_momentum()
     squares = model.excess_energy(3)
+    for k, moment in enumerate(MOMENTS, 1):
+        d.letter(moment, f"principal moment of inertia about b{k} of the body without the slug")
     energy = d.name_scalar(
         E,
         expr(model.slug_energy()),
@@ -358,7 +361,7 @@ def _routh_hurwitz(d: Derivation) -> None:
         d.name_scalar(
             p,
             expr(sp.factor(polynomial.coeff_monomial(steady.ROOT**n))),
-            f"factor of lambda^{n} for the spin about b3",
+            f"coefficient of lambda^{n} for the spin about b3",
             label=f"coefficient-{n}",
         )
         for n, p in enumerate(COEFFICIENTS)
@@ -377,7 +380,7 @@ def _routh_hurwitz(d: Derivation) -> None:
             ),
         ),
         "Hurwitz's third determinant: positive if I3 is the greatest moment, negative if it is the "
-        "least. For the greatest one all factors are positive, too: every root has a negative real "
+        "least. For the greatest one all coefficients are positive, too: every root has a negative real "
         "part, the spin is stable. For the least one some root has a positive real part, and so for "
         "the intermediate one, where p_0 is negative: of the three spins that about the greatest "
         "moment alone is stable, for every slug and film",

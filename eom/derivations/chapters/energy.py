@@ -102,7 +102,7 @@ def _rotation(d: Derivation) -> None:
         "r' = omega x r", use(moved.equation), label="T-crossed", states=["000:E30"]
     )
     outside = crossed.then(
-        "(a x b).c = a.(b x c); omega comes out of the integral",
+        "(omega x r).(omega x r) = omega.(r x (omega x r)); omega comes out of the integral",
         scalar_triple,
         take_out,
         label="T-triple",
@@ -217,8 +217,10 @@ def _rate_of_rotation(d: Derivation) -> Chain:
 def _pivot(d: Derivation) -> None:
     d.only("body_frame", "O_fixed_in_body", "O_fixed_in_space")
     turned = _velocity_about_pivot(d)
-    d.recall("T-half").then("r' = omega x rho", use(turned.equation), label="T-pivot-crossed").then(
-        "(a x b).c = a.(b x c); omega comes out of the integral", scalar_triple, take_out
+    d.recall("T-half").then("R' = omega x rho", use(turned.equation), label="T-pivot-crossed").then(
+        "(omega x rho).(omega x rho) = omega.(rho x (omega x rho)); omega comes out of the integral",
+        scalar_triple,
+        take_out,
     ).then("the integral is J_O.omega", bac_cab, linear_in(W), fold_into(PIVOT_J), label="T-pivot")
 
 
@@ -232,7 +234,7 @@ def _velocity_about_pivot(d: Derivation) -> Chain:
     return (
         d.start(velocity("dm"))
         .then(
-            "r = r_O + rho, and O is at rest", use(split.equation), distribute, use(still.equation)
+            "R = R_O + rho, and O is at rest", use(split.equation), distribute, use(still.equation)
         )
         .then(
             "the transport theorem; rho does not change in B, every element turns about the pivot",

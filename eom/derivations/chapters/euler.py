@@ -7,7 +7,7 @@ import sympy as sp
 from eom.derivations.chapters.rotation import explicit, principal_matrix
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.exact.algebra import gather
+from eom.exact.algebra import gather, gather_above
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body
 from eom.mechanics.torques import applied
@@ -173,6 +173,7 @@ def _principal(d: Derivation) -> None:
         use(rates),
         use(torque),
         compute(),
+        entrywise(lambda e: gather(e, (*OMEGA.components, *OMEGA_DOT))),
     )
     written = d.recall("euler-matrix").both(
         "by components", lambda t: apply(by_components, t), label="euler-principal"
@@ -198,7 +199,7 @@ def _rows(d: Derivation, written: Chain) -> None:
         )
         rate = row.infer(
             "solved for the rate: the equation of motion",
-            solved(expr(OMEGA_DOT[k - 1])),
+            solved(expr(OMEGA_DOT[k - 1]), entrywise(lambda e: gather_above(e, OMEGA.components))),
             label=f"rate-{k}",
         )
         d.check(Equation(rate.equation.left, expr(system.rates[k - 1])), "the system has the same")

@@ -15,12 +15,13 @@ import sympy as sp
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.exact.algebra import gather
+from eom.exact.algebra import gather, gather_above
 from eom.kinematics.frames import time_derivative
 from eom.terms.rules import (
     along_turned,
     by_axes,
     chain,
+    collect,
     compute,
     distribute,
     dyads,
@@ -100,14 +101,14 @@ class Craft:
         d.frame("D", -self.eta, axis=2)
         (phi, *_), (theta, *_), (psi, *_) = self.angles
         for name, angle, axis, base in (
-            ("E", psi, 3, "D"),
-            ("F", theta, 2, "E"),
+            ("K", psi, 3, "D"),
+            ("F", theta, 2, "K"),
             ("G", phi, 1, "F"),
         ):
             d.frame(name, angle, axis, base)
         (m, r) = d.constants(m="mass", r="radius of the orbit")
         d.body(BODY, m, -r * DOWN, "G", self.I)
-        turns = [omega("D", "I"), omega("E", "D"), omega("F", "E"), omega("G", "F")]
+        turns = [omega("D", "I"), omega("K", "D"), omega("F", "K"), omega("G", "F")]
         d.law(
             Equation(omega("G"), add(*turns)),
             "angular velocities add: of the orbit frame, whose third axis points down and whose second "
@@ -120,6 +121,7 @@ class Craft:
             put_in(d.definition_of(self.eta_dot), self.line("orbit")),
             along_turned(d.own, "G"),
             distribute,
+            collect,
             label="omega-turns",
         )
         self.omega = self._along(omega("G"), "omega", "angular velocity", "turns")
@@ -186,6 +188,7 @@ class Craft:
             use(columns.equation),
             use(turning.equation),
             compute(rates),
+            entrywise(lambda e: gather(e, self.omega)),
             label="h-rate-columns",
         )
 
@@ -268,6 +271,7 @@ class Craft:
             *(d.recall(f"omega-{k}") for k in PLACES),
             *(d.recall(f"c-{k}") for k in PLACES),
         ]
+        tidy = entrywise(lambda e: gather_above(e, [x for row in self.small for x in row]))
         for k, (word, (_, _, second)) in enumerate(zip(words, self.small, strict=True), 1):
             d.recall(f"euler-{k}").infer(
                 f"linearised: the equation of small {word}",
@@ -275,7 +279,7 @@ class Craft:
                 *by_angles,
                 label=f"small-{k}",
                 unknowns=(self.small[k - 1][0],),
-            ).infer("divided by the moment", solved(expr(second)), label=f"rate-{k}")
+            ).infer("divided by the moment", solved(expr(second), tidy), label=f"rate-{k}")
 
     def _rest(self, lines: Sequence[Equation]) -> Expr:
         """Return left less right of Euler's equation, the first line, by the angles of the others."""
@@ -342,8 +346,8 @@ class Craft:
     def roll_and_yaw(self) -> None:
         """Derive the three conditions on a biquadratic whose roots are all on the imaginary axis."""
         d, n, k1, k3, root = self.d, self.n, self.k1, self.k3, self.root
-        b = d.let("b", n**2 * (1 + 3 * k1 + k1 * k3), "factor of lambda^2")
-        c = d.let("c", 4 * n**4 * k1 * k3, "what is free of lambda")
+        b = d.let("s", n**2 * (1 + 3 * k1 + k1 * k3), "coefficient of lambda^2")
+        c = d.let("w", 4 * n**4 * k1 * k3, "what is free of lambda")
         whole = self.line("roll-yaw")
         d.show(
             Equation(whole.left, expr(root**4 + b * root**2 + c)),
@@ -370,7 +374,7 @@ class Craft:
             Equation(
                 expr((root**2 + p) * (root**2 + q)), expr(root**4 + (p + q) * root**2 + p * q)
             ),
-            "with two oscillations lambda^2 is -p and -q: the sum p + q is b, the product p q is c",
+            "with two oscillations lambda^2 is -p and -q: the sum p + q is s, the product p q is w",
             label="oscillations",
         )
         words = "squares of real rates are not negative"
@@ -380,7 +384,7 @@ class Craft:
             (p * q, ((expr(p), expr(q)),), "product"),
         ):
             both[0].infer(
-                f"so {'b' if label == 'sum' else 'c'} is not negative",
+                f"so {'s' if label == 'sum' else 'w'} is not negative",
                 signs(expr(value), *products),
                 both[1],
                 label=f"{label}-sign",
@@ -388,7 +392,7 @@ class Craft:
         square = (p + q) ** 2 - 4 * p * q
         d.show(
             Equation(expr(square), expr((p - q) ** 2)),
-            "and b^2 - 4 c is a square",
+            "and s^2 - 4 w is a square",
             label="discriminant",
         ).infer(
             "so it is not negative",
@@ -402,7 +406,7 @@ class Craft:
         (x,) = d.constants(x="any number, for lambda^2")
         d.show(
             Equation(expr(4 * (x**2 + b * x + c)), expr((2 * x + b) ** 2 - (b**2 - 4 * c))),
-            "conversely, the square completed: the roots for lambda^2 are real if b^2 - 4 c is not "
+            "conversely, the square completed: the roots for lambda^2 are real if s^2 - 4 w is not "
             "negative",
             label="completed",
         )

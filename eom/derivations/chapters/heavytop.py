@@ -17,6 +17,7 @@ from eom.terms.rules import (
     Rule,
     along_turned,
     chain,
+    collect,
     compute,
     differentiate,
     distribute,
@@ -111,10 +112,11 @@ class Top:
                 label="omega-turns",
             )
             .then(
-                "the vertical lies in the plane of e2 and e3",
+                "the vertical lies in the plane of f2 and f3",
                 along_turned(d.own, "F"),
                 chain(d.scalars),
                 distribute,
+                collect,
                 label="omega",
             )
         )

@@ -104,9 +104,13 @@ def _sign(d: Derivation) -> Chain:
     square = integral(dot(cross(X, RHO), cross(X, RHO)))
     form = (
         d.start(square)
-        .then("(a x b).c = a.(b x c); x comes out of the integral", scalar_triple, take_out)
         .then(
-            "r x (x x r) = x (r.r) - r (r.x), linear in x",
+            "(x x rho).(x x rho) = x.(rho x (x x rho)); x comes out of the integral",
+            scalar_triple,
+            take_out,
+        )
+        .then(
+            "rho x (x x rho) = x (rho.rho) - rho (rho.x), linear in x",
             bac_cab,
             linear_in(X),
             fold_into(J),
@@ -128,14 +132,14 @@ def _thin_rod(d: Derivation) -> None:
         "the definition, with any vector v", unfold("inertia"), label="J-of-v"
     )
     double = d.start(integral(cross(RHO, cross(V, RHO)))).then(
-        "r x (v x r) = v (r.r) - r (r.v), linear in v",
+        "rho x (v x rho) = v (rho.rho) - rho (rho.v), linear in v",
         bac_cab,
         linear_in(V),
         label="double-of-v",
     )
     applied = d.show(
         Equation(product.equation.left, double.equation.left),
-        "both are the same: J.v sums up r x (v x r)",
+        "both are the same: J.v sums up rho x (v x rho)",
         use(product.equation),
         use(double.equation),
         label="J-double",
@@ -177,7 +181,7 @@ def _moment(d: Derivation, quadratic: Chain, k: int) -> Chain:
     )
     along = quadratic.infer(f"where the vector x is b{k}", instance({X: b}))
     return along.both(
-        f"with r by its components: squared distances from the axis b{k}",
+        f"with rho by its components: squared distances from the axis b{k}",
         use(name.equation, backwards=True),
         inside("cross", everywhere(resolved(RHO, "B"))),
         *2 * (distribute, orthonormal("B")),

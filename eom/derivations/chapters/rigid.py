@@ -219,9 +219,17 @@ def _about_centre(d: Derivation) -> None:
     )
 
 
+PLACES = {"C": "r", "O": "rho"}
+"""How reasons spell the position of an element from a point."""
+
+
 def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = ()) -> Chain:
     """Write the integral of r x (omega x r) dm as J . omega."""
-    return spin.then("r x (omega x r) = omega (r.r) - r (r.omega)", bac_cab).then(
+    r = PLACES[about]
+    parted = spin.then(
+        f"{r} x (omega x {r}) = omega ({r}.{r}) - {r} ({r}.omega)", bac_cab, label=f"{label}-parted"
+    )
+    return parted.then(
         "linear in omega: the integral is the inertia dyadic",
         linear_in(W),
         fold_into(quantity("inertia", about)),
@@ -251,10 +259,10 @@ def inertia_by_tildes(
     d: Derivation, written: Chain, about: str, frame: str = "B", **options: Any
 ) -> Chain:
     """Write the inertia matrix as minus the integral of the squared tilde."""
-    r = column(position("dm", about), frame)
+    r, spelt = column(position("dm", about), frame), PLACES.get(about, "r")
     return d.show(
         Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
-        "the product of two tildes is r r^T - (r^T r) 1: minus the integrand",
+        f"the product of two tildes is {spelt} {spelt}^T - ({spelt}^T {spelt}) 1: minus the integrand",
         use(written.equation),
         double_tilde,
         distribute,
@@ -305,10 +313,10 @@ def _first_moment_of_centre(d: Derivation, first: Chain) -> None:
     relative, centre = (
         Equation(position(p, "O"), add(position(p), -position("O"))) for p in ("dm", "C")
     )
-    d.law(relative, "rho = r - r_O for each element", label="relative")
+    d.law(relative, "rho = R - R_O for each element", label="relative")
     d.law(centre, "and for the centre of mass", label="relative-centre")
     first.then(
-        "rho = r - r_O; the position of O comes out of the integral",
+        "rho = R - R_O; the position of O comes out of the integral",
         use(relative),
         distribute,
         take_out,
@@ -377,7 +385,7 @@ def _law_about_any_point(d: Derivation, torque: Chain) -> Chain:
     )
     relative = d.recall("relative").equation
     moved = torque.then(
-        "rho = r - r_O; the position of O comes out of the sum",
+        "rho = R - R_O; the position of O comes out of the sum",
         use(relative),
         distribute,
         take_out,
@@ -385,7 +393,7 @@ def _law_about_any_point(d: Derivation, torque: Chain) -> Chain:
         label="torque-moved",
     )
     h = d.recall("h").then(
-        "rho = r - r_O; position and velocity of O come out of the integrals",
+        "rho = R - R_O; position and velocity of O come out of the integrals",
         use(relative),
         distribute,
         take_out,

@@ -21,6 +21,7 @@ Expr = Any
 PREFIX = "inertia-of-"
 FIRST = sp.Matrix([sp.Symbol(f"c_{k}", real=True) for k in (1, 2, 3)])
 SECOND = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S_{min(i, j) + 1}{max(i, j) + 1}", real=True))
+PLACE = tuple(sp.Symbol(f"r_{k}", real=True) for k in (1, 2, 3))
 PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
 CONTENT = {1: "length", 2: "area", 3: "volume"}
 LETTERS = {
@@ -38,6 +39,14 @@ LETTERS = {
     "zenith": "theta",
 }
 """The letters of mass, sizes and angles on a page."""
+
+
+def tidied(value: Expr) -> Expr:
+    """Return an expression or a matrix in factors where there is more than numbers in a denominator."""
+    if isinstance(value, sp.MatrixBase):
+        return value.applyfunc(tidied)
+    divided = any(p.exp.is_negative and p.free_symbols for p in value.atoms(sp.Pow))
+    return sp.factor(value) if divided else value
 
 
 def names() -> dict[str, str]:
@@ -82,12 +91,12 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
     whole = body.of_mass(MASS)
     kind = CONTENT[region.dimension]
     d.show(
-        Equation(expr(_integral(region, sp.Integer(1))), expr(in_letters(body.mass))),
+        Equation(expr(_integral(region, sp.Integer(1))), expr(sp.factor_terms(in_letters(body.mass)))),
         f"the {kind}",
         integrals,
         label=kind,
     )
-    density = in_letters(MASS / body.mass)
+    density = in_letters(MASS) / sp.factor_terms(in_letters(body.mass))
     for k, x in enumerate(X):
         integral, value = density * _integral(region, x), whole.first_moment[k]
         _name(d, FIRST[k], integral, value, f"first moment of the mass: integral of {x} dm")
@@ -101,7 +110,7 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
 
 def _name(d: Derivation, symbol: Expr, integral: Expr, value: Expr, words: str) -> None:
     """Let ``symbol`` stand for a moment, and derive its value; what vanishes by form needs no words."""
-    value = in_letters(value)
+    value = tidied(in_letters(value))
     name = d.name_scalar(symbol, expr(integral), words, label=f"{symbol}-integral")
     if integral != value:
         d.show(
@@ -189,9 +198,10 @@ def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str,
     values = _values(d)
     for point in (CENTRE, *SOLIDS[solid].points):
         moved = mass_properties(solid, point)
-        r = in_letters(whole.centre - moved.centre)
-        inertia = in_letters(sp.ImmutableMatrix(moved.inertia))
-        shifted = MassProperties(in_letters(MASS), FIRST, SECOND).shifted(r).inertia
+        r = tidied(in_letters(whole.centre - moved.centre))
+        inertia = tidied(in_letters(sp.ImmutableMatrix(moved.inertia)))
+        shifted = MassProperties(in_letters(MASS), FIRST, SECOND).shifted(sp.Matrix(PLACE)).inertia
+        shifted = shifted.xreplace(dict(zip(PLACE, r, strict=True)))
         where = "the centre of mass" if point == CENTRE else f"the point {point}"
         d.show(
             Equation(entries(shifted), entries(sp.Matrix(inertia))),

@@ -40,7 +40,7 @@ H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
 J = quantity("inertia", "C")
 B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
 A3 = unit("A", 3)
-AXLE = sp.Symbol("n", real=True)
+AXLE = spinning.SPIN
 """The angular velocity about the axle; the scene's state C, a letter that frame and centre have here."""
 ONE_FRACTION = entrywise(lambda e: sp.together(sp.expand(e)))
 
@@ -258,7 +258,7 @@ def _solved(d: Derivation, body: SpinningSymmetricBody, rows: list[Chain]) -> No
     """Solve both other rows for the accelerations of the angles."""
     M1 = body.parameters[0].symbol
     d.name_scalar(M1, -dot(B1, TORQUE), "torque about -b1", label="M1")
-    theta, psi = (a.xreplace({spinning.SPIN: AXLE}) for a in body.accelerations)
+    theta, psi = body.accelerations
     own_spin = d.recall("spin").infer("solved for Omega", solved(expr(OMEGA)), label="Omega")
     with_spin = put_in(own_spin.equation)
     torque = d.recall("M1").infer("the torque about b1", solved(dot(B1, TORQUE)), label="torque-1")

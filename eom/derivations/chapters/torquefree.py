@@ -284,17 +284,18 @@ def _rates(d: Derivation) -> list[Chain]:
     moving = d.start(der(column(W, "B"))).then(
         "rates of the components", use(rates), compute(known), label="rate-column"
     )
+    tidy = entrywise(lambda e: gather(e, OMEGA.components))
     known_columns = (
         use(d.recall("J-principal").equation),
         use(moving.equation),
         use(rates),
         compute(),
+        tidy,
     )
     d.in_components(d.recall("euler-free"), "B", "components in B", label="euler-in-B")
     written = d.recall("euler-in-B").both(
         "by components", lambda t: apply(known_columns, t), label="euler-columns"
     )
-    tidy = entrywise(lambda e: gather(e, OMEGA.components))
     return [
         written.infer(f"row {k}", entry(k, tidy), label=f"euler-{k}").infer(
             f"divided by I{k}", solved(expr(RATES[k - 1]), tidy), label=f"rate-{k}"
@@ -322,6 +323,7 @@ def _constant_rates(d: Derivation) -> None:
         d.start(matmul(tilde(rates), matmul(inertia, rates))).then(
             CONSTANT_RATES[case],
             compute(),
+            entrywise(lambda e: gather(e, OMEGA.components)),
             label=f"constant-rates-{k}",
             states=["000:C2", "000:C3", "000:C4"],
         )

@@ -52,14 +52,41 @@ def conserved_quantities(
 ) -> tuple[Conserved, ...]:
     """Return constants of the motion of a stated form, each proved; none of other forms are seen.
 
-    ``source``: a closed form, a Lagrangian or equations. ``rates``: largest degree in the speeds;
-    ``harmonics``: in sines and cosines of coordinates; ``powers``: in coordinates that stand in no sine or
-    cosine. Over the coordinates that occur in the equations or the Lagrangian, and rates. Products and
-    sums of those found are left out. Raises `InputError` for degrees that are no whole numbers from 0 to
-    12, an ansatz too large, and equations that are no quotients of polynomials; `DerivationError` if a
-    proof failed. Units are those that follow from the source. Source: Whittaker, Analytical Dynamics
-    (1937), ch. XII.
+    Parameters
+    ----------
+    source : ClosedForm or Lagrangian or Equations
+        A closed form, a Lagrangian or equations.
+    rates : int, default 2
+        Largest degree in the speeds.
+    harmonics : int, default 2
+        Largest degree in sines and cosines of coordinates.
+    powers : int, default 2
+        Largest degree in coordinates that stand in no sine or cosine.
 
+    Returns
+    -------
+    tuple of Conserved
+        Each proved, over the coordinates that occur in the equations or the Lagrangian, and their
+        rates. Products and sums of those found are left out; constants of other forms are not seen.
+
+    Raises
+    ------
+    InputError
+        For degrees that are no whole numbers from 0 to 12, an ansatz too large, and equations that
+        are no quotients of polynomials.
+    DerivationError
+        If a proof failed.
+
+    Notes
+    -----
+    Units are those that follow from the source.
+
+    References
+    ----------
+    Whittaker, Analytical Dynamics (1937), ch. XII.
+
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
     >>> oscillator = Lagrangian("oscillator", {q: u}, m * u**2 / 2, k * q**2 / 2)

@@ -47,10 +47,31 @@ class Cyclic:
 def cyclic_coordinates(of: Lagrangian) -> tuple[Cyclic, ...]:
     """Return the cyclic coordinates ``of`` a system with their momenta, proved by the derivatives of L.
 
-    Where a damper or another force acts along one, its momentum changes, and that is told. Raises
-    `DerivationError` if a rearranged formula were not equal. Units and signs are those of the Lagrangian.
-    Source: Goldstein, Classical Mechanics (2002), sec. 2.6.
+    Parameters
+    ----------
+    of : Lagrangian
+        The energies and forces of a system.
 
+    Returns
+    -------
+    tuple of Cyclic
+        Each with its momentum, and how that changes where a damper or another force acts along it.
+
+    Raises
+    ------
+    DerivationError
+        If a rearranged formula were not equal.
+
+    Notes
+    -----
+    Proved by the derivatives of L. Units and signs are those of the Lagrangian.
+
+    References
+    ----------
+    Goldstein, Classical Mechanics (2002), sec. 2.6.
+
+    Examples
+    --------
     >>> x, u = sp.symbols("x u", real=True)
     >>> m = sp.Symbol("m", positive=True)
     >>> found = cyclic_coordinates(Lagrangian("free", {x: u}, m * u**2 / 2))
@@ -96,12 +117,36 @@ class Routhian:
 def routh(of: Lagrangian, coordinates: Sequence[str] | None = None) -> Routhian:
     """Return Routh's reduction ``of`` a system by cyclic coordinates whose momenta are constant.
 
-    ``coordinates``: their names, by default all; momenta are called ``p_<coordinate>``. That the
-    equations of the others are those of the whole system is proved. Raises `InputError` for
-    coordinates that are not cyclic or not conserved, and for none; `DerivationError` if the proof failed.
-    Units and signs are those of the
-    Lagrangian. Source: Goldstein, Classical Mechanics (2002), sec. 8.3.
+    Parameters
+    ----------
+    of : Lagrangian
+        The energies of a system.
+    coordinates : sequence of str, optional
+        Names of cyclic coordinates whose momenta are constant, by default all.
 
+    Returns
+    -------
+    Routhian
+        The Lagrangian of the other coordinates, over momenta ``p_<coordinate>``. That its equations
+        are those of the whole system is proved.
+
+    Raises
+    ------
+    InputError
+        For coordinates that are not cyclic or not conserved, and for none.
+    DerivationError
+        If the proof failed.
+
+    Notes
+    -----
+    Units and signs are those of the Lagrangian.
+
+    References
+    ----------
+    Goldstein, Classical Mechanics (2002), sec. 8.3.
+
+    Examples
+    --------
     >>> r, u, phi, w = sp.symbols("r u phi w", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
     >>> kepler = Lagrangian("Kepler", {r: u, phi: w}, m * (u**2 + r**2 * w**2) / 2, -k / r)

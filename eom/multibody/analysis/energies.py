@@ -76,18 +76,56 @@ class Equations:
             seen = [self.rate(q) for q in new]
 
     def rate(self, q: Expr) -> Expr:
-        """Return the rate of a coordinate ``q``."""
+        """Return the rate of a coordinate.
+
+        Parameters
+        ----------
+        q : expression
+            One of ``coordinates``.
+
+        Returns
+        -------
+        expression
+            Over coordinates and speeds.
+        """
         return self.kinematics[self.coordinates.index(q)]
 
     def with_symbols(self, known: Mapping[Expr, Expr]) -> Equations:
-        """Return the same over other symbols, ``known`` by those in whose place they are."""
+        """Return the same over other symbols.
+
+        Parameters
+        ----------
+        known : mapping of expression to expressions
+            The new symbol by the one in whose place it is.
+
+        Returns
+        -------
+        Equations
+            Units and signs stay.
+        """
         names = "coordinates", "kinematics", "speeds", "accelerations", "rest", "closures"
         put = dict(known)
         made: dict[str, Any] = {n: tuple(e.xreplace(put) for e in getattr(self, n)) for n in names}
         return replace(self, mass=sp.ImmutableMatrix(self.mass.xreplace(put)), **made)
 
     def symbol(self, name: Any) -> Expr:
-        """Return a coordinate or speed by its ``name``. Raises `InputError` for others."""
+        """Return a coordinate or speed by its name.
+
+        Parameters
+        ----------
+        name : str or symbol
+            As it is written.
+
+        Returns
+        -------
+        symbol
+            Of the equations.
+
+        Raises
+        ------
+        InputError
+            For others.
+        """
         known = {s.name: s for s in (*self.coordinates, *self.speeds)}
         if str(name) not in known:
             raise InputError(
@@ -157,9 +195,22 @@ class Lagrangian:
             )  # fmt: skip
 
     def with_symbols(self, known: Mapping[Expr, Expr]) -> Lagrangian:
-        """Return the same over other symbols, ``known`` by those in whose place they are.
+        """Return the same over other symbols.
 
-        Raises `InputError` where two become one.
+        Parameters
+        ----------
+        known : mapping of expression to expressions
+            The new symbol by the one in whose place it is.
+
+        Returns
+        -------
+        Lagrangian
+            Units and signs stay.
+
+        Raises
+        ------
+        InputError
+            Where two become one.
         """
         put = dict(known)
         return Lagrangian(
@@ -237,9 +288,29 @@ def _scalar(given: Any, where: str) -> Expr:
 def equations_of(source: ClosedForm | Lagrangian | Equations) -> Equations:
     """Return the equations of motion of a ``source``: a closed form or Lagrangian.
 
-    Raises `InputError` where time or inputs drive it, `DerivationError` if one were not written equal.
+    Parameters
+    ----------
+    source : ClosedForm or Lagrangian or Equations
+        A closed form or Lagrangian; equations are returned as they are.
+
+    Returns
+    -------
+    Equations
+        Mass matrix, rest and kinematics over coordinates, speeds and accelerations.
+
+    Raises
+    ------
+    InputError
+        Where time or inputs drive it.
+    DerivationError
+        If one were not written equal.
+
+    Notes
+    -----
     Units and signs are those of the source.
 
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> equations_of(Lagrangian("free", {q: u}, u**2 / 2)).mass
     Matrix([[1]])
@@ -287,11 +358,32 @@ def _prescribed(form: ClosedForm) -> Any:
 def lagrangian(tree: Tree, *, names: Mapping[str, str] | None = None) -> Lagrangian:
     """Return the energies of a tree over its coordinates and their rates.
 
-    ``names``: as of `closed_form`. Attitudes are by angles, whose rates are the speeds. Constraints are
-    allowed that give coordinates outright, such as q = R. Raises `InputError` for quaternions, other
-    constraints, and what `closed_form` refuses; `DerivationError` if the energies gave other equations
-    than the closed form. Units, frames and signs are those of `closed_form`, as are sources.
+    Parameters
+    ----------
+    tree : Tree
+        With attitudes by angles, whose rates are the speeds; constraints are allowed that give
+        coordinates outright, such as q = R.
+    names : mapping of str to str, optional
+        As of `closed_form`.
 
+    Returns
+    -------
+    Lagrangian
+        Kinetic and potential energy, dissipation and other forces.
+
+    Raises
+    ------
+    InputError
+        For quaternions, other constraints, and what `closed_form` refuses.
+    DerivationError
+        If the energies gave other equations than the closed form.
+
+    Notes
+    -----
+    Units, frames and signs are those of `closed_form`, as are sources.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> m, l, g = sp.symbols("m l g", positive=True)
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")

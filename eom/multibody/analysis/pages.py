@@ -47,13 +47,43 @@ def analysis_page(
 ) -> str:
     """Return what analysis finds of a tree or Lagrangian, the ``source``, as a page.
 
-    ``style``: a format of `eom.derivations.showing.FORMATS`. ``names``: as of `closed_form`. ``values``:
-    of a steady motion, as of `steady_motion`; ``solve``: symbols that its conditions are solved for.
-    ``order``: of the equations for small changes (0: left out); ``rates``, ``harmonics``: of the ansatz
-    for conserved quantities, as of `conserved_quantities`. ``positive``: names of parameters that are
-    taken to be so. Quaternions of a tree are replaced by angles, which is told. Raises `InputError` as
-    these. Units and signs are those of the source, as are frames.
+    Parameters
+    ----------
+    source : Tree or Lagrangian
+        What is analysed; quaternions of a tree are replaced by angles, which is told.
+    style : str, default "text"
+        A format of `eom.derivations.showing.FORMATS`.
+    names : mapping of str to str, optional
+        As of `closed_form`.
+    values : mapping of str to objects, optional
+        Of a steady motion, as of `steady_motion`.
+    solve : sequence of str, optional
+        Symbols that its conditions are solved for.
+    order : int, default 3
+        Of the equations for small changes; 0 leaves them out.
+    rates, harmonics : int, default 2
+        Of the ansatz for constants of the motion, as of `conserved_quantities`.
+    positive : sequence of str, optional
+        Names of parameters that are taken to be positive.
 
+    Returns
+    -------
+    str
+        Cyclic coordinates, constants of the motion, steady motions and their stability, as one
+        text.
+
+    Raises
+    ------
+    InputError
+        As `closed_form`, `steady_motion` and `conserved_quantities` raise it, and for unknown
+        formats.
+
+    Notes
+    -----
+    Units and signs are those of the source, as are frames.
+
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> page = analysis_page(Lagrangian("free", {q: u}, u**2 / 2))
     >>> page.splitlines()[0]

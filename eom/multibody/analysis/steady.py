@@ -57,8 +57,22 @@ class SteadyMotion:
     def solved(self, name: str) -> SteadyMotion:
         """Return it with one of its symbols found from a condition that is linear in it.
 
-        ``name``: of a coordinate's or speed's value, or of a parameter. Raises `InputError` where none
-        is linear in it, `DerivationError` if a formula were not written equal.
+        Parameters
+        ----------
+        name : str
+            Of a coordinate's or speed's value, or of a parameter.
+
+        Returns
+        -------
+        SteadyMotion
+            The condition that gives it is left out.
+
+        Raises
+        ------
+        InputError
+            Where none is linear in it.
+        DerivationError
+            If a formula were not written equal.
         """
         for k, c in enumerate(self.conditions):
             for symbol in (s for s in c.free_symbols if s.name == name):
@@ -85,11 +99,34 @@ def steady_motion(
 ) -> SteadyMotion:
     """Return the steady motions of a ``source`` as equations between what is constant.
 
-    ``values``: numbers or expressions by name of coordinates or speeds; a speed that is the rate of a
-    coordinate that occurs is zero. Conditions that hold by themselves are left out. Raises `InputError`
-    for unknown names and where no values are steady. Units and signs are those of the source.
-    Source: Greenwood, Advanced Dynamics (2003), ch. 2.
+    Parameters
+    ----------
+    source : ClosedForm or Lagrangian or Equations
+        A closed form, a Lagrangian or equations.
+    values : mapping of str to objects, optional
+        Numbers or expressions by name of coordinates or speeds; a speed that is the rate of a
+        coordinate that occurs is zero.
 
+    Returns
+    -------
+    SteadyMotion
+        Equations between what is constant. Conditions that hold by themselves are left out.
+
+    Raises
+    ------
+    InputError
+        For unknown names and where no values are steady.
+
+    Notes
+    -----
+    Units and signs are those of the source.
+
+    References
+    ----------
+    Greenwood, Advanced Dynamics (2003), ch. 2.
+
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> g, w, R = sp.symbols("g w R", positive=True)
     >>> hoop = Lagrangian("hoop", {q: u}, R**2 * (u**2 + w**2 * sp.sin(q)**2) / 2, -g * R * sp.cos(q))
@@ -170,11 +207,34 @@ class Linearised:
 def linearised(about: SteadyMotion) -> Linearised:
     """Return the linear motion ``about`` a steady motion, in symbols.
 
-    Conditions of the steady motion that are not solved (`SteadyMotion.solved`) are left as they are: the
-    formulas hold where they do. Raises `InputError` where the mass matrix is singular there,
-    `DerivationError` if a formula were not written equal. SI units, or those of the source; signs are
-    those of the source. Source: Greenwood, Advanced Dynamics (2003), ch. 2.
+    Parameters
+    ----------
+    about : SteadyMotion
+        Of `steady_motion`. Conditions that are not solved (`SteadyMotion.solved`) are left as they
+        are: the formulas hold where they do.
 
+    Returns
+    -------
+    Linearised
+        Matrices of mass, damping and stiffness in symbols, and the characteristic polynomial.
+
+    Raises
+    ------
+    InputError
+        Where the mass matrix is singular there.
+    DerivationError
+        If a formula were not written equal.
+
+    Notes
+    -----
+    SI units, or those of the source; signs are those of the source.
+
+    References
+    ----------
+    Greenwood, Advanced Dynamics (2003), ch. 2.
+
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
     >>> L = Lagrangian("oscillator", {q: u}, m * u**2 / 2, k * q**2 / 2)
@@ -250,10 +310,27 @@ class Stability:
 def stability(of: Linearised) -> Stability:
     """Return the conditions of stability ``of`` a linear motion as expressions that must be positive.
 
-    Factors that are positive by what is known of their symbols are left out, and conditions that hold
-    by themselves. Units follow from the coefficients. Source: Hurwitz's determinants, Gantmacher, The
-    Theory of Matrices, vol. II (1959), ch. XV.
+    Parameters
+    ----------
+    of : Linearised
+        Of `linearised`.
 
+    Returns
+    -------
+    Stability
+        Expressions that must be positive. Factors that are positive by what is known of their
+        symbols are left out, and conditions that hold by themselves.
+
+    Notes
+    -----
+    Units follow from the coefficients.
+
+    References
+    ----------
+    Hurwitz's determinants, Gantmacher, The Theory of Matrices, vol. II (1959), ch. XV.
+
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k, d = sp.symbols("m k d", real=True)
     >>> L = Lagrangian("damped", {q: u}, u**2 / 2, k * q**2 / 2, d * u**2 / 2)
@@ -315,11 +392,32 @@ def small_motion(
 ) -> SmallMotion:
     """Return the equations of motion of a ``source`` for small coordinates and speeds, to an order.
 
-    Coordinates that occur, speeds and accelerations are small of the first order; ``about``: values that
-    they are near to, by name, 0 if left out. Every product of up to ``order`` of them is kept: Taylor's
-    series of the equations. Raises `InputError` for an order below 1 or above 20, unknown names, and where
-    the equations have no series. Units and signs are those of the source.
+    Parameters
+    ----------
+    source : ClosedForm or Lagrangian or Equations
+        A closed form, a Lagrangian or equations.
+    order : int, default 1
+        Every product of up to so many small quantities is kept, 1 to 20.
+    about : mapping of str to objects, optional
+        Values that coordinates and speeds are near to, by name, 0 if left out.
 
+    Returns
+    -------
+    SmallMotion
+        Taylor's series of the equations; coordinates that occur, speeds and accelerations are small
+        of the first order.
+
+    Raises
+    ------
+    InputError
+        For an order below 1 or above 20, unknown names, and where the equations have no series.
+
+    Notes
+    -----
+    Units and signs are those of the source.
+
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> pendulum = Lagrangian("pendulum", {q: u}, u**2 / 2, -sp.cos(q))
     >>> small_motion(pendulum, 3).equations

@@ -118,7 +118,20 @@ class ClosedForm:
         return found
 
     def of(self, equation: Expr, kind: str = "") -> tuple[Term, ...]:
-        """Return the terms of one ``equation``, by the symbol of its speed: all, or of one ``kind``."""
+        """Return the terms of one equation.
+
+        Parameters
+        ----------
+        equation : expression
+            The symbol of its speed.
+        kind : str, optional
+            Such as ``inertial`` or ``gravity``; all unless given.
+
+        Returns
+        -------
+        tuple of Term
+            Their sum is zero.
+        """
         return tuple(t for t in self.terms if t.equation == equation and kind in {"", t.kind})
 
     @cached_property
@@ -131,7 +144,18 @@ class ClosedForm:
         return sp.ImmutableMatrix(rows)
 
     def column(self, *kinds: str) -> Expr:
-        """Return the sums of the terms of some ``kinds``, one a speed: a column (n, 1)."""
+        """Return the sums of the terms of some ``kinds``, one a speed: a column (n, 1).
+
+        Parameters
+        ----------
+        kinds : str
+            Such as ``inertial`` or ``gravity``.
+
+        Returns
+        -------
+        matrix
+            The sums of the terms of these kinds, one a speed: (n, 1).
+        """
         return sp.ImmutableMatrix(
             [
                 sp.Add(*(t.expression for k in kinds for t in self.of(u.symbol, k)))
@@ -226,7 +250,20 @@ class ClosedForm:
     def show(self, style: str = "text") -> str:
         """Return the derivation as a page, its ``style`` text, latex, markdown or html.
 
-        Raises `InputError` for other styles.
+        Parameters
+        ----------
+        style : str, default "text"
+            ``text``, ``latex``, ``markdown`` or ``html``.
+
+        Returns
+        -------
+        str
+            The derivation as a page.
+
+        Raises
+        ------
+        InputError
+            For other styles.
         """
         return str(shown(self, style))
 
@@ -310,7 +347,20 @@ class Comparison:
     def show(self, style: str = "text") -> str:
         """Return the comparison as a page, its ``style`` text, latex, markdown or html.
 
-        Raises `InputError` for other styles.
+        Parameters
+        ----------
+        style : str, default "text"
+            ``text``, ``latex``, ``markdown`` or ``html``.
+
+        Returns
+        -------
+        str
+            The comparison as a page.
+
+        Raises
+        ------
+        InputError
+            For other styles.
         """
         return str(shown(self, style))
 
@@ -330,18 +380,49 @@ def closed_form(
 ) -> ClosedForm:
     """Return the equations of motion of a small tree as a person would write them.
 
-    ``method``: a row of `METHODS`. ``coordinates``: other coordinates in place of the joints', as
-    expressions over new symbols (`absolute_angles`). ``names``: others for coordinates and speeds, by the
-    names that they have; the rate of what is called phi is called phi_dot. Under constraints, Lagrange's
-    equations get multipliers and are combined so that these drop out, Kane's are those of nonholonomic
-    speeds; ``independent``: names of the speeds that stay, by default those that leave the simplest
-    equations. ``rates``: also of joints whose speeds are components of velocities (planar, spherical and
-    free ones; not in quaternions), the speeds are the rates of their coordinates. Raises `InputError` for
-    an unknown method, constraints that cannot be solved, and for a tree whose closed form nobody would
-    read. SI units; frames and signs are those of `Joint`. Source: Goldstein, Classical Mechanics (2002),
-    ch. 1; Kane and Levinson, Dynamics: Theory and Applications (1985); Wittenburg, Dynamics of Multibody
-    Systems (2008).
+    Parameters
+    ----------
+    tree : Tree
+        A small one, of any joints; SI units.
+    method : str, default "lagrange"
+        A row of `METHODS`.
+    coordinates : mapping of expression to expressions, optional
+        Other coordinates in place of the joints', as expressions over new symbols
+        (`absolute_angles`).
+    names : mapping of str to str, optional
+        Others for coordinates and speeds, by the names that they have; the rate of what is called
+        phi is called phi_dot.
+    independent : sequence of str, optional
+        Names of the speeds that stay under constraints, by default those that leave the simplest
+        equations.
+    rates : bool, default False
+        Also of joints whose speeds are components of velocities (planar, spherical and free ones;
+        not in quaternions) the speeds are the rates of their coordinates.
 
+    Returns
+    -------
+    ClosedForm
+        The equations term by term, each with the step that it comes from. Under constraints,
+        Lagrange's equations get multipliers and are combined so that these drop out, Kane's are
+        those of nonholonomic speeds.
+
+    Raises
+    ------
+    InputError
+        For an unknown method, constraints that cannot be solved, and for a tree whose closed form
+        nobody would read.
+
+    Notes
+    -----
+    SI units; frames and signs are those of `Joint`.
+
+    References
+    ----------
+    Goldstein, Classical Mechanics (2002), ch. 1; Kane and Levinson, Dynamics: Theory and
+    Applications (1985); Wittenburg, Dynamics of Multibody Systems (2008).
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> m, l, g = sp.symbols("m l g", positive=True)
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
@@ -366,10 +447,34 @@ def compare(
 ) -> Comparison:
     """Return the closed forms of a tree by several methods, their agreement verified term by term.
 
-    ``methods``: rows of `METHODS`; ``coordinates``, ``names``, ``independent``, ``rates``: as of
-    `closed_form`. Multipliers of constraints are compared, too. Raises `DerivationError` if two methods
-    differ, and `InputError` as `closed_form`. Units, frames, signs and sources are those of `closed_form`.
+    Parameters
+    ----------
+    tree : Tree
+        As of `closed_form`.
+    methods : iterable of str, optional
+        Rows of `METHODS`.
+    coordinates, names, independent, rates : mapping of expression to expressions, optional
+        As of `closed_form`.
 
+    Returns
+    -------
+    Comparison
+        The forms side by side; that they agree is verified term by term, of multipliers of
+        constraints, too.
+
+    Raises
+    ------
+    DerivationError
+        If two methods differ.
+    InputError
+        As `closed_form`.
+
+    Notes
+    -----
+    Units, frames, signs and sources are those of `closed_form`.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
@@ -585,9 +690,20 @@ def _alone(v: Vector, k: int) -> bool:
 def absolute_angles(tree: Tree) -> dict[Expr, Expr]:
     """Return coordinates that measure revolute joints with parallel axes against the ground.
 
-    For `closed_form(tree, coordinates=...)`: each angle ``q_<joint>`` that hangs on another about the
-    same direction, and that other, over new symbols ``theta_<joint>`` (rad). Empty if there is none.
+    Parameters
+    ----------
+    tree : Tree
+        Whose revolute joints hang on each other about parallel axes.
 
+    Returns
+    -------
+    dict of expression to expressions
+        For `closed_form(tree, coordinates=...)`: each angle ``q_<joint>`` that hangs on another
+        about the same direction, and that other, over new symbols ``theta_<joint>`` (rad), which
+        are measured against the ground. Empty if there is none.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> upper = Joint("upper", "revolute", "ground", "a", axis="x")
     >>> lower = Joint("lower", "revolute", "a", "b", axis="x")

@@ -79,11 +79,33 @@ def tree_page(
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
-    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.showing.FORMATS`:
-    text, latex, markdown or html. ``coordinates``, ``names``, ``independent``, ``rates``: as of
-    `closed_form`, as are units, frames, signs and sources. Raises `InputError` for unknown methods and
-    formats, else as `compare`.
+    Parameters
+    ----------
+    tree : Tree
+        As of `closed_form`.
+    method : str, default "all"
+        A row of `METHODS`, or ``all`` for all of them side by side.
+    style : str, default "text"
+        A format of `eom.derivations.showing.FORMATS`: text, latex, markdown or html.
+    coordinates, names, independent, rates : mapping of expression to expressions, optional
+        As of `closed_form`.
 
+    Returns
+    -------
+    str
+        The derivation, from the positions of the bodies to the equations.
+
+    Raises
+    ------
+    InputError
+        For unknown methods and formats, else as `compare`.
+
+    Notes
+    -----
+    Units, frames, signs and sources are those of `closed_form`.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> pendulum = Tree("pendulum", (Body("bob", 2, (0, 0, -1)),), (hinge,), gravity=(0, 0, -10))

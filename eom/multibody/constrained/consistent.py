@@ -52,7 +52,18 @@ class Assembly:
         return f"changed: {changes}"
 
     def start(self, system: System) -> dict[str, float]:
-        """Return the values of the states of a ``system``, by name."""
+        """Return the values of the states of a ``system``, by name.
+
+        Parameters
+        ----------
+        system : System
+            Of the tree that was assembled.
+
+        Returns
+        -------
+        dict of str to floats
+            The values of its states, by name, in SI units.
+        """
         return {name: self.values[name] for name in system.state_names}
 
 
@@ -67,17 +78,43 @@ def assemble(
 ) -> Assembly:
     """Return start values that meet the constraints, from approximate ones.
 
-    ``values``: numbers by name, of parameters and of coordinates and speeds; of these zero where left
-    out, for a quaternion the unit. ``weights``: by name of a speed; what has a larger one changes
-    less, and so does its coordinate (1 unless given). ``keep``: names of speeds, or of coordinates
-    whose rate is a speed, that must not change. Coordinates change least in each turn of Newton's
-    iteration; of all speeds that meet the constraints there, the nearest are returned. ``time``: at which
-    prescribed motions and constraints are taken (s). SI units.
+    Parameters
+    ----------
+    tree : Tree
+        With constraints.
+    values : mapping of str to floats
+        Numbers by name, of parameters and of coordinates and speeds; of these zero where left out,
+        for a quaternion the unit.
+    weights : mapping of str to floats, optional
+        By name of a speed; what has a larger one changes less, and so does its coordinate (1 unless
+        given).
+    keep : collection of str, optional
+        Names of speeds, or of coordinates whose rate is a speed, that must not change.
+    time : float, default 0.0
+        At which prescribed motions and constraints are taken (s).
 
-    Raises `InputError` for unknown names, where no configuration is found near the values, where
-    constraints meet with the wrong side (an axis turned round), and in singular configurations.
-    Source: Newton's method with steps of least size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
+    Returns
+    -------
+    Assembly
+        Start values that meet the constraints, and by how much each was changed. In SI units.
 
+    Raises
+    ------
+    InputError
+        For unknown names, where no configuration is found near the values, where constraints meet
+        with the wrong side (an axis turned round), and in singular configurations.
+
+    Notes
+    -----
+    Coordinates change least in each turn of Newton's iteration; of all speeds that meet the
+    constraints there, the nearest are returned.
+
+    References
+    ----------
+    Newton's method with steps of least size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Distance, Joint
     >>> bead = Body("bead", mass=1, inertia=(1, 1, 1))
     >>> rod = Distance("rod", "ground", "bead", 2)

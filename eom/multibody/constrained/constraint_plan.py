@@ -1,9 +1,6 @@
 """How a tree is bound: what is kept of its constraints, which speeds follow, what a system reports.
 
 Forces of constraints as loads on the parts of a tree, for reactions in its joints.
-
-A constraint's row of coefficients, taken for the six unit motions of each single part instead of the
-speeds of the joints, is the wrench of a unit multiplier on that part: by the principle of virtual power.
 """
 
 from __future__ import annotations
@@ -17,7 +14,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.multibody.algebra.lazy_sums import Naming, plain, used
 from eom.multibody.algebra.scalars import Scalar, add, mul, total
-from eom.multibody.algebra.spatial import IDENTITY, ZERO, SpatialVector, Vector, cross, minus, times
+from eom.multibody.algebra.spatial import SpatialVector, times
 from eom.multibody.algebra.values import is_number, same, value
 from eom.multibody.constrained.dependence import dependents, examine
 from eom.multibody.constrained.equations import Component, components, sine_square
@@ -35,7 +32,7 @@ from eom.multibody.constrained.multipliers import (
     follow,
     followed,
 )
-from eom.multibody.constrained.relations import Arithmetic, Scene, scene
+from eom.multibody.constrained.relations import Arithmetic, Scene, loose, scene
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
@@ -45,7 +42,7 @@ from eom.multibody.model.constraints import (
     SpeedEquation,
 )
 from eom.multibody.model.model import GROUND, Tree, moves_nothing
-from eom.multibody.recursion.lumped_tree import BodyPlacement, LumpedTree
+from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.quantities import TIME, Assumption, Definition, Quantity, Singularity
 
 OF_SPEEDS = (Coupling, Rolling, KnifeEdge, SpeedEquation)
@@ -286,32 +283,20 @@ BETWEEN_POINTS = (Loop, Distance, Rolling, KnifeEdge)
 """Constraints that act on bodies; the others act within joints, along their speeds."""
 
 
-@dataclass(frozen=True)
-class _Loose(Scene):
-    """A tree whose parts all move by themselves: six unit motions each, in the ground's axes."""
-
-    def _columns(self, seat: BodyPlacement, position: Vector) -> dict[int, SpatialVector]:
-        k = seat.part
-        arm = minus(position, self.poses[k][1])
-        turns = [SpatialVector(e, cross(e, arm)) for e in IDENTITY]
-        return dict(enumerate([*turns, *(SpatialVector(ZERO, e) for e in IDENTITY)], 6 * k))
-
-
 def constraint_loads(binding: Binding) -> Callable[[LumpedTree], list[SpatialVector]]:
     """Return what gives the loads on the parts of a lumped_tree: moments about origins, and forces."""
     values = binding.multipliers()
 
     def loads(lumped: LumpedTree) -> list[SpatialVector]:
         still = scene(lumped, binding.q, None, binding.arithmetic)
-        loose = _Loose(lumped, still.arithmetic, still.q, None, still.placed, still.poses, ())
         kinds = {c.name: type(c) for c in binding.tree.constraints}
         six: list[Scalar] = [0] * (6 * len(lumped.parts))
-        found = components(binding.tree, loose)
+        found = components(binding.tree, loose(still))
         for number, multiplier in zip(binding.plan.kept, values, strict=True):
             if kinds[found[number].constraint] in BETWEEN_POINTS:
                 for place, x in found[number].relation.row().items():
                     six[place] = add(six[place], mul(multiplier, x))
-        return [_turned(R, six[6 * k : 6 * k + 6]) for k, (R, _) in enumerate(loose.poses)]
+        return [_turned(R, six[6 * k : 6 * k + 6]) for k, (R, _) in enumerate(still.poses)]
 
     return loads
 

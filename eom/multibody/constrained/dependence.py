@@ -342,11 +342,31 @@ class Examination:
 def examine(tree: Tree, start: Mapping[str, float] | None = None) -> Examination:
     """Return which components of a tree's constraints are independent.
 
-    ``start``: numbers by name for parameters, inputs and coordinates; what is left out is drawn at
-    random, always the same. Raises `InputError` where constraints cannot be met together, where they
-    contradict each other in their rates, and where they leave no motion. SI units; a row counts as
-    dependent by a remainder of `RANK` relative to its size.
+    Parameters
+    ----------
+    tree : Tree
+        With constraints.
+    start : mapping of str to floats, optional
+        Numbers by name for parameters, inputs and coordinates; what is left out is drawn at random,
+        always the same.
 
+    Returns
+    -------
+    Examination
+        How many degrees of freedom there are, and which components of constraints depend on which.
+
+    Raises
+    ------
+    InputError
+        Where constraints cannot be met together, where they contradict each other in their rates,
+        and where they leave no motion.
+
+    Notes
+    -----
+    SI units; a row counts as dependent by a remainder of `RANK` relative to its size.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Distance, Joint
     >>> bead = Body("bead", mass=1, inertia=(1, 1, 1))
     >>> rods = (Distance("rod", "ground", "bead", 2), Distance("same", "ground", "bead", 2))

@@ -167,6 +167,26 @@ def scene(
     return Scene(lumped, arithmetic, q, u, placed, found, motions)
 
 
+@dataclass(frozen=True)
+class _Loose(Scene):
+    """A tree whose parts all move by themselves: six unit motions each, in the ground's axes."""
+
+    def _columns(self, seat: BodyPlacement, position: Vector) -> dict[int, SpatialVector]:
+        k = seat.part
+        arm = minus(position, self.poses[k][1])
+        turns = [SpatialVector(e, cross(e, arm)) for e in IDENTITY]
+        return dict(enumerate([*turns, *(SpatialVector(ZERO, e) for e in IDENTITY)], 6 * k))
+
+
+def loose(still: Scene) -> Scene:
+    """Return a scene of the same places whose parts move by themselves.
+
+    A row of coefficients is then the wrench of a unit multiplier on each part, by the principle of virtual
+    power: of part k the moment about its origin at 6k, the force at 6k + 3, in the ground's axes.
+    """
+    return _Loose(still.lumped, still.arithmetic, still.q, None, still.placed, still.poses, ())
+
+
 def _moved(
     place: Place, R: Matrix, arm: Vector, carrier: AngularMotion, u: Scalars, work: Work
 ) -> AngularMotion:
@@ -236,6 +256,10 @@ class Relation:
         """Return what is positive on the right side where the equation holds on two; or None."""
         return None
 
+    def places(self) -> tuple[Vector, ...]:
+        """Return where its force acts on each body of the constraint, in order; none within joints."""
+        return ()
+
 
 def difference(first: Row, second: Row) -> Row:
     """Return second less first."""
@@ -292,6 +316,10 @@ class Apart(Relation):
         sideways = mul(2, dot(turning, minus(two.velocity, one.velocity)))
         return add(add(apart, sideways), dot(bend, self._d))
 
+    def places(self) -> tuple[Vector, ...]:
+        """Return both points."""
+        return self.first.position, self.second.position
+
 
 @dataclass(frozen=True)
 class Square(Relation):
@@ -329,6 +357,10 @@ class Square(Relation):
             dot(turned, minus(two.omega, one.omega)),
         )
 
+    def places(self) -> tuple[Vector, ...]:
+        """Return the origins of the joint's frames."""
+        return self.first.position, self.second.position
+
 
 @dataclass(frozen=True)
 class Rod(Relation):
@@ -361,6 +393,10 @@ class Rod(Relation):
         along = dot(self._d, minus(two.acceleration, one.acceleration))
         return mul(self.inverse, add(along, dot(v, v)))
 
+    def places(self) -> tuple[Vector, ...]:
+        """Return both points."""
+        return self.first.position, self.second.position
+
 
 @dataclass(frozen=True)
 class Edge(Relation):
@@ -378,6 +414,10 @@ class Edge(Relation):
         moving = self.spot.moving
         turned = cross(moving.omega, self.direction)
         return add(dot(self.direction, moving.acceleration), dot(turned, moving.velocity))
+
+    def places(self) -> tuple[Vector, ...]:
+        """Return the point."""
+        return (self.spot.position,)
 
 
 @dataclass(frozen=True)
@@ -453,6 +493,10 @@ class Roll(Relation):
             cross(moving.alpha, self.contact.arm), cross(moving.omega, self.contact.arm_rate())
         )
         return dot(self.direction, plus(moving.acceleration, turned))
+
+    def places(self) -> tuple[Vector, ...]:
+        """Return the point of contact."""
+        return (plus(self.contact.centre.position, self.contact.arm),)
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import OUTPUTS, derive
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
+from eom.multibody.system.vectors import Drawn
 from eom.scenes.description import (
     Description,
     check_end,
@@ -165,6 +166,11 @@ class TreeScene(BaseScene, TreeDescription):
     def _asked(self) -> tuple[str, ...]:
         return self.outputs or (*self._start, *self._angles, POINTS)
 
+    def asking(self, more: Sequence[str]) -> Self:
+        """Return the scene with all states and points asked for, and ``more`` outputs by name."""
+        wanted = (*self._start, *self._angles, POINTS, *more)
+        return self.model_copy(update={"outputs": tuple(dict.fromkeys(wanted))})
+
     @cached_property
     def _joint_angles(self) -> tuple[JointAngles, ...]:
         return angles_of(self.joints, self.tree)
@@ -189,11 +195,27 @@ class TreeScene(BaseScene, TreeDescription):
     def of_tree(
         self, tree: Tree, wanted: Sequence[Source], independent: Sequence[str] | None = None
     ) -> System:
-        """Return the system of ``tree``, which is the scene's with some of it left out, under its control.
+        """Return the system of a tree, which is the scene's with some of it left out, under its control.
 
-        ``wanted``: outputs beside those that laws of control read. ``independent``: speeds that stay where
-        constraints eliminate others, as `eom.multibody.derive` takes them. Raises `InputError` as that
-        does.
+        Parameters
+        ----------
+        tree : Tree
+            As `TreeScene.tree` makes it, or with less.
+        wanted : sequence of str
+            Outputs beside those that laws of control read.
+        independent : sequence of str, optional
+            Speeds that stay where constraints eliminate others, as `eom.multibody.derive` takes
+            them.
+
+        Returns
+        -------
+        System
+            The closed loop where the scene has laws of control.
+
+        Raises
+        ------
+        InputError
+            As `eom.multibody.derive` raises it.
         """
         read = (n for n in sorted(self.control.words) if n in self._choice.sources)
         asked = tuple(dict.fromkeys((*wanted, *self._choice.needed(tuple(read)))))
@@ -549,7 +571,7 @@ FORCES, LAMBDA = "constraint_forces", "lambda_"
 """The row whose outputs depend on the constraints, and how their names begin."""
 REACTIONS, DRIVES, POINTS = "reactions", "drives", "points"
 """Words for outputs whose names depend on the tree: of joints, of prescribed motions, of points."""
-Source = str | Reaction | Point
+Source = str | Reaction | Point | Drawn
 
 
 @dataclass(frozen=True)

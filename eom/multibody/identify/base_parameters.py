@@ -133,9 +133,22 @@ class BaseParameters:
         return len(self.combinations)
 
     def values(self, given: Sequence[Any]) -> tuple[Any, ...]:
-        """Return their values for values of all parameters, ``given`` in the order of ``columns``.
+        """Return their values for values of all parameters.
 
-        Raises `InputError` for text in place of numbers and expressions, and for too few or too many.
+        Parameters
+        ----------
+        given : sequence
+            One a parameter, in the order of ``columns``.
+
+        Returns
+        -------
+        tuple
+            One a combination, in their order.
+
+        Raises
+        ------
+        InputError
+            For text in place of numbers and expressions, and for too few or too many.
         """
         if len(given) != len(self.columns):
             raise InputError(
@@ -157,13 +170,39 @@ def base_parameters(
 ) -> BaseParameters:
     """Return the base parameters of a tree; masses and inertias of the tree do not matter.
 
-    ``armature``, ``damping``, ``coulomb``: whether these are parameters too. ``seed``: of the random states
-    at which the regressor is eliminated, exactly; the result does not depend on it but with negligible
-    probability. Units are those of `Regressor`. Rotations and axes that floats hold only to rounding are
-    taken as exactly orthonormal ones nearby. Raises `InputError` for geometry that is no rational function
-    of symbols, or gives coefficients of a degree above `DEGREES`.
-    Source: Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990.
+    Parameters
+    ----------
+    tree : Tree
+        Its masses and inertias do not matter, its geometry does.
+    armature, damping, coulomb : bool, default False
+        Whether these are parameters of each joint, too.
+    seed : int, default 0
+        Of the random states at which the regressor is eliminated, exactly; the result does not
+        depend on it but with negligible probability.
 
+    Returns
+    -------
+    BaseParameters
+        Combinations of parameters that motion depends on, and which drop out. Units are those of
+        `Regressor`.
+
+    Raises
+    ------
+    InputError
+        For geometry that is no rational function of symbols, or gives coefficients of a degree
+        above `DEGREES`.
+
+    Notes
+    -----
+    Rotations and axes that floats hold only to rounding are taken as exactly orthonormal ones
+    nearby.
+
+    References
+    ----------
+    Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990.
+
+    Examples
+    --------
     >>> from eom.multibody import Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> pendulum = Tree("pendulum", (Body("bob", 1),), (hinge,), gravity=(0, 0, -9.81))

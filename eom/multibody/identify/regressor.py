@@ -97,14 +97,36 @@ class Regressor:
         )
 
     def array(self, values: Sequence[Any]) -> list[list[Any]]:
-        """Return Y as nested lists: ``values`` of the outputs in their order, others 0."""
+        """Return Y as nested lists: ``values`` of the outputs in their order, others 0.
+
+        Parameters
+        ----------
+        values : sequence
+            Of the outputs, in their order.
+
+        Returns
+        -------
+        list of list
+            Y, a row a speed and a column a parameter; 0 where no output stands.
+        """
         found = dict(zip(self.places, values, strict=True))
         return [
             [found.get((r, c), 0) for c in range(len(self.columns))] for r in range(len(self.rows))
         ]
 
     def parameters(self, tree: Tree) -> tuple[Value, ...]:
-        """Return pi: the values that a ``tree`` gives the columns, in their order; no dry friction."""
+        """Return pi: the values that a ``tree`` gives the columns, in their order; no dry friction.
+
+        Parameters
+        ----------
+        tree : Tree
+            With numbers or symbols for its masses and inertias.
+
+        Returns
+        -------
+        tuple of numbers or expressions
+            pi: the value of each column, in their order; no dry friction.
+        """
         return values_of(tree, self.columns)
 
 
@@ -160,13 +182,36 @@ def regressor(
 ) -> Regressor:
     """Return Y of a tree as a system to compile; masses and inertias of the tree do not matter.
 
-    ``armature``, ``damping``, ``coulomb``: whether there are columns for these (kg m^2 or kg, N m s or
-    N s/m, N m or N); dry friction at a speed u takes the force coulomb sign(u), none at rest. Loads,
-    springs, rotors, applied forces and motors are not in tau = Y pi; gravity is. Raises `InputError` for
-    prescribed motions, jets, a gradient of gravity and names in use.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5, whose inverse dynamics is linear in
+    Parameters
+    ----------
+    tree : Tree
+        Its masses and inertias do not matter, its geometry does.
+    armature : bool, default False
+        Whether there are columns for inertias of motors (kg m^2 or kg).
+    damping : bool, default False
+        Whether there are columns for viscous friction (N m s or N s/m).
+    coulomb : bool, default False
+        Whether there are columns for dry friction (N m or N); at a speed u it takes the force
+        coulomb sign(u), none at rest.
+
+    Returns
+    -------
+    Regressor
+        Y of tau = Y pi, as a system to compile. Gravity is in it; loads, springs, rotors, applied
+        forces and motors are not.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions, jets, a gradient of gravity and names in use.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5, whose inverse dynamics is linear in
     the inertias; Atkeson, An and Hollerbach, Int. J. Robotics Research 5(3), 1986.
 
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint, Tree
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> Y = regressor(Tree("pendulum", (Body("bob", 1),), (hinge,), gravity=(0, 0, -9.81)))

@@ -116,7 +116,18 @@ class Equation(_Expressed):
     """
 
     def check(self, tree: Tree) -> None:
-        """Raise `InputError` for an expression without coordinates, or with speeds or inputs."""
+        """Refuse what does not fit into a tree.
+
+        Parameters
+        ----------
+        tree : Tree
+            In which the equation shall hold.
+
+        Raises
+        ------
+        InputError
+            For an expression without coordinates, or with speeds or inputs.
+        """
         _over(self, [q.symbol for j in tree.joints for q in j.coordinates], "coordinate")
         speeds = {q.symbol for j in tree.joints for q in j.speeds}
         _none_of(self, speeds, "speeds", "write a SpeedEquation")
@@ -133,7 +144,18 @@ class SpeedEquation(_Expressed):
     """
 
     def check(self, tree: Tree) -> None:
-        """Raise `InputError` for an expression without speeds, with inputs, or not linear in speeds."""
+        """Refuse what does not fit into a tree.
+
+        Parameters
+        ----------
+        tree : Tree
+            In which the equation shall hold.
+
+        Raises
+        ------
+        InputError
+            For an expression without speeds, with inputs, or not linear in speeds.
+        """
         speeds = [q.symbol for j in tree.joints for q in j.speeds]
         _over(self, speeds, "speed")
         _none_of(self, {i.symbol for i in tree.inputs}, "inputs", "prescribe the motion of a joint")
@@ -183,7 +205,18 @@ class Coupling(Constraint):
         self._keep("ratios", rows)
 
     def check(self, tree: Tree) -> None:
-        """Raise `InputError` for joints that are unknown or have several speeds."""
+        """Refuse what does not fit into a tree.
+
+        Parameters
+        ----------
+        tree : Tree
+            In which the coupling shall be.
+
+        Raises
+        ------
+        InputError
+            For joints that are unknown or have several speeds.
+        """
         known = {j.name: j for j in tree.joints}
         for name, _ in self.ratios:
             if name not in known:

@@ -421,7 +421,18 @@ class Constraint(Part):
         return tuple(getattr(self, name) for name in held)
 
     def check(self, tree: Tree) -> None:
-        """Raise `InputError` for unknown bodies, one that is bound to itself, and sizes that change."""
+        """Refuse what does not fit into a tree.
+
+        Parameters
+        ----------
+        tree : Tree
+            In which the constraint shall be.
+
+        Raises
+        ------
+        InputError
+            For unknown bodies, one that is bound to itself, and sizes that change.
+        """
         known = {GROUND, *(b.name for b in tree.bodies)}
         for name in self.bodies:
             if name not in known:

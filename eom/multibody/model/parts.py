@@ -42,7 +42,18 @@ class Kind:
     each: tuple[str, str] = ("", "")
 
     def units(self, speeds: Sequence[Quantity]) -> tuple[str, ...]:
-        """Return the unit of one value a speed, of ``speeds``."""
+        """Return the unit of one value a speed.
+
+        Parameters
+        ----------
+        speeds : sequence of Quantity
+            Of a joint.
+
+        Returns
+        -------
+        tuple of str
+            In the order of the speeds.
+        """
         return tuple(self.each[0 if s.unit == "rad/s" else 1] for s in speeds)
 
 
@@ -99,7 +110,18 @@ class Part:
         """Derive what else a field is, and raise `InputError` for what does not go together."""
 
     def measured(self, speeds: Sequence[Quantity] = ()) -> Iterator[tuple[str, Value, str]]:
-        """Return values with places and units, these as far as they are known; ``speeds``: of a joint."""
+        """Return values with places and units, these as far as they are known; ``speeds``: of a joint.
+
+        Parameters
+        ----------
+        speeds : sequence of Quantity, optional
+            Of a joint, whose units depend on them.
+
+        Returns
+        -------
+        iterator of tuple of str, number or expression, str
+            Each value with the place at which it was given, and its unit, as far as that is known.
+        """
         for name, kind in self._kinds.items():
             held, where = getattr(self, name), f"{self.where}: {name}"
             if isinstance(held, Part):

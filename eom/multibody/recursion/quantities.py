@@ -31,6 +31,7 @@ from eom.multibody.algebra.spatial import (
     trace,
     transposed,
 )
+from eom.multibody.model.model import Joint
 from eom.multibody.model.parts import BodyName, Part, Position
 from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import (
@@ -75,6 +76,26 @@ def flow(tree: LumpedTree, q: Scalars, u: Scalars, work: Work) -> Flow:
         p = plus(scaled(part.mass, v), cross(w, part.first_moment))
         momenta.append(keep_pair(work, ("L", "p"), part.name, SpatialVector(L, p)))
     return Flow(placed, poses(placed, work), speeds, momenta)
+
+
+def joint_forces(
+    joint: Joint, q: Scalars, u: Scalars, lift: Callable[[Any], Scalar], work: Work
+) -> list[Scalar]:
+    """Return the generalised forces of a joint, one a speed: motor, applied force, damper, spring.
+
+    ``q``, ``u``: its coordinates and speeds.
+    """
+    motors = [lift(m.symbol) for m in joint.motors if joint.motion is None] or [0] * len(u)
+    found = []
+    for k, coordinate in enumerate(joint.row.paired(joint.attitude)):
+        force = add(motors[k], lift(joint.force[k]))
+        force = sub(force, mul(lift(joint.damping[k]), u[k]))
+        if coordinate is not None:
+            stretch = sub(q[coordinate], lift(joint.rest[k]))
+            force = sub(force, mul(lift(joint.stiffness[k]), stretch))
+        suffix = joint.row.speeds(joint.attitude)[k].suffix
+        found.append(work.keep("tau", joint.name, suffix, force))
+    return found
 
 
 def kinetic_energy(flow: Flow, u: Scalars) -> Scalar:

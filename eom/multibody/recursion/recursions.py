@@ -91,8 +91,8 @@ def applied(
         ]
     for link in tree.links:
         first, second = (end(link, n, posed, speeds, work) for n in (0, 1))
-        pull = keep_vector(work, "f", link.name, _pull(link, first, second, work))
-        for n, (own, force) in enumerate(((first, pull), (second, negative_vector(pull)))):
+        tension = keep_vector(work, "f", link.name, pull(link, first, second, work))
+        for n, (own, force) in enumerate(((first, tension), (second, negative_vector(tension)))):
             part, point = link.parts[n], link.points[n]
             if own.rotation is not None:
                 here = times(own.rotation, force)
@@ -129,7 +129,7 @@ def _line(link: SpringDamper, first: End, second: End, work: Work) -> Vector:
     return keep_vector(work, "line", link.name, minus(second.position, first.position))
 
 
-def _pull(link: SpringDamper, first: End, second: End, work: Work) -> Vector:
+def pull(link: SpringDamper, first: End, second: End, work: Work) -> Vector:
     """Return the force on the first point, in the ground's axes."""
     d = _line(link, first, second, work)
     if link.plain:

@@ -43,18 +43,45 @@ class Imported:
     names: Mapping[Expr, Expr]
 
     def plain(self, expression: Expr) -> Expr:
-        """Return an ``expression`` of SymPy's mechanics over the tree's symbols."""
+        """Return an expression of SymPy's mechanics over the tree's symbols.
+
+        Parameters
+        ----------
+        expression : expression
+            Over functions of time.
+
+        Returns
+        -------
+        expression
+            With a symbol for each of them.
+        """
         return _exchanged(sp.sympify(expression, strict=True), self.names)
 
 
 def tree_from_sympy(system: Any, name: str = "system") -> Imported:
     """Return the tree of a `sympy.physics.mechanics.System` whose bodies hang on joints.
 
-    ``system``: with its joints; units, frames and signs stay as they are there. The ground is the rigid
-    body whose frame is the system's (``System.from_newtonian``). Raises `InputError` for constraints,
-    auxiliary or dependent variables, kinds of joints that trees do not have, and points or frames that
-    are fixed to no body.
+    Parameters
+    ----------
+    system : sympy.physics.mechanics.System
+        With its joints; units, frames and signs stay as they are there. The ground is the rigid
+        body whose frame is the system's (``System.from_newtonian``).
+    name : str, default "system"
+        What the tree is called.
 
+    Returns
+    -------
+    Imported
+        The tree, and which symbol of it stands for which function of time.
+
+    Raises
+    ------
+    InputError
+        For constraints, auxiliary or dependent variables, kinds of joints that trees do not have,
+        and points or frames that are fixed to no body.
+
+    Examples
+    --------
     >>> ground, bob = me.RigidBody("ground"), me.RigidBody("bob", mass=2)
     >>> system = me.System.from_newtonian(ground)
     >>> system.add_joints(me.PinJoint("hinge", ground, bob, joint_axis=ground.x))

@@ -55,13 +55,37 @@ class Exported:
     names: Mapping[Expr, Expr]
 
     def timed(self, expression: Expr) -> Expr:
-        """Return an ``expression`` over the tree's symbols with SymPy's functions of time."""
+        """Return an expression over SymPy's functions of time.
+
+        Parameters
+        ----------
+        expression : expression
+            Over the tree's symbols.
+
+        Returns
+        -------
+        expression
+            With a function of time for each symbol of a coordinate or speed.
+        """
         return _timed(expression, self.names)
 
     def plain(self, expression: Expr) -> Expr:
-        """Return an ``expression`` of SymPy's mechanics over the tree's symbols.
+        """Return an expression of SymPy's mechanics over the tree's symbols.
 
-        Raises `InputError` for text.
+        Parameters
+        ----------
+        expression : expression
+            Over functions of time.
+
+        Returns
+        -------
+        expression
+            With a symbol for each of them.
+
+        Raises
+        ------
+        InputError
+            For text.
         """
         back = {v: k for k, v in self.names.items() if isinstance(v, AppliedUndef | sp.Derivative)}
         rates = {k: v for k, v in back.items() if isinstance(k, sp.Derivative)}
@@ -90,10 +114,30 @@ class Exported:
 def to_sympy(tree: Tree) -> Exported:
     """Return a tree in SymPy's mechanics.
 
-    Raises `InputError` for prescribed motion whose rates are no derivatives of its position, and
-    whatever the tree says beyond `eom.multibody.closed.mechanism.KNOWN`. Units, frames and signs are those
-    of the tree; forces and torques act on the child, as of `Joint`.
+    Parameters
+    ----------
+    tree : Tree
+        Bodies, joints, springs and loads; what they say beyond
+        `eom.multibody.closed.mechanism.KNOWN` is refused.
 
+    Returns
+    -------
+    Exported
+        Frames, points, bodies and loads as SymPy has them, and ``kane()`` for its equations.
+
+    Raises
+    ------
+    InputError
+        For prescribed motion whose rates are no derivatives of its position, and whatever the tree
+        says beyond `eom.multibody.closed.mechanism.KNOWN`.
+
+    Notes
+    -----
+    Units, frames and signs are those of the tree; forces and torques act on the child, as of
+    `Joint`.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
@@ -106,9 +150,31 @@ def to_sympy(tree: Tree) -> Exported:
 def lagranges_method(tree: Tree) -> Any:
     """Return SymPy's `LagrangesMethod` of a tree, its equations formed; all forces are loads.
 
-    Units, frames and signs are those of the tree. Raises `InputError` for joints whose speeds are no
-    rates of coordinates. Source: Goldstein, Classical Mechanics (2002), ch. 1.
+    Parameters
+    ----------
+    tree : Tree
+        Of joints whose speeds are rates of coordinates.
 
+    Returns
+    -------
+    sympy.physics.mechanics.LagrangesMethod
+        Its equations formed; all forces are loads.
+
+    Raises
+    ------
+    InputError
+        For joints whose speeds are no rates of coordinates.
+
+    Notes
+    -----
+    Units, frames and signs are those of the tree.
+
+    References
+    ----------
+    Goldstein, Classical Mechanics (2002), ch. 1.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))

@@ -28,7 +28,7 @@ from eom.multibody.constrained.constraint_plan import (
     plan,
 )
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import GROUND, Joint, Tree
+from eom.multibody.model.model import GROUND, Tree
 from eom.multibody.model.names import (
     assumptions,
     attitudes_of,
@@ -51,6 +51,7 @@ from eom.multibody.recursion.quantities import (
     first_moments,
     flow,
     gravity_potential,
+    joint_forces,
     kinetic_energy,
     mass,
     momentum,
@@ -59,6 +60,7 @@ from eom.multibody.recursion.quantities import (
 from eom.multibody.recursion.recursions import applied, end, twice_potential
 from eom.multibody.system import reactions
 from eom.multibody.system.reactions import Reaction, joint_named, of_all
+from eom.multibody.system.vectors import Drawn, Moment
 from eom.quantities import TIME, Definition, Quantity
 from eom.system import BodyAttitude, Expr, System
 
@@ -101,6 +103,15 @@ class Derived:
         held = self.variables.binding
         further = constraint_loads(held) if self.tree.constraints else None
         return reactions.Wrenches(self.tree, self.work.atom, self.work, motion, self.asked, further)
+
+    @cached_property
+    def moment(self) -> Moment:
+        """The tree with all that acts on it."""
+        given, held = self.variables, self.variables.binding
+        multipliers = (
+            dict(zip(held.held.names, held.multipliers(), strict=True)) if held.held.names else {}
+        )
+        return Moment(self.tree, held.arithmetic, given.q, given.u, given.tau, multipliers)
 
     def potential(self) -> Any:
         """Return the potential energy of gravity and springs."""
@@ -199,18 +210,24 @@ OUTPUTS: dict[str, Callable[[Derived], list[Definition]]] = {
 """What can be asked for beside the motion, and single reactions."""
 
 
-def check(tree: Tree, wanted: str | Reaction | Point) -> None:
+Wanted = str | Reaction | Point | Drawn
+"""What can be asked for: rows of `OUTPUTS`, a reaction, a point, all vectors to draw."""
+
+
+def check(tree: Tree, wanted: Wanted) -> None:
     """Raise `InputError` for outputs that are not known."""
     if isinstance(wanted, Reaction):
         joint_named(tree, wanted.joint, f"tree {tree.name!r}: reaction")
-    elif not isinstance(wanted, Point) and wanted not in OUTPUTS:
+    elif not isinstance(wanted, Point | Drawn) and wanted not in OUTPUTS:
         raise unknown_name("output", wanted, OUTPUTS, f"tree {tree.name!r}")
 
 
-def output_of(derived: Derived, wanted: str | Reaction | Point) -> list[Definition]:
-    """Return the definitions of an output, a reaction or a point."""
+def output_of(derived: Derived, wanted: Wanted) -> list[Definition]:
+    """Return the definitions of an output, a reaction, a point or all vectors."""
     if isinstance(wanted, Reaction):
         return reactions.definitions(derived.wrenches, wanted)
+    if isinstance(wanted, Drawn):
+        return list(wanted.definitions(derived.tree, derived.moment))
     return _point(derived, wanted) if isinstance(wanted, Point) else OUTPUTS[wanted](derived)
 
 
@@ -278,7 +295,7 @@ def conservative(tree: Tree) -> bool:
 @typed
 def derive(
     tree: Tree,
-    outputs: Iterable[str | Reaction | Point] = (),
+    outputs: Iterable[Wanted] = (),
     *,
     invariants: bool = True,
     start: Mapping[str, float] | None = None,
@@ -362,7 +379,7 @@ def _accelerations(lumped: LumpedTree, given: Variables, work: Naming) -> list[A
     return forward(lumped, given.q, given.u, given.tau, work, given.prescribed)
 
 
-def _asked(tree: Tree, wanted: Iterable[str | Reaction | Point]) -> frozenset[str]:
+def _asked(tree: Tree, wanted: Iterable[Wanted]) -> frozenset[str]:
     """Return the joints of which reactions are wanted."""
     every = of_all(tree) if "reactions" in wanted else ()
     return frozenset(w.joint for w in (*wanted, *every) if isinstance(w, Reaction))
@@ -414,7 +431,8 @@ def _applied(tree: Tree, q: Sequence[Any], u: Sequence[Any], work: Naming) -> li
     first = 0
     for joint in tree.ordered:
         own = slice(first, first + len(joint.coordinates))
-        tau += _forces(joint, q[own], u[len(tau) : len(tau) + len(joint.speeds)], work)
+        speeds = u[len(tau) : len(tau) + len(joint.speeds)]
+        tau += joint_forces(joint, q[own], speeds, work.atom, work)
         first = own.stop
     return tau
 
@@ -423,21 +441,6 @@ def _prescribed(work: Naming, quantities: Sequence[Quantity], given: Sequence[An
     """Return numbers as they are, expressions under the names of the quantities."""
     pairs = zip(quantities, given, strict=True)
     return [v if is_number(v) else work.define(q, work.atom(v)) for q, v in pairs]
-
-
-def _forces(joint: Joint, q: Sequence[Any], u: Sequence[Any], work: Naming) -> list[Any]:
-    """Return the generalised forces of a joint: motor, applied force, damper, spring."""
-    motors = [work.atom(m.symbol) for m in joint.motors if joint.motion is None] or [0] * len(u)
-    found = []
-    for k, coordinate in enumerate(joint.row.paired(joint.attitude)):
-        force = add(motors[k], work.atom(joint.force[k]))
-        force = sub(force, mul(work.atom(joint.damping[k]), u[k]))
-        if coordinate is not None:
-            stretch = sub(q[coordinate], work.atom(joint.rest[k]))
-            force = sub(force, mul(work.atom(joint.stiffness[k]), stretch))
-        suffix = joint.row.speeds(joint.attitude)[k].suffix
-        found.append(work.keep("tau", joint.name, suffix, force))
-    return found
 
 
 def _system(
@@ -507,7 +510,18 @@ class TreeFunction:
     symmetric: bool = False
 
     def array(self, values: Sequence[Any]) -> list[Any]:
-        """Return the array as nested lists: ``values`` of the outputs in their order, others 0."""
+        """Return the array as nested lists: ``values`` of the outputs in their order, others 0.
+
+        Parameters
+        ----------
+        values : sequence
+            Of the outputs, in their order.
+
+        Returns
+        -------
+        list
+            Of the function's shape; 0 where no output stands.
+        """
         found = dict(zip(self.places, values, strict=True))
         if self.symmetric:
             found |= {place[::-1]: x for place, x in found.items()}
@@ -598,10 +612,32 @@ def _listed(values: Sequence[Any]) -> dict[tuple[int, ...], Any]:
 def mass_matrix(tree: Tree) -> TreeFunction:
     """Return M(q), symmetric, (n, n), over the speeds of a tree in the order of its joints.
 
-    Units are kg m^2, kg m or kg as the speeds are rad/s or m/s. Constraints are left out: M is that of the
-    tree without them. Signs and axes of speeds are those of `Joint`. Raises `InputError` for prescribed
-    motions. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 6.2, composite bodies.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions; constraints are left out.
 
+    Returns
+    -------
+    TreeFunction
+        M(q), symmetric, (n, n), over the speeds of the tree in the order of its joints. Units are
+        kg m^2, kg m or kg as the speeds are rad/s or m/s.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    Notes
+    -----
+    Signs and axes of speeds are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), table 6.2, composite bodies.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> mass_matrix(Tree("pendulum", (bob,), (hinge,))).expressions
@@ -619,11 +655,32 @@ def mass_matrix(tree: Tree) -> TreeFunction:
 def inverse_dynamics(tree: Tree) -> TreeFunction:
     """Return the generalised forces (N m or N), (n,), that the rates of all speeds take.
 
-    Inputs: ``dot_<speed>`` (rad/s^2 or m/s^2). Gravity, loads, and springs, dampers and forces in the
-    joints act; what is returned is what motors must give beside them. Constraints are left out: their
-    forces are part of it. Signs and axes are those of `Joint`. Raises `InputError` for prescribed motions.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, recursive Newton-Euler.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions; constraints are left out.
 
+    Returns
+    -------
+    TreeFunction
+        The generalised forces (N m or N), (n,), that motors must give beside gravity, loads, and
+        springs, dampers and forces in the joints. Inputs: ``dot_<speed>`` (rad/s^2 or m/s^2).
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    Notes
+    -----
+    The forces of constraints are part of what is returned. Signs and axes are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), table 5.1, recursive Newton-Euler.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> inverse_dynamics(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions
@@ -640,11 +697,32 @@ def inverse_dynamics(tree: Tree) -> TreeFunction:
 def forward_dynamics(tree: Tree) -> TreeFunction:
     """Return the rates of all speeds (rad/s^2 or m/s^2), (n,), under generalised forces at them.
 
-    Inputs: ``tau_<speed>`` (N m or N), beside gravity, loads, and springs, dampers and forces in the
-    joints: the inverse of `inverse_dynamics`. Signs and axes are those of `Joint`. Raises `InputError` for
-    prescribed motions, and for constraints, whose forces it lacks (`derive` has them).
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, articulated bodies.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions and constraints.
 
+    Returns
+    -------
+    TreeFunction
+        The rates of all speeds (rad/s^2 or m/s^2), (n,). Inputs: ``tau_<speed>`` (N m or N),
+        generalised forces beside gravity, loads, and springs, dampers and forces in the joints.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions, and for constraints, whose forces it lacks (`derive` has them).
+
+    Notes
+    -----
+    The inverse of `inverse_dynamics`. Signs and axes are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, articulated bodies.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> forward_dynamics(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions
@@ -666,10 +744,32 @@ def forward_dynamics(tree: Tree) -> TreeFunction:
 def jacobian(tree: Tree, body: str, point: Sequence[Any] = (0, 0, 0)) -> TreeFunction:
     """Return the angular velocity of a ``body`` and the velocity of a ``point`` by the speeds, (6, n).
 
-    ``point``: from the body's origin, in its axes (m). Rows 1 to 3: angular velocity (rad/s); 4 to 6:
-    velocity of the point (m/s); both by speed, in the ground's axes. Raises `InputError` for unknown bodies
-    and prescribed motions. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 4.4.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions.
+    body : str
+        A name of one of its bodies.
+    point : sequence, optional
+        From the body's origin, in its axes (m).
 
+    Returns
+    -------
+    TreeFunction
+        (6, n). Rows 1 to 3: angular velocity (rad/s); 4 to 6: velocity of the point (m/s); both by
+        speed, in the ground's axes.
+
+    Raises
+    ------
+    InputError
+        For unknown bodies and prescribed motions.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), section 4.4.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> jacobian(Tree("pendulum", (bob,), (hinge,)), "bob", (0, 0, -3)).expressions[:, 0].T
@@ -693,10 +793,28 @@ def jacobian(tree: Tree, body: str, point: Sequence[Any] = (0, 0, 0)) -> TreeFun
 def centre_of_mass(tree: Tree) -> TreeFunction:
     """Return the centre of mass (m), (3,), from the ground's origin, in the ground's axes.
 
-    Of all that moves; what is fixed to the ground is none of it. Raises `InputError` for prescribed
-    motions.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.13.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions.
 
+    Returns
+    -------
+    TreeFunction
+        The centre of mass of all that moves (m), (3,), from the ground's origin, in the ground's
+        axes; what is fixed to the ground is none of it.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.13.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> centre_of_mass(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions.T
@@ -711,9 +829,31 @@ def centre_of_mass(tree: Tree) -> TreeFunction:
 def energies(tree: Tree) -> TreeFunction:
     """Return kinetic and potential energy (J), (2,): of gravity and springs, zero at the ground's origin.
 
-    The axes and signs are those of `Joint`. Raises `InputError` for prescribed motions.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.14.
+    Parameters
+    ----------
+    tree : Tree
+        Without prescribed motions.
 
+    Returns
+    -------
+    TreeFunction
+        Kinetic and potential energy (J), (2,): of gravity and springs, zero at the ground's origin.
+
+    Raises
+    ------
+    InputError
+        For prescribed motions.
+
+    Notes
+    -----
+    The axes and signs are those of `Joint`.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.14.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint
     >>> bob, hinge = Body("bob", 2, (0, 0, -3)), Joint("hinge", "revolute", "ground", "bob", axis="x")
     >>> energies(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).expressions.T

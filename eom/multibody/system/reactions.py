@@ -103,9 +103,31 @@ def reaction(
 ) -> Reaction:
     """Return a reaction to ask `eom.multibody.derive` for, of a joint or its name; see `Reaction`.
 
-    ``joint``, ``point``, ``body``, ``axes``, ``name``: as there; forces in N, torques in N m. Raises
-    `InputError` as there.
+    Parameters
+    ----------
+    joint : Joint or str
+        A joint or its name.
+    point : point, default "joint"
+        About which torques are, see `Reaction`; the joint's own by default.
+    body : str, optional
+        Of which ``point`` is a point, see `Reaction`; the child by default.
+    axes : str, default "ground"
+        In which components are, see `Reaction`.
+    name : str, optional
+        By which outputs are called, that of the joint by default.
 
+    Returns
+    -------
+    Reaction
+        To ask `eom.multibody.derive` for; forces in N, torques in N m.
+
+    Raises
+    ------
+    InputError
+        As `Reaction` raises it.
+
+    Examples
+    --------
     >>> reaction("hinge", axes="child").names[:3]
     ('F_hinge_1', 'F_hinge_2', 'F_hinge_3')
     """

@@ -16,7 +16,6 @@ from eom.terms.own import Own
 from eom.terms.rules.basic import everywhere, until_stable
 from eom.terms.rules.tracing import Rule, named
 from eom.terms.terms import (
-    INDICES,
     INERTIAL,
     SCALAR,
     Term,
@@ -86,8 +85,6 @@ class Slopes:
 
     def _atom(self, term: Term, by: Any) -> Term:
         name, *labels = term.data
-        if name == "position" and self._is_configured(labels, by):
-            return partial(term, expr(by))
         if name == "function":
             return self._function(labels, by)
         if name == "unit" and labels[0] in self.own.frames:
@@ -96,8 +93,8 @@ class Slopes:
                 for angle, axis in self.own.turns(labels[0])
             ]
             return cross(add(*turned), term)
-        if name == "position" and set(labels) & set(self.own.points):
-            return self.of(self._positions(*labels), by)
+        if name == "position" and (self._is_configured(by) or set(labels) & set(self.own.points)):
+            return self._place(term, by)
         if name == "angular_velocity" and set(labels) & set(self.own.frames):
             ends = [self.own.turning(frame) for frame in labels]
             return self.of(ends[0] - ends[1], by)
@@ -115,12 +112,18 @@ class Slopes:
         label = "|".join((whole, *sorted([*before, along])))
         return atom("function", label, *variables, kind=SCALAR)
 
-    def _is_configured(self, labels: list[str], by: Any) -> bool:
-        """Return whether this is the place of a particle, which is a function of this coordinate."""
+    def _is_configured(self, by: Any) -> bool:
+        """Return whether the places of all particles are functions of this coordinate."""
         meaning = self.scalars.get(by)
         known = meaning is not None and meaning.data[:1] == ("coordinate",)
-        place = labels[0] in INDICES and labels[1] == ORIGIN
-        return bool(known and place and meaning and meaning.data[1] in self.own.configured)
+        return bool(known and meaning and meaning.data[1] in self.own.configured)
+
+    def _place(self, term: Term, by: Any) -> Term:
+        """Return the slope of a position: of a place that is not given by others the one that it has."""
+        point, origin = term.data[1:]
+        if origin != ORIGIN or self.own.place(point) is not None:
+            return self.of(self._positions(point, origin), by)
+        return partial(term, expr(by)) if self._is_configured(by) else zero(term.kind)
 
     def _positions(self, point: str, origin: str) -> Term:
         places = [self.own.place(p) for p in (point, origin)]

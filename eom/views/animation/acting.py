@@ -1,98 +1,109 @@
-"""Forces and torques on the bodies of a tree over time: loads, what joints drive and brake, weights.
+"""Forces and torques on the bodies of a tree over time, from what the equations of motion are made of.
 
-Components are in the ground's axes. What a joint does is drawn as it acts on the child, along the joint's
-axis, by springs, dampers, applied forces and motors; constraints and reactions are not drawn.
+Components are in the ground's axes; which vectors there are, and on which body: see
+`eom.multibody.system.vectors`. Reactions of joints are not drawn.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from itertools import islice
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
-from eom.multibody.model.model import GROUND, Joint, Tree
-from eom.views.animation.tracks import Acting, Floats, Track, turned
+from eom.multibody.model.model import Tree
+from eom.multibody.system.vectors import (
+    CONSTRAINT,
+    FORCE,
+    GRADIENT,
+    JET,
+    JOINT,
+    LOAD,
+    MOMENTUM,
+    OMEGA,
+    ROTOR,
+    SPRING,
+    TORQUE,
+    UNITS,
+    WEIGHT,
+    Moment,
+    VectorOf,
+    vectors_of,
+)
+from eom.views.animation.posture import filled
+from eom.views.animation.tracks import Acting
+from eom.views.draw.formulas import name
 
-MOST = 24
-"""Arrows at most: loads come first, then joints, then weights."""
-AXIAL = {"revolute": "torque", "prismatic": "force"}
-"""Kinds of joints with one axis along which they act."""
-LETTERS = {"force": "F", "torque": "τ"}
-
-Lift = Callable[[Any], Any]
-"""From a value of the tree to a number, or one for each time."""
-
-
-def acting(tree: Tree, lift: Lift, tracks: Sequence[Track]) -> tuple[Acting, ...]:
-    """Return what acts on the bodies of a tree, whose motions are the first of ``tracks``.
-
-    ``lift``: see `Lift`. What is zero at all times is left out.
-    """
-    by_name = {b.name: t for b, t in zip(tree.bodies, tracks, strict=False)}
-    found = (
-        *_loads(tree, lift, by_name),
-        *_joints(tree, lift, by_name),
-        *_weights(tree, lift, by_name),
-    )
-    return tuple(islice((a for a in found if np.any(a.values)), MOST))
-
-
-def _rows(values: Sequence[Any], lift: Lift, count: int) -> Floats:
-    """Return a vector over time, shape (N, 3)."""
-    columns = (np.broadcast_to(np.asarray(lift(v), dtype=np.float64), (count,)) for v in values)
-    return np.stack([*columns], axis=-1)
-
-
-def _at(track: Track | None, point: Floats) -> Floats:
-    """Return where a point of a body is, or of the ground."""
-    return point if track is None else track.positions + turned(track.quaternions, point)
+MOST = 48
+"""Arrows at most: loads come first, weights last."""
+LETTERS = {
+    (LOAD, FORCE): "F", (LOAD, TORQUE): r"\tau", (JET, FORCE): "F", (JOINT, FORCE): "F",
+    (JOINT, TORQUE): r"\tau", (SPRING, FORCE): "F", (ROTOR, TORQUE): r"\tau", (CONSTRAINT, FORCE): "R",
+    (CONSTRAINT, TORQUE): r"\tau", (GRADIENT, TORQUE): r"\tau",
+}  # fmt: skip
+"""Letters of what acts; its part of the tree is the index."""
 
 
-def _loads(tree: Tree, lift: Lift, tracks: Mapping[str, Track]) -> Iterator[Acting]:
-    for load in tree.loads:
-        track = tracks[load.body]
-        count = len(track.positions)
-        place = _at(track, _rows(load.point, lift, count))
-        for kind, given in (("force", load.force), ("torque", load.torque)):
-            own = _rows(given, lift, count)
-            inside = turned(track.quaternions, own) if load.axes == "body" else own
-            yield Acting(kind, LETTERS[kind], load.body, inside, place)
+class Style(NamedTuple):
+    """How vectors are drawn that are hidden and shown together: unit, colour, and what they are."""
+
+    unit: str
+    colour: str
+    words: str
 
 
-def _joints(tree: Tree, lift: Lift, tracks: Mapping[str, Track]) -> Iterator[Acting]:
-    for joint in tree.ordered:
-        if joint.kind in AXIAL and joint.motion is None and joint.child != GROUND:
-            track = tracks[joint.child]
-            count = len(track.positions)
-            turn = np.array(
-                [[float(np.ravel(lift(x))[0]) for x in row] for row in joint.on_child.rotation]
-            )
-            axis = _rows(joint.axis, lift, count) @ turn
-            size = np.broadcast_to(_law(joint, lift), (count,))
-            place = _at(track, _rows(joint.on_child.position, lift, count))
-            values = size[:, None] * turned(track.quaternions, axis)
-            kind = AXIAL[joint.kind]
-            yield Acting(kind, LETTERS[kind], joint.name, values, place)
+STYLES = {
+    "omega": Style("rad/s", "red", r"$\omega$, angular velocity"),
+    "momentum": Style("N m s", "purple", "$H$, angular momentum"),
+    "torque": Style("N m", "green", r"$\tau$, torque"),
+    "force": Style("N", "blue", "$F$, force"),
+    "reaction": Style("N", "orange", "$R$, reaction"),
+    "weight": Style("N", "sky", "$m g$, weight"),
+}
+"""What is drawn alike; reactions are those of constraints, and of the fixed point of one body."""
+MOVES = {OMEGA: r"\omega", MOMENTUM: "H"}
+GROUPS = {
+    (LOAD, FORCE): "force", (JET, FORCE): "force", (JOINT, FORCE): "force", (SPRING, FORCE): "force",
+    (CONSTRAINT, FORCE): "reaction", (WEIGHT, FORCE): "weight",
+}  # fmt: skip
+"""What is drawn alike, and hidden and shown together, beside torques."""
 
 
-def _law(joint: Joint, lift: Lift) -> Floats:
-    """Return what acts along the axis of a joint, on the child."""
-    x, u = lift(joint.coordinates[0].symbol), lift(joint.speeds[0].symbol)
-    spring = lift(joint.stiffness[0]) * (x - lift(joint.rest[0]))
-    motor = lift(joint.motors[0].symbol) if joint.motors else 0.0
-    return np.asarray(
-        lift(joint.force[0]) + motor - spring - lift(joint.damping[0]) * u, dtype=float
-    )
+def acting(tree: Tree, moment: Moment, count: int) -> tuple[Acting, ...]:
+    """Return what acts on the bodies of a tree at ``count`` times. What is always zero is left out."""
+    return tuple(islice(_acting(tree, moment, count), MOST))
 
 
-def _weights(tree: Tree, lift: Lift, tracks: Mapping[str, Track]) -> Iterator[Acting]:
-    for body in tree.bodies:
-        track = tracks[body.name]
-        count = len(track.positions)
-        mass = np.broadcast_to(np.asarray(lift(body.mass), dtype=np.float64), (count,))
-        centre = _at(track, _rows(body.centre, lift, count))
-        yield Acting(
-            "force", "mg", body.name, mass[:, None] * _rows(tree.gravity, lift, count), centre
-        )
+def _acting(tree: Tree, moment: Moment, count: int) -> Iterator[Acting]:
+    for vector in vectors_of(tree):
+        found = vector.at(moment) if UNITS[vector.kind] in {"N", "N m"} else None
+        if found is not None:
+            values, places = (filled(list(v), count) for v in found)
+            if np.any(values):
+                yield Acting(group(vector), label(vector), words(vector), values, places)
+
+
+def group(vector: VectorOf) -> str:
+    """Return what a vector is shown and hidden with: a key of `STYLES`."""
+    return GROUPS.get((vector.source, vector.kind), vector.kind)
+
+
+def label(vector: VectorOf) -> str:
+    r"""Return what stands at a vector, a formula: $F_{spring}$."""
+    index = name(vector.name).strip("$")
+    if vector.kind in MOVES:
+        return f"${MOVES[vector.kind]}_{{{index}}}$" if index else f"${MOVES[vector.kind]}$"
+    if vector.source == WEIGHT:
+        return rf"$m_{{{index}}}\,g$"
+    return f"${LETTERS[vector.source, vector.kind]}_{{{index}}}$"
+
+
+def words(vector: VectorOf) -> str:
+    """Return what a vector comes from, and what it acts on: spring s on rod."""
+    if vector.kind in MOVES:
+        whole = "angular momentum about the centre of mass of all"
+        return f"angular velocity of {vector.body}" if vector.body else whole
+    if vector.name == vector.body:
+        return f"{vector.source} on {vector.body}"
+    return f"{vector.source} {vector.name} on {vector.body}"

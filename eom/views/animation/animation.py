@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from eom.errors import InputError, unknown_name
 from eom.opening import AnyScene
+from eom.views.animation.acting import STYLES
 from eom.views.animation.bodies import Bodies, bodies_of, tracks_of, with_attitude
 from eom.views.animation.figures import Figure, Figures, Shape, equivalent
 from eom.views.animation.tracks import (
@@ -49,11 +50,12 @@ SAMPLES = 100
 """Times at which the space that the motion takes is measured."""
 FAR = 5.0
 """A motion that takes more room than what moves, so many times, has a camera that follows a body."""
+SPACE_AXES = (r"$\mathbf{a}_1$", r"$\mathbf{a}_2$", r"$\mathbf{a}_3$")
+ORBIT_AXES = (f"{SPACE_AXES[0]} radial", f"{SPACE_AXES[1]} along", f"{SPACE_AXES[2]} normal")
 STAYS = "none"
 """The word for a camera that follows nothing."""
 
-ACTING = {"force": ("N", "blue"), "torque": ("N m", "green")}
-"""Unit and colour of what acts on bodies of a tree."""
+OMEGA, H, TAU = r"$\omega$", "$H$", r"$\tau$"
 
 Integrate = Callable[[AnyScene], "Result"]
 
@@ -62,8 +64,9 @@ Integrate = Callable[[AnyScene], "Result"]
 class Arrows:
     """A vector over time: ``values`` in ``unit``, and ``places`` it starts from (m), shape (N, 3).
 
-    Components are in A. Vectors of one ``kind`` have one scale; ``text`` stands at the tip; ``colour``: a
-    name of `eom.views.draw.picture.COLOURS`.
+    Components are in A. Vectors of one ``kind`` are hidden and shown together, those of one unit have one
+    scale; ``text``, with formulas between dollar signs, stands at the tip; ``colour``: a name of
+    `eom.views.draw.picture.COLOURS`.
     """
 
     kind: str
@@ -74,6 +77,8 @@ class Arrows:
     places: Floats
     body: int = -1
     """The body that it belongs to, -1 where it is of all."""
+    words: str = ""
+    """What it is, where the text does not say it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +125,7 @@ class Animation:
     readouts: tuple[Readout, ...]
     view: View
     speed: float
-    axes: tuple[str, str, str] = ("a₁", "a₂", "a₃")
+    axes: tuple[str, str, str] = SPACE_AXES
     notes: tuple[str, ...] = ()
 
     @property
@@ -140,17 +145,37 @@ def animation_of(
 ) -> Animation:
     """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
 
-    ``scene``: of any model; vectors get components in A, the frame that attitude is measured in, or the
-    ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds`` (s): of the motion, else to
-    the scene's end; ``speed``: seconds of it that are shown in one, else so that it takes a fair time.
-    ``robot``: shapes of bodies by name (`eom.views.animation.figures`). ``follow``: the body that the
-    camera goes with, or ``none``; if left out, the one that the rest stays nearest to, if the motion goes
-    far (`FAR`).
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model; vectors get components in A, the frame that attitude is measured in, or the
+        ground's.
+    integrate : Integrate
+        From a scene to its `codegen.Result`; the scene is given attitude where it has none.
+    seconds : float, optional
+        Of the motion (s), else to the scene's end.
+    speed : float, optional
+        Seconds of it that are shown in one, else so that it takes a fair time.
+    robot : dict of str to tuple of Shape, optional
+        Shapes of bodies by name (`eom.views.animation.figures`).
+    follow : str, optional
+        The body that the camera goes with, or ``none``; if left out, the one that the rest stays
+        nearest to, if the motion goes far (`FAR`).
 
-    Raises `InputError` for an unknown body, for a time or speed that is not positive, for a motion that
-    ends before it can be shown, and for one that turns so fast that its samples would not fit into a page
-    of 3 MB.
+    Returns
+    -------
+    Animation
+        For `eom.views.animation.animation_page.page`.
 
+    Raises
+    ------
+    InputError
+        For an unknown body, for a time or speed that is not positive, for a motion that ends before
+        it can be shown, and for one that turns so fast that its samples would not fit into a page
+        of 3 MB.
+
+    Examples
+    --------
     >>> import eom
     >>> from eom.views.time.histories import run
     >>> made = animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0], seconds=2.0)
@@ -213,7 +238,7 @@ def _tracks(scene: AnyScene, integrate: Integrate) -> tuple[Tracks, Result]:
 def _needed(tracks: Tracks, scene: AnyScene) -> int:
     """Return how many times are stored. Raises `InputError` where bodies need too many.
 
-    Rotors that would need too many are shown turning slower (`eom.views.animation.bodies.slowed`).
+    Rotors that would need too many are shown turning slower (`eom.views.animation.posture.slowed`).
     """
     spans = np.abs(tracks.times - tracks.times[0])
     turned = _reached([b for b in tracks.bodies if not b.slower], spans)
@@ -262,7 +287,7 @@ def shown(
         readouts=tuple(_readouts(scene, result, asked))[:MOST_READOUTS],
         view=_view(bodies, tracks, figures, follow),
         speed=speed or speed_of(span),
-        axes=("a₁ radial", "a₂ along", "a₃ normal") if bodies.orbit else ("a₁", "a₂", "a₃"),
+        axes=ORBIT_AXES if bodies.orbit else SPACE_AXES,
         notes=(*_notes(bodies, result, figures), *_slower(tracks)),
     )
 
@@ -279,13 +304,27 @@ def speed_of(span: float) -> float:
 def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
     """Yield the vectors of a motion: omega of each body, momentum, and torque where it acts."""
     for k, body in enumerate(tracks.bodies):
-        yield Arrows("omega", "ω", "rad/s", "red", body.omega, body.positions, k)
-    yield Arrows("momentum", "H", "N m s", "purple", tracks.momentum, tracks.centre)
+        yield Arrows("omega", OMEGA, *STYLES["omega"][:2], body.omega, body.positions, k)
+    yield Arrows("momentum", H, *STYLES["momentum"][:2], tracks.momentum, tracks.centre)
     if tracks.torque is not None and np.any(tracks.torque):
-        yield Arrows("torque", "τ", "N m", "green", tracks.torque, tracks.centre)
+        yield Arrows("torque", TAU, *STYLES["torque"][:2], tracks.torque, tracks.centre)
     for load in tracks.acting:
-        unit, colour = ACTING[load.kind]
-        yield Arrows(load.kind, load.letter, unit, colour, load.values, load.places)
+        told = load.values, load.places
+        yield Arrows(load.kind, load.letter, *STYLES[load.kind][:2], *told, words=load.name)
+
+
+SHARES = {"rad/s": 0.95, "N m s": 0.8, "N m": 0.65, "N": 0.5}
+"""Length of the longest vector of each unit, as a share of what there is room for."""
+
+
+def scales_of(animation: Animation) -> dict[str, float]:
+    """Return the length (m) of one of each unit of vectors, at which the longest fit the picture."""
+    largest: dict[str, float] = {}
+    for arrow in animation.arrows:
+        size = float(np.linalg.norm(arrow.values, axis=1).max())
+        largest[arrow.unit] = max(size, largest.get(arrow.unit, 0.0))
+    room = animation.view.radius * (1.0 if len(animation.tracks.bodies) == 1 else 0.8)
+    return {unit: SHARES[unit] * room / size for unit, size in largest.items() if size > 0}
 
 
 def _readouts(scene: AnyScene, result: Result, asked: tuple[str, ...]) -> Iterator[Readout]:
@@ -361,7 +400,8 @@ def _view(bodies: Bodies, tracks: Tracks, figures: Figures, follow: str | None) 
     floor = bodies.floor
     if floor is None:
         lowest = min(float((p @ up).min()) for p in _places(tracks, figures))
-        floor = lowest - GROUND_GAP * view.radius
+        stands = [float((s.mesh.vertices @ up).min()) for s in figures.ground]
+        floor = min([lowest - GROUND_GAP * view.radius, *stands])
     a, b, c = (float(x) for x in up)
     return replace(view, up=(a, b, c), camera=_camera(tracks, up), ground=floor)
 
@@ -427,15 +467,40 @@ def animation_of_motion(
 ) -> Animation:
     """Return the animation of one body about a point that stays.
 
-    ``times`` (s), shape (N,), equally far apart. ``quaternions`` of C_BA, scalar first, shape (N, 4).
-    ``omega`` (rad/s), ``momentum`` (N m s, by default J omega) and ``torque`` (N m, by default none):
-    components in the body frame B, shape (N, 3). ``inertia`` J (kg m^2): three principal moments or a
-    matrix, and ``mass`` (kg), if known, give the uniform body that is drawn. ``speed``: seconds of the
-    motion that are shown in one.
+    Parameters
+    ----------
+    title : str
+        The heading of the page.
+    times : array
+        In seconds, shape (N,), equally far apart.
+    quaternions : array
+        Of C_BA, scalar first, shape (N, 4).
+    omega : array
+        Angular velocity (rad/s), components in the body frame B, shape (N, 3).
+    inertia : array
+        J (kg m^2): three principal moments or a matrix.
+    mass : float, optional
+        In kg; if known, the uniform body that is drawn has it.
+    momentum : array, optional
+        Angular momentum (N m s), as ``omega``, by default J omega.
+    torque : array, optional
+        In N m, as ``omega``, by default none.
+    speed : float, optional
+        Seconds of the motion that are shown in one.
 
-    Raises `InputError` for arrays that do not fit, quaternions that are none, times that are not equally
-    far apart or so far that the body turns by more than 2 radians between two.
+    Returns
+    -------
+    Animation
+        For `eom.views.animation.animation_page.page`; the body turns about a point that stays.
 
+    Raises
+    ------
+    InputError
+        For arrays that do not fit, quaternions that are none, times that are not equally far apart
+        or so far that the body turns by more than 2 radians between two.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> t = np.linspace(0.0, 4.0, 41)
     >>> q = np.stack([np.cos(t / 2), 0 * t, 0 * t, np.sin(t / 2)], axis=1)  # 1 rad/s about b3

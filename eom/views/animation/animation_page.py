@@ -14,21 +14,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eom.views.animation.animation import Animation
+from eom.views.animation.acting import STYLES
+from eom.views.animation.animation import Animation, scales_of
 from eom.views.animation.figures import Figure, Shape
 from eom.views.animation.tracks import Track
 from eom.views.draw import pages
+from eom.views.draw.formulas import as_runs, name, unit
 from eom.views.draw.meshes import Mesh
 
 FRAME = 1.15
 """Length of b1, b2, b3 as a share of the extent of one body; of many, of what is seen."""
 FRAME_OF_MANY = 0.16
+SCRIPTS = ("three.js", "packed.js", "words.js", "viewer.js", "animation.js")
 PALETTE = ("blue", "orange", "green", "sky", "red", "purple", "yellow", "grey")
 
 
 def page(animation: Animation) -> str:
     """Return the page of an animation: one file of HTML that asks for nothing; the same bytes each time.
 
+    Parameters
+    ----------
+    animation : Animation
+        Of `eom.views.animation.animation.animation_of` and its like.
+
+    Returns
+    -------
+    str
+        One file of HTML that asks for nothing; the same bytes each time.
+
+    Examples
+    --------
     >>> import eom
     >>> from eom.views.animation.animation import animation_of
     >>> from eom.views.time.histories import run
@@ -42,7 +57,7 @@ def page(animation: Animation) -> str:
         "words": f"<p>{html.escape(words)}</p>" if words else "",
         "notes": "".join(f"<li>{html.escape(n)}</li>" for n in animation.notes),
     }
-    scripts = [pages.web(name) for name in ("three.js", "packed.js", "viewer.js", "animation.js")]
+    scripts = [pages.web(name) for name in SCRIPTS]
     return pages.page("animation", parts, data(animation), scripts)
 
 
@@ -68,7 +83,11 @@ def data(animation: Animation) -> dict[str, Any]:
         "view": [_number(x) for x in view.camera],
         "ground": None if view.ground is None else _number(view.ground),
         "follow": view.follow,
-        "axes": list(animation.axes),
+        "axes": [as_runs(a) for a in animation.axes],
+        "scales": {unit: _number(x) for unit, x in scales_of(animation).items()},
+        "kinds": {
+            kind: as_runs(STYLES[kind].words) for kind in {a.kind: 0 for a in animation.arrows}
+        },
         "bodies": bodies,
         "stand": [meshes.shape(s) for s in figures.ground],
         "meshes": meshes.listed,
@@ -78,7 +97,8 @@ def data(animation: Animation) -> dict[str, Any]:
         ],
         "arrows": list(_arrows(animation)),
         "readouts": [
-            {"name": t.name, "unit": t.unit, "values": floats(t.values)} for t in animation.readouts
+            {"name": as_runs(name(t.name)), "unit": unit(t.unit), "values": floats(t.values)}
+            for t in animation.readouts
         ],
     }
 
@@ -90,7 +110,7 @@ def _bodies(animation: Animation, meshes: Meshes) -> Iterator[dict[str, Any]]:
         yield {
             "name": figure.name,
             "colour": PALETTE[k % len(PALETTE)],
-            "axes": list(figure.axes),
+            "axes": [as_runs(a) for a in figure.axes],
             "frame": _number(_frame(animation, figure)),
             "tip": _tip(figure, track),
             "shapes": [meshes.shape(s) for s in figure.shapes],
@@ -122,7 +142,8 @@ def _arrows(animation: Animation) -> Iterator[dict[str, Any]]:
         apart = arrow.body < 0 and np.any(arrow.places)
         yield {
             "kind": arrow.kind,
-            "text": arrow.text,
+            "text": as_runs(arrow.text),
+            "words": arrow.words,
             "unit": arrow.unit,
             "colour": arrow.colour,
             "body": arrow.body,

@@ -11,34 +11,22 @@ of all times at once.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import sympy as sp
 
 from eom.errors import InputError
 from eom.kinematics.coordinates import quaternion_of_sequence
-from eom.multibody.algebra.scalars import Numbers
-from eom.multibody.algebra.spatial import ZERO
-from eom.multibody.algebra.values import is_number
-from eom.multibody.files.scene import TreeScene, start_values
+from eom.multibody.files.scene import FORCES, TreeScene, start_values
 from eom.multibody.files.sections import Reading
 from eom.multibody.model.constraints import Distance, Loop, Rolling
 from eom.multibody.model.jets import changes
-from eom.multibody.model.model import GROUND, Body, Joint, Rotor, Tree
-from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
-from eom.multibody.recursion.quantities import (
-    Flow,
-    about_centre,
-    first_moments,
-    flow,
-    mass,
-    momentum,
-)
+from eom.multibody.model.model import GROUND, Body, Joint, Rotor
+from eom.multibody.model.names import inputs_of
+from eom.multibody.recursion.quantities import about_centre, first_moments, mass, momentum
 from eom.opening import AnyScene
 from eom.quantities import TIME
 from eom.scenes import start
@@ -57,18 +45,17 @@ from eom.views.animation.figures import (
     equivalent,
     held,
     rod,
+    rolling,
     stalk,
     wheel,
 )
+from eom.views.animation.posture import Motion, Posture, filled, numbers
 from eom.views.animation.tracks import (
-    LARGEST_STEP,
-    STEP,
+    Acting,
     Floats,
     Track,
     Tracks,
     continuous,
-    from_third,
-    multiplied,
     of_matrices,
     turned,
 )
@@ -78,47 +65,10 @@ if TYPE_CHECKING:
     from codegen import Result
 
 LEAST_POINTS = 2
-SPUN_AXES = ("c₁", "b₂", "c₃")
+SPUN_AXES = (r"$\mathbf{c}_1$", r"$\mathbf{b}_2$", r"$\mathbf{c}_3$")
 """Names of the axes fixed in a spinner, beside B, which does not spin with it."""
 Robot = Mapping[str, tuple[Shape, ...]]
 """Shapes of bodies that a file names."""
-
-
-def number(value: Any, known: Mapping[str, float]) -> float:
-    """Return the number that a value of a description has; symbols without one count as zero.
-
-    Raises `InputError` where it is none.
-    """
-    if is_number(value):
-        return float(value)
-    at = {s: sp.Float(known.get(s.name, 0.0)) for s in value.free_symbols}
-    found = sp.sympify(value, strict=True).xreplace(at).evalf()
-    if not found.is_real or not math.isfinite(found):
-        raise InputError("not a number at the start", where="sketch", got=f"{value} = {found}")
-    return float(found)
-
-
-def numbers(values: Any, known: Mapping[str, float]) -> Floats:
-    """Return numbers of a vector or a matrix."""
-    if isinstance(values, list | tuple):
-        return np.array([numbers(v, known) for v in values])
-    return np.asarray(number(values, known))
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """All numbers of a scene by name at N times ``t`` (s), shape (N,): one number, or one for each time."""
-
-    t: Floats
-    values: Mapping[str, float | Floats]
-
-    def series(self, name: str) -> Floats:
-        """Return a number over time, shape (N,)."""
-        return np.broadcast_to(np.asarray(self.values[name]), self.t.shape)
-
-    def triple(self, letter: str) -> Floats:
-        """Return three numbers that are called by a letter and 1, 2, 3, shape (N, 3)."""
-        return np.stack([self.series(f"{letter}_{k}") for k in (1, 2, 3)], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -184,7 +134,26 @@ class OneBody:
             turned(frame, v) for v in (motion.triple("h"), motion.triple("torque"), omega)
         )
         body = Track(self.scene.title or self.scene.name, still, whole, omega)
-        return Tracks(motion.t, (body,), h, still, torque)
+        return Tracks(motion.t, (body,), h, still, torque, tuple(self._held(motion, frame)))
+
+    def _held(self, motion: Motion, frame: Floats) -> Iterator[Acting]:
+        """Yield the weight and the reaction of the fixed point: m times acceleration less gravity's.
+
+        With J alpha = M - omega x h about that point, in axes in which J is constant; those of a spinner's
+        frame, too. ``frame``: their quaternions.
+        """
+        weight = self.scene.torque.weight
+        if weight is None:
+            return
+        r, h = np.array(weight.centre_of_mass), motion.triple("h")
+        omega = np.linalg.solve(self.inertia, h.T).T
+        alpha = np.linalg.solve(self.inertia, (motion.triple("torque") - np.cross(omega, h)).T).T
+        moved = np.cross(alpha, r) + np.cross(omega, np.cross(omega, r))
+        down = np.broadcast_to([0.0, 0.0, -weight.mass * weight.gravity], h.shape)
+        reaction = weight.mass * turned(frame, moved) - down
+        centre = turned(frame, np.broadcast_to(r, h.shape))
+        yield Acting("weight", r"$m\,g$", "weight", down, centre)
+        yield Acting("reaction", "$R$", "reaction of the fixed point", reaction, np.zeros_like(h))
 
     def turns(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return the quaternions of the body, and of the frame that h and torque have components in."""
@@ -319,7 +288,9 @@ class ManyBodies:
             name: {**part, "angle": True} if part.get("speed") is None else part
             for name, part in data.get("rotors", {}).items()
         }
-        return TreeScene(**{**data, **({"rotors": rotors} if rotors else {})})
+        made = TreeScene(**{**data, **({"rotors": rotors} if rotors else {})})
+        forces = (FORCES,) if made.tree.constraints else ()
+        return made.asking((*made.control.laws, *forces, *self.scene.outputs))
 
     def tracks(self, motion: Motion) -> Tracks:
         """Return the motion of all bodies, and of rotors with a name of their own, after their bodies."""
@@ -330,7 +301,7 @@ class ManyBodies:
         heavy = mass(whole)
         centre = [x / heavy for x in first_moments(whole)]
         H = about_centre(whole, momentum(whole))
-        loads = acting(self.scene.tree, posture.lift, bodies)
+        loads = acting(self.scene.tree, posture.moment, N)
         return Tracks(motion.t, (*bodies, *rotors), filled(H, N), filled(centre, N), acting=loads)
 
     def figures(self, robot: Robot) -> Figures:
@@ -348,6 +319,8 @@ class Drawing:
 
     scene: TreeScene
     robot: Robot
+    spokes: bool = True
+    """Whether wheels have spokes, or are discs."""
 
     def array(self, given: Any) -> Floats:
         """Return the values of a vector or matrix."""
@@ -388,10 +361,22 @@ class Drawing:
             )
             return (Shape(mesh.moved(centre, axes)),), words
         J, m = self.array(body.central_inertia), float(self.array(body.mass))
+        rolls = (c for c in self.scene.tree.constraints if isinstance(c, Rolling))
+        touching = next((c for c in rolls if c.body == body.name), None)
+        if touching is not None:
+            return self._rolling(touching, J, m)
         if m <= 0 or not np.any(J):
             return (), ""
         found = equivalent(J, m)
         return (Shape(found.mesh.moved(centre)),), found.words
+
+    def _rolling(self, c: Rolling, J: Floats, m: float) -> tuple[tuple[Shape, ...], str]:
+        axis = np.zeros(3) if c.axis is None else self.array(c.axis)
+        about = float(axis @ J @ axis) / (float(axis @ axis) or 1.0) / (m or 1.0)
+        radius, half = float(self.array(c.radius)), float(self.array(c.half_axis))
+        shapes, words = rolling(radius, half, axis, about, spokes=self.spokes)
+        centre = self.array(c.centre)
+        return tuple(replace(s, mesh=s.mesh.moved(centre)) for s in shapes), words
 
     def _sizes(self, sizes: Mapping[str, Any]) -> dict[str, float]:
         read = Reading(self.scene).plain
@@ -502,161 +487,6 @@ class Drawing:
             yield self.array(tree.body[name].centre), ROTOR * self.reach
 
 
-ARRAYS = Numbers(np.sin, np.cos, np.sqrt)
-"""Scalars that are arrays over time."""
-STRUCTURE = (0, 1, -1)
-"""Numbers that recursions leave out."""
-
-
-def filled(entries: Any, count: int) -> Floats:
-    """Return a vector or matrix of numbers and arrays (N,) as one array, N first."""
-    if isinstance(entries, list | tuple):
-        return np.stack([filled(e, count) for e in entries], axis=1)
-    return np.broadcast_to(np.asarray(entries, dtype=np.float64), (count,))
-
-
-@dataclass(frozen=True)
-class Posture:
-    """A tree whose coordinates and speeds are arrays over the times of a motion."""
-
-    tree: Tree
-    motion: Motion
-
-    @property
-    def count(self) -> int:
-        """Number of times."""
-        return len(self.motion.t)
-
-    @cached_property
-    def known(self) -> dict[str, Any]:
-        """The values of all symbols by name; speeds that constraints eliminate are outputs."""
-        return {**self.motion.values, "t": self.motion.t}
-
-    def lift(self, given: Any) -> Any:
-        """Return the number or array that a value of the description has; 0, 1 and -1 stay numbers."""
-        if is_number(given):
-            return int(given) if given in STRUCTURE else float(given)
-        if given.is_Symbol:
-            return self.known[given.name]
-        at = {s.name: self.known[s.name] for s in given.free_symbols}
-        changing = {n: v for n, v in at.items() if not isinstance(v, float)}
-        if not changing:
-            return number(given, at)
-        rows = ({**at, **{n: v[k] for n, v in changing.items()}} for k in range(self.count))
-        return np.array([number(given, row) for row in rows])
-
-    @cached_property
-    def bones(self) -> LumpedTree:
-        """The parts, whose frames all turn with them."""
-        tree = without_forces(self.tree)
-        return lumped_tree(tree, self.lift, ARRAYS, [b.name for b in tree.bodies])
-
-    @cached_property
-    def joints(self) -> tuple[Joint, ...]:
-        """The joints that lead to parts, in order."""
-        leading = {part.joint for part in self.bones.parts}
-        return tuple(j for j in self.tree.ordered if j.name in leading)
-
-    @cached_property
-    def coordinates(self) -> list[Any]:
-        """The coordinates of all parts."""
-        rows = [
-            j.motion.position if j.motion else [c.symbol for c in j.coordinates]
-            for j in self.joints
-        ]
-        return [self.lift(v) for row in rows for v in row]
-
-    @cached_property
-    def flow(self) -> Flow:
-        """The motion of all parts."""
-        rows = [
-            j.motion.rate or () if j.motion else [s.symbol for s in j.speeds] for j in self.joints
-        ]
-        return flow(
-            self.bones, self.coordinates, [self.lift(v) for row in rows for v in row], ARRAYS
-        )
-
-    def pose(self, name: str) -> tuple[Floats, Floats]:
-        """Return C_BA of a body, shape (N, 3, 3), and where its origin is (m), shape (N, 3)."""
-        seat, N = self.bones.seats[name], self.count
-        own, origin = (filled(x, N) for x in (_lists(seat.rotation), list(seat.origin)))
-        if seat.part < 0:
-            return own, origin
-        R, x = self.flow.poses[seat.part]
-        C = filled(_lists(R), N)
-        return own @ C, filled(list(x), N) + np.einsum("nij,ni->nj", C, origin)
-
-    def track(self, name: str) -> Track:
-        """Return the motion of a body."""
-        (C, position), part = self.pose(name), self.bones.seats[name].part
-        if part < 0:
-            return Track(name, position, of_matrices(C), np.zeros((self.count, 3)))
-        omega = filled(list(self.flow.velocities[part].angular), self.count)
-        R = filled(_lists(self.flow.poses[part][0]), self.count)
-        return Track(name, position, of_matrices(C), np.einsum("nij,ni->nj", R, omega))
-
-    def rotor(self, number: int) -> Track:
-        """Return the motion of a rotor about its axis, which is the third one of its own."""
-        rotor = self.tree.rotors[number]
-        body, N = self.track(rotor.body), self.count
-        axis = np.array([float(self.lift(a)) for a in rotor.axis])
-        centre = filled([self.lift(c) for c in self.tree.body[rotor.body].centre], N)
-        space = turned(body.quaternions, np.broadcast_to(axis, (N, 3)))
-        if rotor.speed is None:
-            along = filled(self.lift(rotor.states[-1].symbol), N)
-            within = along - np.einsum("ni,ni->n", body.omega, space)
-        else:
-            within = filled(self.lift(rotor.speed), N)
-        name = "" if rotor.speed is not None else rotor.states[0].name
-        known = name in self.motion.values
-        angle = self.motion.series(name) if known else _integrated(self.motion.t, within)
-        slower = slowed(angle)
-        angle = angle / slower
-        spin = np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * np.eye(3)[2][:, None]]).T
-        tilt = np.broadcast_to(from_third(axis), (N, 4))
-        return Track(
-            rotor.name,
-            body.positions + turned(body.quaternions, centre),
-            continuous(multiplied(multiplied(body.quaternions, tilt), spin)),
-            body.omega + within[:, None] * space,
-            slower,
-        )
-
-
-def _integrated(t: Floats, rate: Floats) -> Floats:
-    """Return the integral of a rate from the first time, shape (N,), by trapezoids."""
-    return np.concatenate([[0.0], np.cumsum(np.diff(t) * (rate[1:] + rate[:-1]) / 2)])
-
-
-def slowed(angle: Floats) -> float:
-    """Return the power of ten by which an angle (rad), shape (N,), is divided so that its turns are seen.
-
-    It is 1 unless the angle goes from one time to the next by more than can be shown.
-    """
-    most = float(np.abs(np.diff(angle)).max(initial=0.0))
-    return 1.0 if most <= LARGEST_STEP else 10.0 ** math.ceil(math.log10(most / STEP))
-
-
-def without_forces(tree: Tree) -> Tree:
-    """Return a tree with what its motion is read from alone: no forces, springs and constraints."""
-    return replace(
-        tree,
-        joints=tuple(
-            replace(j, force=0, stiffness=0, damping=0, rest=0, motor=False) for j in tree.joints
-        ),
-        rotors=tuple(replace(r, torque=0, damping=0, motor=False) for r in tree.rotors),
-        loads=(),
-        springs=(),
-        constraints=(),
-        inputs=(),
-        jets=tuple(replace(jet, velocity=ZERO) for jet in tree.jets),
-    )
-
-
-def _lists(rows: Any) -> list[list[Any]]:
-    return [list(row) for row in rows]
-
-
 Bodies = OneBody | ManyBodies
 
 
@@ -671,11 +501,13 @@ def bodies_of(scene: AnyScene) -> Bodies:
 
 
 def at_start(bodies: Bodies) -> Motion:
-    """Return the numbers of a scene at t = 0; states that it leaves open are zero.
+    """Return the numbers of a scene at t = 0; states that it leaves open are zero, and inputs of control.
 
     Raises `InputError` as the scene does.
     """
     still = dict.fromkeys(bodies.scene.full_system.state_names, 0.0)
+    if isinstance(bodies, ManyBodies):  # what laws of control set
+        still |= {q.name: 0.0 for q in inputs_of(bodies.scene.tree)}
     return Motion(np.zeros(1), {**still, **bodies.known, **bodies.start})
 
 

@@ -30,7 +30,7 @@ from eom.views.draw.meshes import Mesh, of_solid
 
 Floats = NDArray[np.float64]
 
-BODY_AXES = ("b₁", "b₂", "b₃")
+BODY_AXES = (r"$\mathbf{b}_1$", r"$\mathbf{b}_2$", r"$\mathbf{b}_3$")
 EQUAL = 1e-6
 """Moments of inertia that differ by less than this share are drawn as equal."""
 THINNEST = 0.05
@@ -176,32 +176,67 @@ def held(name: str, inertia: Floats, weight: Weight) -> Figure:
     if found is None:
         body = equivalent(inertia, weight.mass)
         return Figure(name, (Shape(body.mesh),), f"about the fixed point: {body.words}")
+    cone = on_its_tip(found, weight.mass, r)
+    if cone is not None:
+        return Figure(name, (Shape(cone),), ON_ITS_TIP)
     body = equivalent(found, weight.mass)
-    mesh = body.mesh.moved(r)
-    if np.any(r) and float(np.min(mesh.vertices @ r)) < 0:
-        return _on_its_tip(name, found, weight.mass, r)
-    return Figure(name, (Shape(mesh), *stalk(r, body.mesh)), body.words)
+    return Figure(name, (Shape(body.mesh.moved(r)), *stalk(r, body.mesh)), body.words)
 
 
 SLIM = 0.3
 """Radius of a cone on its tip, at least, as a share of its height, which is the most."""
 
 
-def _on_its_tip(name: str, inertia: Floats, mass: float, centre: Floats) -> Figure:
+ON_ITS_TIP = (
+    "cone on its tip, with the body's centre of mass: one of equal inertia would reach below"
+)
+
+
+def on_its_tip(inertia: Floats, mass: float, centre: Floats) -> Mesh | None:
     """Return a cone whose tip is the fixed point, and whose centre of mass is the body's.
 
-    That is at 3/4 of its height; its moment about the line to it, 3 m r^2 / 10, is the body's as far as the
-    radius stays within bounds.
+    None where the uniform body of the same central ``inertia`` does not reach beyond the fixed point. The
+    centre is at 3/4 of its height; its moment about the line to it, 3 m r^2 / 10, is the body's as far as
+    the radius stays within bounds.
     """
+    if not np.any(centre):
+        return None
+    reached = equivalent(inertia, mass).mesh.moved(centre).vertices @ centre
+    if float(np.min(reached)) >= 0:
+        return None
     height = 4 * float(np.linalg.norm(centre)) / 3
     way = centre / np.linalg.norm(centre)
     radius = math.sqrt(10 * float(way @ inertia @ way) / (3 * mass))
     radius = min(max(radius, SLIM * height), height)
-    cone = of_solid("cone", {"radius": radius, "height": height})
-    words = (
-        "cone on its tip, with the body's centre of mass: one of equal inertia would reach below"
-    )
-    return Figure(name, (Shape(cone.moved(centre, along(way))),), words)
+    return of_solid("cone", {"radius": radius, "height": height}).moved(centre, along(way))
+
+
+EDGE = 0.04
+"""Length of a disc that rolls, as a share of its radius."""
+
+
+def rolling(
+    radius: float, half: float, axis: Floats, gyration: float, *, spokes: bool = True
+) -> tuple[tuple[Shape, ...], str]:
+    """Return what rolls as it touches, its centre at the origin, and in words.
+
+    ``axis``: zero of a ball; ``half``: half of the axis of an ellipsoid (m), 0 with a thin edge. That is a
+    wheel with ``spokes`` where the mass is farther out than a disc's: ``gyration``, the moment about the
+    axis by the mass (m^2), is above radius^2 / 2.
+    """
+    if not np.any(axis):
+        return (Shape(of_solid("sphere", {"radius": radius})),), "ball that rolls"
+    turn = along(axis / np.linalg.norm(axis))
+    if half:
+        egg = of_solid("ellipsoid", {"a": radius, "b": radius, "c": half})
+        return (Shape(egg.moved((0, 0, 0), turn)),), "ellipsoid that rolls"
+    if spokes and gyration > 0.5 * radius**2 * (1 + EQUAL):
+        tube = 0.03 * radius
+        parts = wheel(radius - tube, 2, tube)
+        turned = tuple(replace(p, mesh=p.mesh.moved((0, 0, 0), turn)) for p in parts)
+        return turned, "wheel of the radius that rolls"
+    disc = of_solid("cylinder", {"radius": radius, "length": EDGE * radius})
+    return (Shape(disc.moved((0, 0, 0), turn)),), "disc of the radius that rolls"
 
 
 def stalk(centre: Floats, mesh: Mesh) -> tuple[Shape, ...]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import io
 import math
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,12 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.errors import InputError
-from eom.views.animation.animation import ACTING, Animation, at, level
+from eom.views.animation.acting import STYLES
+from eom.views.animation.animation import Animation, Arrows, at, level, scales_of
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
 from eom.views.draw import placing as labels
 from eom.views.draw.depth import View, rgba
 from eom.views.draw.picture import COLOURS
+from eom.views.draw.printed import typeset
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -36,6 +39,8 @@ LONGEST_FILM = 8.0
 """Seconds that are shown unless more are asked for."""
 FIELD = math.radians(32)
 """The camera's field of view, from top to bottom."""
+TITLE = 44
+"""Letters of a title in half a height of the picture."""
 PALE = 0.62
 GROUND, SQUARES = 1.6, 12
 """How far the ground goes from its middle, by the radius of what is seen, and its squares to a side."""
@@ -96,7 +101,22 @@ class Filming:
 
     def __init__(self, animation: Animation, film: Film) -> None:
         self.animation, self.film = animation, film
-        self.scales = _scales(animation)
+        self.scales = scales_of(animation)
+        self.ways: dict[str, labels.Way] = {}
+        """Where labels are in the picture before."""
+
+    @cached_property
+    def largest(self) -> dict[str, float]:
+        """The greatest length of each kind of vector, in its unit."""
+        found: dict[str, float] = {}
+        for arrow in self.animation.arrows:
+            size = float(np.linalg.norm(arrow.values, axis=1).max())
+            found[arrow.kind] = max(size, found.get(arrow.kind, 0.0))
+        return found
+
+    def draws(self, arrow: Arrows) -> bool:
+        """Return whether a vector is drawn: of several bodies what acts on them."""
+        return bool(arrow.words) or len(self.animation.tracks.bodies) == 1
 
     def moved(self, place: float) -> Floats:
         """Return how far the body that the camera follows is from its start (m), (3,)."""
@@ -140,16 +160,6 @@ class Filming:
         times = self.animation.times
         shown = number / self.film.fps * self.animation.speed
         return min(shown / float(times[1] - times[0]), len(times) - 1.0)
-
-
-def _scales(animation: Animation) -> dict[str, float]:
-    """Return the length (m) of a unit of each kind of vector: the longest arrow fits the picture."""
-    largest: dict[str, float] = {}
-    for arrow in animation.arrows:
-        size = float(np.linalg.norm(arrow.values, axis=1).max())
-        largest[arrow.kind] = max(size, largest.get(arrow.kind, 0.0))
-    share = {"omega": 0.95, "momentum": 0.8, "torque": 0.65, "force": 0.5}
-    return {k: share[k] * animation.view.radius / v for k, v in largest.items() if v > 0}
 
 
 def _triangles(shapes: Sequence[Any], colour: str) -> Triangles:
@@ -234,9 +244,28 @@ def draw(filming: Filming, place: float, figure: Any) -> None:
     times, title = filming.animation.times, filming.animation.title
     time = float(times[0]) + place * float(times[1] - times[0])
     label = {"color": ink, "va": "top", "zorder": 9, "parse_math": False}
-    axes.text(-aspect + 0.04, 0.96, title, fontsize=11, weight="bold", **label)
-    axes.text(-aspect + 0.04, 0.87, f"t = {time:.{_places(filming)}f} s", fontsize=10, **label)
-    labels.place(figure, covering=True)
+    lines = textwrap.wrap(title, max(10, int(TITLE * aspect)))
+    axes.text(-aspect + 0.04, 0.96, "\n".join(lines), fontsize=11, weight="bold", **label)
+    axes.text(
+        -aspect + 0.04,
+        0.96 - 0.09 * len(lines),
+        f"t = {time:.{_places(filming)}f} s",
+        fontsize=10,
+        **label,
+    )
+    _legend(filming, axes, aspect)
+    labels.place(figure, covering=True, before=filming.ways)
+
+
+def _legend(filming: Filming, axes: Any, aspect: float) -> None:
+    """Write what the arrows are, with the length of the longest of each kind, at the lower left."""
+    drawn = {a.kind for a in filming.animation.arrows if filming.draws(a)}
+    kinds = [kind for kind in STYLES if kind in drawn and filming.largest[kind] > 0]
+    for k, kind in enumerate(reversed(kinds)):
+        style = STYLES[kind]
+        words = f"{style.words}, at most {float(f'{filming.largest[kind]:.3g}'):g} {style.unit}"
+        look = {"color": COLOURS[style.colour], "fontsize": 8.5, "va": "center", "zorder": 9}
+        axes.text(-aspect + 0.04, -0.95 + 0.08 * k, typeset(words), **look)
 
 
 def _places(filming: Filming) -> int:
@@ -339,9 +368,9 @@ def _vectors(filming: Filming, place: float, camera: Camera, axes: Any, back: st
                  "linewidth": 1.2 if colour == "grey" else 2.4, "shrinkA": 0, "shrinkB": 0}  # fmt: skip
         axes.annotate("", end, start, arrowprops=style, zorder=5)
         halo = [patheffects.withStroke(linewidth=3, foreground=back)]
-        axes.annotate(text, tuple(words), (0, 0), textcoords="offset points", color=ink, ha="center",
-                      va="center", weight="bold", zorder=6, path_effects=halo, parse_math=False,
-                      annotation_clip=False)  # fmt: skip
+        style = {"color": ink, "ha": "center", "va": "center", "weight": "bold", "zorder": 6,
+                 "path_effects": halo, "annotation_clip": False}  # fmt: skip
+        axes.annotate(typeset(text), tuple(words), (0, 0), textcoords="offset points", **style)
 
 
 def _shown_vectors(filming: Filming, place: float) -> Iterator[tuple[Floats, Floats, str, str]]:
@@ -356,9 +385,9 @@ def _shown_vectors(filming: Filming, place: float) -> Iterator[tuple[Floats, Flo
             axis = turned(q[None], (1.1 * figure.extent * np.eye(3)[k])[None])[0]
             yield origin, axis, figure.axes[k], "grey"
     for arrow in animation.arrows:
-        if arrow.kind in filming.scales and (arrow.kind in ACTING or not several):
-            vector = filming.scales[arrow.kind] * _between(arrow.values, place)
-            here = _between(arrow.places, place) if several else origin
+        if arrow.unit in filming.scales and filming.draws(arrow):
+            vector = filming.scales[arrow.unit] * _between(arrow.values, place)
+            here = _between(arrow.places, place) if several or arrow.words else origin
             yield here, vector, arrow.text, arrow.colour
 
 

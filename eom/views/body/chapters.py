@@ -15,7 +15,7 @@ import numpy as np
 
 from eom.derivations.derived import Derived
 from eom.derivations.showing import Drawn
-from eom.derivations.wording import frames_of, letters_in_words, terms_of
+from eom.derivations.wording import frames_of, letters_in_words, notation_of, terms_of
 from eom.terms.terms import Term
 from eom.terms.vocabulary import unit, words
 from eom.typeset.blocks import Drawing
@@ -59,7 +59,7 @@ def drawn(derivation: Derived, notation: str = "arrow") -> tuple[Drawn, ...]:
     >>> len(drawn(derive("euler-equations")))
     1
     """
-    chosen = notation_named(notation)
+    chosen = notation_of(derivation, notation_named(notation))
     if derivation.name.startswith("inertia-of-"):
         return (_solid(derivation),)
     if SPUN in derivation.assumptions:

@@ -28,11 +28,27 @@ LENGTH = 1.25
 def cones(motion: Turning, seconds: float | None = None) -> Picture:
     """Return the body cone and the space cone of a motion at t = 0.
 
-    ``motion``: of `eom.views.body.rotating.turning`; ``seconds`` (s): how much of a free body's space cone.
-    Edges have length 1, without a unit. Those of a free body are exact and have H upright, as of
-    `free_cones`; with a torque they are those of the integrated motion, in the frame in which attitude is
-    measured. Raises `InputError` for attitude in a frame that turns, and for a body at rest.
+    Parameters
+    ----------
+    motion : Turning
+        Of `eom.views.body.rotating.turning`.
+    seconds : float, optional
+        How much of a free body's space cone (s), as of `free_cones`.
 
+    Returns
+    -------
+    Picture
+        Edges have length 1, without a unit. Cones of a free body are exact and have H upright; with
+        a torque they are those of the integrated motion, in the frame in which attitude is
+        measured.
+
+    Raises
+    ------
+    InputError
+        For attitude in a frame that turns, and for a body at rest.
+
+    Examples
+    --------
     >>> import eom
     >>> from eom.views.body.rotating import turning
     >>> made = cones(turning(eom.load_scene("heavy-top"), seconds=1.0))
@@ -51,11 +67,31 @@ def cones(motion: Turning, seconds: float | None = None) -> Picture:
 def free_cones(body: FreeBody, seconds: float | None = None) -> Picture:
     """Return the exact cones of a free body at t = 0, H upright, edges of length 1 without a unit.
 
-    ``body``: moments, and where it starts; ``seconds`` (s): how much of the space cone, by default one
-    period of the angular velocity, or what `eom.views.body.poinsot.herpolhode` takes of a motion without.
-    The body cone rolls on the space cone along omega. Source: Goldstein, Classical Mechanics (2002), sect.
-    5.6. Raises `InputError` for a body at rest and for moments that no body has.
+    Parameters
+    ----------
+    body : FreeBody
+        Moments, and where it starts.
+    seconds : float, optional
+        How much of the space cone (s), by default one period of the angular velocity, or what
+        `eom.views.body.poinsot.herpolhode` takes of a motion without.
 
+    Returns
+    -------
+    Picture
+        H upright, edges of length 1 without a unit; the body cone rolls on the space cone along
+        omega.
+
+    Raises
+    ------
+    InputError
+        For a body at rest and for moments that no body has.
+
+    References
+    ----------
+    Goldstein, Classical Mechanics (2002), sect. 5.6.
+
+    Examples
+    --------
     >>> from eom.views.body.free import FreeBody
     >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
     >>> [item.label for item in free_cones(handle).rows[0][0].items if item.label]

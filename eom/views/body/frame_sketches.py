@@ -173,13 +173,30 @@ def frames_of(sequence: str, angles: Sequence[float]) -> list[Frame]:
 def frame_sketch(sequence: str, angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
     """Return the four frames of a sequence of turns in space, and below each turn seen along its axis.
 
-    ``sequence``: as "3-2-1", each turn about an axis of the frame before it; ``angles`` (rad): psi, theta,
-    phi, of the first, second and third turn. In space an arc leads from the axis that the next turn is
-    about (of the last: the turn before) to where the turn takes it. Seen along its axis, which points at
-    the reader, a positive turn is anticlockwise.
+    Parameters
+    ----------
+    sequence : str
+        As "3-2-1", each turn about an axis of the frame before it.
+    angles : sequence of floats, optional
+        Of ``angles`` (rad) psi, theta and phi are those of the first, second and third turn; 40, 30
+        and 35 degrees by default.
+    title : str, optional
+        Above the picture, the sequence unless given.
 
-    Raises `InputError` for an unknown sequence and for angles that are no numbers.
+    Returns
+    -------
+    Picture
+        Four frames in space: an arc leads from the axis that the next turn is about (of the last:
+        the turn before) to where the turn takes it. Below, each turn seen along its axis, which
+        points at the reader, so that a positive turn is anticlockwise.
 
+    Raises
+    ------
+    InputError
+        For an unknown sequence and for angles that are no numbers.
+
+    Examples
+    --------
     >>> [len(row) for row in frame_sketch("3-2-1", (0.3, 0.2, 0.1)).rows]
     [1, 3]
     """
@@ -261,12 +278,34 @@ def wheel(
 ) -> Picture:
     r"""Return the wheel at the ``angles`` psi, theta, phi (rad): turns about axes 3, 1 and 2.
 
-    The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about
-    the vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the
-    axle. Lengths are in radii of the rim; the body is that of lecture 001. ``held``: how far from the
-    middle of the wheel, along -b2, the fixed point O of the axle is, on its stand; None for none. Raises
-    `InputError` for angles that are no numbers.
+    Parameters
+    ----------
+    angles : sequence of floats, optional
+        psi, theta, phi (rad): turns about axes 3, 1 and 2.
+    title : str, optional
+        Above the picture.
+    held : float, optional
+        How far from the middle of the wheel, along -b2, the fixed point O of the axle is, on its
+        stand; none unless given.
 
+    Returns
+    -------
+    Picture
+        Lengths are in radii of the rim; the body is that of lecture 001.
+
+    Raises
+    ------
+    InputError
+        For angles that are no numbers.
+
+    Notes
+    -----
+    The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1
+    about the vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1
+    to c1 about the axle.
+
+    Examples
+    --------
     >>> wheel((0.0, 0.0, 0.0)).caption.split(",")[0]
     'A wheel after turns of psi = 0 degrees about the vertical'
     """
@@ -295,10 +334,25 @@ def wheel(
 def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:
     """Return the wheel of a spinner's scene at a time; without a time at angles that are seen well.
 
-    ``scene``: of the model "spinner"; ``seconds``: the time (s) up to which it is integrated. Angles and
-    axes as of `wheel`. Raises `InputError` as `codegen.simulate` does, and for a scene that is none of a
-    spinner.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of the model "spinner".
+    seconds : float, optional
+        The time (s) up to which it is integrated; without it angles are taken that are seen well.
 
+    Returns
+    -------
+    Picture
+        Angles and axes as of `wheel`.
+
+    Raises
+    ------
+    InputError
+        As `codegen.simulate` does, and for a scene that is none of a spinner.
+
+    Examples
+    --------
     >>> import eom
     >>> wheel_of(eom.load_scene("bicycle-wheel")).title
     'Bicycle wheel spinning on its axle, held by one end'

@@ -89,7 +89,18 @@ class FreeBody:
         return float(np.linalg.norm(np.multiply(self.moments, self.omega)))
 
     def axis(self, k: int) -> str:
-        """Return the letter of axis ``k``, 1, 2 or 3, as a formula."""
+        """Return the letter of an axis.
+
+        Parameters
+        ----------
+        k : int
+            1, 2 or 3.
+
+        Returns
+        -------
+        str
+            A formula.
+        """
         return rf"$\mathbf{{{self.letter}}}_{k}$"
 
     @property
@@ -99,9 +110,22 @@ class FreeBody:
         return a, b, c
 
     def turning(self, what: str) -> FreeBody:
-        """Return the body itself, for a picture of ``what``.
+        """Return the body itself, if it turns.
 
-        Raises `InputError` for a body at rest and for moments that no body has.
+        Parameters
+        ----------
+        what : str
+            The picture that asks, for messages.
+
+        Returns
+        -------
+        FreeBody
+            The body as it is.
+
+        Raises
+        ------
+        InputError
+            For a body at rest and for moments that no body has.
         """
         if not any(self.motion.body.omega):
             raise InputError(
@@ -116,10 +140,26 @@ class FreeBody:
 def free_body(scene: AnyScene, what: str) -> FreeBody:
     """Return the free body of ``scene``, for a picture of ``what``.
 
-    Moments, rates and attitude are those of the principal axes, which are the body's own if these are
-    principal; units and frames as of `FreeBody`. Raises `InputError` that says why there is none: a tree of
-    bodies, a torque, no initial rates, rest.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of one body without a torque, with initial rates.
+    what : str
+        The picture that asks, for messages.
 
+    Returns
+    -------
+    FreeBody
+        Moments, rates and attitude are those of the principal axes, which are the body's own if
+        these are principal; units and frames as of `FreeBody`.
+
+    Raises
+    ------
+    InputError
+        Says why there is none: a tree of bodies, a torque, no initial rates, rest.
+
+    Examples
+    --------
     >>> import eom
     >>> free_body(eom.load_scene("t-handle"), "polhode").moments
     (0.00015, 0.0004, 0.00052)

@@ -126,13 +126,34 @@ def _around(body: FreeBody) -> tuple[float, float]:
 def herpolhode(body: FreeBody, seconds: float | None = None, points: int | None = None) -> Picture:
     """Return Poinsot's construction at t = 0 beside the herpolhode, seen along H.
 
-    ``body``: moments, and where it starts; ``seconds`` (s, from t = 0 on), ``points``: of the path. By
-    default some periods of the angular velocity, one turn where two moments are equal, and on the
-    separatrix from where omega leaves the intermediate axis to where it comes back, at as many times as
-    needed. Axes: omega (rad/s), the third along H. The circles have the exact radii of
-    `eom.mechanics.freebody`; source: Goldstein, Classical Mechanics (2002), sect. 5.6. Raises
-    `InputError` for a body at rest, for moments that no body has, and for a time that is not positive.
+    Parameters
+    ----------
+    body : FreeBody
+        Moments, and where it starts.
+    seconds : float, optional
+        Of the path, from t = 0 on (s). By default some periods of the angular velocity, one turn
+        where two moments are equal, and on the separatrix from where omega leaves the intermediate
+        axis to where it comes back.
+    points : int, optional
+        Of the path, as many as needed unless given.
 
+    Returns
+    -------
+    Picture
+        Axes: omega (rad/s), the third along H. The circles have the exact radii of
+        `eom.mechanics.freebody`.
+
+    Raises
+    ------
+    InputError
+        For a body at rest, for moments that no body has, and for a time that is not positive.
+
+    References
+    ----------
+    Goldstein, Classical Mechanics (2002), sect. 5.6.
+
+    Examples
+    --------
     >>> from eom.views.body.free import FreeBody
     >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
     >>> herpolhode(handle, seconds=3.0).caption.split(", ")[-1]

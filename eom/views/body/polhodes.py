@@ -61,12 +61,29 @@ def momentum_axes(body: FreeBody) -> Floats:
 def polhodes(body: FreeBody) -> Picture:
     """Return the ellipsoids of momentum and energy, each with polhodes of all classes and the separatrix.
 
-    ``body``: moments, and where it starts; axes: omega (rad/s) along the principal axes. On the left all
-    motions have the momentum of this one and different energies; on the right its energy and different
-    momenta. The motion's own polhode is drawn thick, with a dot where it starts.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 4. Raises `InputError` for a body at rest and
-    for moments that no body has.
+    Parameters
+    ----------
+    body : FreeBody
+        Moments, and where it starts.
 
+    Returns
+    -------
+    Picture
+        On the left all motions have the momentum of this one and different energies; on the right
+        its energy and different momenta. Axes: omega (rad/s) along the principal axes. The motion's
+        own polhode is drawn thick, with a dot where it starts.
+
+    Raises
+    ------
+    InputError
+        For a body at rest and for moments that no body has.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), ch. 4.
+
+    Examples
+    --------
     >>> from eom.views.body.free import FreeBody
     >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
     >>> [panel.title for panel in polhodes(handle).rows[0]]
@@ -85,8 +102,23 @@ def polhodes(body: FreeBody) -> Picture:
 def ellipsoids(body: FreeBody) -> Picture:
     """Return the ellipsoids of momentum and energy of one motion, and its polhode, where they meet.
 
-    ``body``, axes (rad/s), source and errors as of `polhodes`.
+    Parameters
+    ----------
+    body : FreeBody
+        Moments, and where it starts, as of `polhodes`.
 
+    Returns
+    -------
+    Picture
+        Two surfaces and the curve; axes (rad/s), as of `polhodes`.
+
+    Raises
+    ------
+    InputError
+        As of `polhodes`.
+
+    Examples
+    --------
     >>> from eom.views.body.free import FreeBody
     >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
     >>> ellipsoids(handle).caption.split(". ")[0]
@@ -175,12 +207,33 @@ def _letters(body: FreeBody, semi_axes: Floats) -> list[Item]:
 def momentum_path(moments: ArrayLike, h: ArrayLike, title: str = "") -> Picture:
     """Return the path of the tip of h in the body, on the sphere of its length.
 
-    ``moments``: principal moments, of all that turns together at the end (kg m^2); ``h``: components
-    along the principal axes (N m s), shape (N, 3). Circles are the separatrix: there the energy is that of
-    spin about the intermediate axis; with two equal moments there is none. Raises `InputError` for other
-    shapes, for fewer than two places, and where the length of h is not constant. Source: Hughes,
-    Spacecraft Attitude Dynamics (1986), ch. 5.
+    Parameters
+    ----------
+    moments : array
+        Principal moments, of all that turns together at the end (kg m^2).
+    h : array
+        Angular momentum, components along the principal axes (N m s), shape (N, 3), of constant
+        length.
+    title : str, optional
+        Above the picture.
 
+    Returns
+    -------
+    Picture
+        The sphere with the path. Circles are the separatrix: there the energy is that of spin about
+        the intermediate axis; with two equal moments there is none.
+
+    Raises
+    ------
+    InputError
+        For other shapes, for fewer than two places, and where the length of h is not constant.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), ch. 5.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> angle = np.linspace(0.0, 1.0, 11)
     >>> path = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)

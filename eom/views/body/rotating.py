@@ -55,10 +55,27 @@ class Turning:
 def turning(scene: AnyScene, seconds: float | None = None, points: int | None = None) -> Turning:
     """Return how the body of a scene turns, from t = 0 on.
 
-    ``scene``: of one body; ``seconds``: how long (s), by default one period of a free body, and the
-    scene's own time of others; ``points``: number of times. Raises `InputError` for trees, and as
-    `codegen.simulate` does.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of one body.
+    seconds : float, optional
+        For how long (s), by default one period of a free body, and the scene's own time of others.
+    points : int, optional
+        Number of times.
 
+    Returns
+    -------
+    Turning
+        Times, angular velocities and rotations, and what is known of the motion.
+
+    Raises
+    ------
+    InputError
+        For trees, and as `codegen.simulate` does.
+
+    Examples
+    --------
     >>> import eom
     >>> turning(eom.load_scene("t-handle"), seconds=2.0, points=201).C.shape
     (201, 3, 3)
@@ -151,10 +168,20 @@ COLOURS = ("red", "green", "blue")
 def sphere(motion: Turning) -> Picture:
     """Return the paths of the tips of the body axes on the unit sphere, with the axes at the start.
 
-    ``motion``: of `eom.views.body.rotating.turning`. Components are along the axes of the frame in which
-    attitude is measured (rows of C_BI); a dot is where a path starts. With a free body, the direction of
-    its angular momentum is drawn, too.
+    Parameters
+    ----------
+    motion : Turning
+        Of `eom.views.body.rotating.turning`.
 
+    Returns
+    -------
+    Picture
+        Components are along the axes of the frame in which attitude is measured (rows of C_BI); a
+        dot is where a path starts. With a free body, the direction of its angular momentum is
+        drawn, too.
+
+    Examples
+    --------
     >>> import eom
     >>> from eom.views.body.rotating import turning
     >>> sphere(turning(eom.load_scene("heavy-top"), seconds=2.0)).caption

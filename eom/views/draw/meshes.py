@@ -109,7 +109,20 @@ class Mesh:
     flat: bool = False
 
     def moved(self, position: ArrayLike, rotation: ArrayLike | None = None) -> Mesh:
-        """Return the mesh at another ``position`` (m): ``rotation`` takes its components to those there."""
+        """Return the mesh at another place.
+
+        Parameters
+        ----------
+        position : array
+            Where its origin goes, (3,) in metres.
+        rotation : array, optional
+            (3, 3); it takes components in the mesh's axes to those there.
+
+        Returns
+        -------
+        Mesh
+            The same faces.
+        """
         R = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
         return replace(self, vertices=self.vertices @ R.T + np.asarray(position))
 

@@ -163,7 +163,7 @@ class Picture:
     def save(
         self, path: str | Path, size: tuple[float, float] | None = None, dpi: float = 150.0
     ) -> Path:
-        """Write it to a file .png, .svg, .pdf or .html, and return the path.
+        """Write it to ``path``, a file .png, .svg, .pdf or .html, and return that.
 
         ``size``: width and height in inches, by default as the panels need; ``dpi``: pixels an inch, of
         PNG. Raises `InputError` for other endings, where Matplotlib is needed and not installed (extra
@@ -188,8 +188,18 @@ class Picture:
 def points(*coordinates: ArrayLike) -> Floats:
     """Return arrays of ``coordinates``, each of shape (N,), as points of shape (N, 2) or (N, 3).
 
-    Units stay as they are.
+    Parameters
+    ----------
+    coordinates : array
+        Two or three, each of shape (N,).
 
+    Returns
+    -------
+    array
+        Shape (N, 2) or (N, 3). Units stay as they are.
+
+    Examples
+    --------
     >>> points([0, 1, 2], [0, 1, 4]).tolist()
     [[0.0, 0.0], [1.0, 1.0], [2.0, 4.0]]
     """
@@ -199,9 +209,24 @@ def points(*coordinates: ArrayLike) -> Floats:
 def check(picture: Picture) -> Picture:
     """Return a picture if it can be drawn.
 
-    Raises `InputError` that names the panel: a colour that is not known, points of the wrong
-    dimension, no panel at all.
+    Parameters
+    ----------
+    picture : Picture
+        What shall be drawn.
 
+    Returns
+    -------
+    Picture
+        The picture itself, if it can be drawn.
+
+    Raises
+    ------
+    InputError
+        That names the panel: a colour that is not known, points of the wrong dimension, no panel at
+        all.
+
+    Examples
+    --------
     >>> check(Picture((), "Nothing"))
     Traceback (most recent call last):
     ...

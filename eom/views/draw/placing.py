@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -84,11 +84,19 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
     return [(a.text, b.text) for a, b in pairs if overlap(a, b, -0.5)]
 
 
-def place(figure: Figure, *, covering: bool = False) -> None:
+Way = tuple[int, int]
+"""Where a label has been moved to: number of a ring round its point, and of a direction."""
+STAY = 2.0
+"""What it is worth that a label stays where it was in the picture before, against one ring."""
+
+
+def place(figure: Figure, *, covering: bool = False, before: dict[str, Way] | None = None) -> None:
     """Move the labels of a figure where they overlap no text; the layout of its panels is then fixed.
 
     Labels are annotations with words, in the order in which they are drawn: the first ones stay.
     ``covering``: whether they may cover what is drawn, so that they move as little as can be.
+    ``before``: where labels were moved to in the picture before, by their words; those of this one are
+    written there, so that labels stay steady in a film.
     """
     from matplotlib.text import Annotation
 
@@ -101,9 +109,16 @@ def place(figure: Figure, *, covering: bool = False) -> None:
         return
     clear = _Ink.of(figure, ())
     ink = clear if covering else _Ink.of(figure, _drawn(figure))
+    known = {} if before is None else before
+    ways: dict[str, Way] = {}
     for label in labels:
         in_space = hasattr(label.axes, "zaxis")  # in a plane words stand where they are put
-        taken.append(_moved(label, _box(label), taken, ink if in_space else clear))
+        box, way = _moved(label, _box(label), taken, ink if in_space else clear, known)
+        taken.append(box)
+        if way is not None:
+            ways[label.get_text()] = way
+    known.clear()
+    known.update(ways)
 
 
 def _fixed(figure: Any, texts: Sequence[Any]) -> list[Box]:
@@ -178,12 +193,14 @@ def _is_free(box: Box, taken: Sequence[Box], size: Floats) -> bool:
     return bool(inside) and not any(overlap(box, other, GAP) for other in taken)
 
 
-def _moved(label: Any, box: Box, taken: Sequence[Box], ink: _Ink) -> Box:
-    """Move a label to the best free place round its point, with a line to there; return its box."""
+def _moved(
+    label: Any, box: Box, taken: Sequence[Box], ink: _Ink, before: Mapping[str, Way]
+) -> tuple[Box, Way | None]:
+    """Move a label to the best free place round its point, with a line to there; return box and place."""
     anchor = np.asarray(label.axes.transData.transform(label.xy))
-    found = _best(anchor, box, taken, ink)
-    if found is box:
-        return box
+    found, way = _best(anchor, box, taken, ink, before.get(box.text))
+    if way is None:
+        return box, None
     scale = 72.0 / label.get_figure(root=True).dpi
     label.set(ha="center", va="center")
     label.xyann = tuple(scale * (found.middle - anchor))
@@ -194,27 +211,30 @@ def _moved(label: Any, box: Box, taken: Sequence[Box], ink: _Ink) -> Box:
             arrowprops=THIN, annotation_clip=False, zorder=4.5,
         )  # fmt: skip
         line.set_in_layout(False)
-    return found
+    return found, way
 
 
-def _best(anchor: Floats, box: Box, taken: Sequence[Box], ink: _Ink) -> Box:
-    """Return the best free box; the one that is given where it is that, or where no other is free."""
+def _best(
+    anchor: Floats, box: Box, taken: Sequence[Box], ink: _Ink, before: Way | None
+) -> tuple[Box, Way | None]:
+    """Return the best free box and where it is; the given one where it is that, or no other is free."""
     start = (
         math.atan2(*(box.middle - anchor)[::-1]) if np.any(box.middle != anchor) else math.pi / 2
     )
-    best = box
+    best, found = box, None
     least = COVERED * ink.under(box) if _is_free(box, taken, ink.size) else math.inf
     for ring in range(1, RINGS):
-        if ring >= least:
+        if ring - (STAY if before else 0.0) >= least:
             break
         for k in range(WAYS):
             turn = 2 * math.pi * k / WAYS
             way = np.array([math.cos(start + turn), math.sin(start + turn)])
             tried = Box(box.text, anchor + way * (STEP * ring + box.size), box.size, box.angle)
             cost = ring + COVERED * ink.under(tried) + TURNED * (1 - math.cos(turn)) / 2
+            cost -= STAY if before == (ring, k) else 0.0
             if cost < least and _is_free(tried, taken, ink.size):
-                best, least = tried, cost
-    return best
+                best, least, found = tried, cost, (ring, k)
+    return best, found
 
 
 def _texts(figure: Any) -> Iterator[Any]:

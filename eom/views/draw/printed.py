@@ -109,10 +109,26 @@ def _settings() -> Iterator[None]:
 def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     """Return a picture as a Matplotlib figure that no window and no global state knows.
 
-    ``size``: width and height in inches; by default so that all panels are read easily.
-    Raises `InputError` for a ``picture`` that cannot be drawn (`eom.views.draw.picture.check`), and where
-    Matplotlib is not installed.
+    Parameters
+    ----------
+    picture : Picture
+        What is drawn.
+    size : tuple of float, float, optional
+        Width and height in inches; by default so that all panels are read easily.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        No window and no global state knows of it.
+
+    Raises
+    ------
+    InputError
+        For a ``picture`` that cannot be drawn (`eom.views.draw.picture.check`), and where
+        Matplotlib is not installed.
+
+    Examples
+    --------
     >>> from eom.views.body.frame_sketches import frame_sketch
     >>> figure(frame_sketch("3-1-2"), size=(6, 5)).get_size_inches().tolist()
     [6.0, 5.0]
@@ -162,7 +178,7 @@ def _laid_out(picture: Picture, size: tuple[float, float] | None) -> Figure:
     made = Figure(figsize=inches, layout="constrained")
     if picture.title:
         lines = formulas.wrapped(picture.title, TITLE * made.get_figwidth())
-        made.suptitle("\n".join(map(_words, lines.split("\n"))), fontsize=11)
+        made.suptitle("\n".join(map(typeset, lines.split("\n"))), fontsize=11)
     if any(_square(panel) for row in rows for panel in row):
         parts = made.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)
         for part, row in zip(parts[:, 0], rows, strict=True):
@@ -193,7 +209,7 @@ def _row(part: Any, row: tuple[Panel, ...]) -> None:
         fitting = int(LETTERS * sum(map(width_of, row)) / longest)
         part.legend(
             list(handles.values()),
-            [_words(label) for label in handles],
+            [typeset(label) for label in handles],
             loc="outside lower center",
             ncols=max(1, min(fitting, len(handles))),
         )
@@ -236,11 +252,11 @@ def _panel(made: Any, place: Any, panel: Panel) -> Any:
         axes = made.add_subplot(place)
         _plane(axes, panel)
     if panel.title:
-        axes.set_title(_words(panel.title))
+        axes.set_title(typeset(panel.title))
     return axes
 
 
-def _words(text: str) -> str:
+def typeset(text: str) -> str:
     """Return words for Matplotlib; a formula that it cannot read is shown as it is written."""
     from matplotlib.mathtext import MathTextParser
 
@@ -277,7 +293,7 @@ def _handle(item: Curve | Marks | Arrow | Surface) -> Any:
 def _beside(axes: Any, panel: Panel) -> None:
     """Set the legend of a panel to its right."""
     if handles := _handles(panel):
-        labels = [_words(label) for label in handles]
+        labels = [typeset(label) for label in handles]
         axes.legend(list(handles.values()), labels, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
@@ -298,7 +314,7 @@ def _plane(axes: Any, panel: Panel) -> None:
             _arrow(axes, item, order)
         elif isinstance(item, Words):
             at = {"ha": "center", "va": "center", "zorder": order, "annotation_clip": False}
-            _note(axes, item.place, _words(item.text), (0, 0), color=colour, **at)
+            _note(axes, item.place, typeset(item.text), (0, 0), color=colour, **at)
     _axes(axes, panel, "xy")
     if panel.equal:
         axes.set_aspect("equal", adjustable="box")
@@ -326,7 +342,7 @@ def _arrow(axes: Any, item: Arrow, order: int) -> None:
         _note(
             axes,
             item.end,
-            _words(item.words),
+            typeset(item.words),
             (6 * way[0], 6 * way[1]),
             color=colour,
             ha=("right", "center", "left")[int(way[0]) + 1],
@@ -349,7 +365,7 @@ def _axes(axes: Any, panel: Panel, letters: str) -> None:
 
 
 def _axis(axes: Any, letter: str, axis: Axis) -> None:
-    axes.set(**{f"{letter}label": _words(axis.words)})
+    axes.set(**{f"{letter}label": typeset(axis.words)})
     if axis.scale == "log":
         axes.set(**{f"{letter}scale": "log"})
     if axis.limits is not None:
@@ -436,7 +452,7 @@ def _label(axes: Any, at: Any, text: str, colour: str, shift: tuple[float, float
     _note(
         axes,
         at,
-        _words(text),
+        typeset(text),
         (6 * shift[0], 9 * shift[1]),
         color=COLOURS[colour],
         ha=("right", "center", "left")[side + 1],

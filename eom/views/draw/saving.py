@@ -72,11 +72,30 @@ def can_write(path: str | Path) -> bool:
 def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: float = DPI) -> Path:
     """Write a picture to ``path`` (.png, .svg, .pdf by Matplotlib, .html for a browser); return the path.
 
-    ``size``: width and height in inches, by default as the panels need; ``dpi``: pixels an inch (PNG).
-    The same picture gives the same bytes. Folders are made. Raises `InputError` for other endings, a
-    missing Matplotlib, a size that no paper has, a picture that cannot be drawn, and where the file cannot
-    be written; then nothing is.
+    Parameters
+    ----------
+    picture : Picture
+        What is drawn.
+    path : str or path
+        Ends with .png, .svg, .pdf (by Matplotlib) or .html (for a browser). Folders are made.
+    size : Size, optional
+        Width and height in inches, by default as the panels need.
+    dpi : float, default 150.0
+        Pixels an inch (PNG).
 
+    Returns
+    -------
+    path
+        The path. The same picture gives the same bytes.
+
+    Raises
+    ------
+    InputError
+        For other endings, a missing Matplotlib, a size that no paper has, a picture that cannot be
+        drawn, and where the file cannot be written; then nothing is.
+
+    Examples
+    --------
     >>> import tempfile
     >>> from eom.views.body.frame_sketches import frame_sketch
     >>> with tempfile.TemporaryDirectory() as folder:

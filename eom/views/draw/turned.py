@@ -46,11 +46,27 @@ LEGEND = "A click on a name in a legend hides or shows it."
 
 
 def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
-    """Return a picture as one HTML page; ``size``: width and height in inches, of 96 pixels.
+    """Return a picture as one HTML page, whose panels in space are turned by hand.
 
-    Without a size it is as large as the window. Text is escaped; the same picture gives the same page.
-    Raises `InputError` for a ``picture`` that cannot be drawn (`eom.views.draw.picture.check`).
+    Parameters
+    ----------
+    picture : Picture
+        What is drawn.
+    size : tuple of float, float, optional
+        Width and height in inches, of 96 pixels; without, as large as the window.
 
+    Returns
+    -------
+    str
+        Text is escaped; the same picture gives the same page.
+
+    Raises
+    ------
+    InputError
+        For a ``picture`` that cannot be drawn (`eom.views.draw.picture.check`).
+
+    Examples
+    --------
     >>> from eom.views.body.frame_sketches import frame_sketch
     >>> made = page(frame_sketch("3-1-2"))
     >>> made[:15], len(made) < 2_000_000
@@ -68,7 +84,7 @@ def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
         "keys": TURN * (3 in kinds) + ZOOM * (2 in kinds) + LEGEND * bool(data["labels"]),
     }
     solid = ("three.js", "viewer.js") if 3 in kinds else ()
-    names = (*solid, "packed.js", "plane.js", "picture.js")
+    names = (*solid, "packed.js", "words.js", "plane.js", "picture.js")
     return pages.page("picture", parts, data, [pages.web(name) for name in names])
 
 

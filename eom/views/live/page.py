@@ -25,6 +25,7 @@ from codegen.targets import javascript
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError
+from eom.multibody.system.vectors import VectorOf
 from eom.opening import AnyScene
 from eom.quantities import Definition, Sampling
 from eom.system import System
@@ -36,10 +37,13 @@ from eom.typeset.letters import Notation
 from eom.typeset.markup import render
 from eom.typeset.notation import NOTATIONS, equation_parts
 from eom.typeset.pages import html_body
+from eom.views.animation import acting
+from eom.views.animation.acting import STYLES
 from eom.views.draw import pages
+from eom.views.draw.formulas import as_html, as_runs
 from eom.views.draw.pages import web
 from eom.views.live.scenes import subject_of
-from eom.views.live.subject import Choice, Knob, Subject, Switch, Variant
+from eom.views.live.subject import ALL, Choice, Knob, Subject, Switch, Variant
 
 SPEEDS = (0.1, 0.25, 0.5, 1, 2, 4, 10)
 LONG = 120.0
@@ -51,9 +55,11 @@ GROUPS = {
     "start": "Start",
 }
 SHOWN = {
-    "omega": "ω, angular velocity",
-    "H": "H, angular momentum",
-    "torque": "τ, torque",
+    **{
+        name: STYLES[kind].words
+        for name, kind in (("omega", "omega"), ("H", "momentum"), ("torque", "torque"))
+    },
+    **{f"{ALL}{kind}": style.words for kind, style in STYLES.items()},
     "trails": "trail",
     "body frames": "axes of the body",
     "space frame": "axes of space",
@@ -65,11 +71,30 @@ SHOWN = {
 def page(scene: AnyScene) -> str:
     """Return the live page of ``scene``, one file of HTML; the same scene gives the same bytes.
 
-    Under constraints start values are made consistent on the page, and states brought back after each step.
-    Laws of control run on it. Numbers are in SI units, the angles of a body's attitude at the start in
-    degrees. Raises `InputError` for scenes that a page cannot hold: motion backwards in time, and
-    operations that JavaScript has none for.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model. Numbers are in SI units, the angles of a body's attitude at the start in
+        degrees.
 
+    Returns
+    -------
+    str
+        One file of HTML; the same scene gives the same bytes.
+
+    Raises
+    ------
+    InputError
+        For scenes that a page cannot hold: motion backwards in time, and operations that JavaScript
+        has none for.
+
+    Notes
+    -----
+    Under constraints start values are made consistent on the page, and states brought back after
+    each step. Laws of control run on it.
+
+    Examples
+    --------
     >>> import eom
     >>> made = page(eom.load_scene("t-handle"))
     >>> made[:15], "<title>Tumbling T-handle" in made
@@ -91,12 +116,14 @@ def written(subject: Subject, speed: float = 1.0) -> str:
         "meanings": {d.name: d.quantity.description for d in _invariants(subject)},
         "speed": speed,
     }
-    scripts = [web("three.js"), web("viewer.js"), core, web("live.js")]
+    scripts = [web("three.js"), web("words.js"), web("viewer.js"), core, web("live.js")]
     lawful = bool(subject.variants[subject.choice].law)
     parts = {
         "title": html.escape(subject.title),
         "words": "\n".join(
-            f"<p>{html.escape(w)}</p>" for w in (subject.description, *subject.notes) if w
+            f"<p>{w}</p>"
+            for w in (html.escape(subject.description), *map(as_html, subject.notes))
+            if w
         ),
         "picture": html.escape(f"{subject.title}: the motion in three dimensions"),
         "caption": subject.caption,
@@ -175,7 +202,7 @@ def _switches(switches: tuple[Switch, ...]) -> str:
 def _shown(subject: Subject) -> str:
     return "\n".join(
         f'<label class="check"><input type="checkbox" data-show="{name}"{" checked" * on}> '
-        f"{SHOWN[name]}</label>"
+        f"{as_html(SHOWN[name])}</label>"
         for name, on in subject.shown.items()
     )
 
@@ -306,6 +333,9 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
         "keep": subject.keep,
         "follow": subject.follow,
         "up": list(subject.up),
+        "arrows": 12 * len(subject.bodies)
+        + sum(10 + 3 * count for count in subject.joints)
+        + sum(len(f.values) for f in subject.fittings),
         "variants": {
             key(choice): {
                 "system": compiled[choice].system,
@@ -313,12 +343,20 @@ def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, An
                 "equal": dict(v.equal),
                 "free": v.free,
                 "held": compiled[choice].held,
+                "vectors": [_vector(one) for one in v.vectors],
                 "sampled": [_sampled(s) for s in v.drawn.sampled],
                 "singular": [s.meaning for s in v.drawn.singularities],
             }
             for choice, v in subject.variants.items()
         },
     }
+
+
+def _vector(one: VectorOf) -> dict[str, Any]:
+    """Return how a vector is drawn; where its values are among the outputs, its number says."""
+    kind, style = acting.group(one), STYLES[acting.group(one)]
+    told = {"text": as_runs(acting.label(one)), "words": acting.words(one)}
+    return {"layer": f"{ALL}{kind}", "unit": style.unit, "colour": style.colour, **told}
 
 
 def _sampled(law: Sampling) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
+from eom.multibody.system.vectors import VectorOf
 from eom.quantities import Quantity
 from eom.system import System
 from eom.terms.terms import Equation
@@ -22,6 +23,8 @@ MOST_SWITCHES = 3
 """Every choice has a right-hand side of its own: eight at most."""
 VECTORS, FRAMES = ("omega", "H", "torque"), ("trails", "body frames", "space frame")
 """What can be hidden, by the names of the viewer: of one body, and of all."""
+ALL = "all "
+"""How what is hidden together begins: all vectors of a group (`eom.views.animation.acting.STYLES`)."""
 VIEW = "view_"
 """How the names of outputs begin that are there to be drawn."""
 
@@ -60,7 +63,7 @@ class Variant:
     outputs that are drawn. ``left_out``: what the passes left out, a line each. ``general``: operations
     of the right-hand side before them, ``after`` behind them. ``equal``: parameters that have become one
     with another. ``free``: no torque, so that Poinsot's construction holds. ``law``: the law of motion,
-    with words, of one body.
+    with words, of one body. ``vectors``: those of a tree that are drawn, the last six outputs of each.
     """
 
     own: System
@@ -71,6 +74,7 @@ class Variant:
     equal: Mapping[str, str] = field(default_factory=dict)
     free: bool = False
     law: tuple[tuple[Equation, str], ...] = ()
+    vectors: tuple[VectorOf, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ consistent on the page, whatever numbers are changed.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -27,13 +28,17 @@ from eom.multibody.model.constraints import Loop
 from eom.multibody.model.model import Tree
 from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
+from eom.multibody.system.vectors import MOMENTUM, OMEGA, Drawn
 from eom.quantities import Definition, Quantity
 from eom.rotations import angles_of_matrix, matrix_of_quaternion
 from eom.scenes.reduce import cost
 from eom.system import System, as_expression
+from eom.views.animation.acting import STYLES, group
 from eom.views.animation.bodies import ManyBodies
+from eom.views.draw import formulas
 from eom.views.live.fittings import fittings_of, sizes_of
 from eom.views.live.subject import (
+    ALL,
     FRAMES,
     SEQUENCE,
     VIEW,
@@ -56,6 +61,11 @@ GRAVITY, SPRINGS, DAMPING = "gravity", "springs", "damping"
 WORDS = {GRAVITY: "no gravity", SPRINGS: "no springs", DAMPING: "no damping"}
 TIPS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 """The points of each body that say where it is and how it is turned: its origin, ends of its axes."""
+
+VECTORS = Drawn(f"{VIEW}vector")
+"""All vectors of the tree, as outputs."""
+CROWD = 8
+"""Vectors of one kind that are seen at first."""
 
 ROUNDING = 1e-12
 """Start values below this come from the rounding of a consistent start, which the page makes anew."""
@@ -91,8 +101,32 @@ def of_tree(scene: TreeScene) -> Subject:
         up=_up(scene),
         notes=tuple(_notes(tree, first)),
         caption=_caption(fittings),
-        shown={name: name != "body frames" for name in (*FRAMES, *(["camera"] if afloat else []))},
+        shown={
+            **_seen(variants.values(), bool(np.any(_field(scene)))),
+            **{name: name != "body frames" for name in (*FRAMES, *(["camera"] if afloat else []))},
+        },
     )
+
+
+def _field(scene: TreeScene) -> Any:
+    g = ManyBodies(scene).gravity
+    return np.zeros(3) if g is None else g
+
+
+def _seen(variants: Iterable[Variant], heavy: bool) -> dict[str, bool]:
+    """Return the groups of vectors, and whether they are seen at first: forces, if they are few.
+
+    Where nothing weighs anything, momentum and angular velocity are seen, too.
+    """
+    most: dict[str, int] = {}
+    for variant in variants:
+        for name, count in Counter(map(group, variant.vectors)).items():
+            most[name] = max(count, most.get(name, 0))
+    return {
+        f"{ALL}{name}": most[name] <= CROWD and (name not in {OMEGA, MOMENTUM} or not heavy)
+        for name in STYLES
+        if name in most
+    }
 
 
 def _caption(fittings: Sequence[Fitting]) -> str:
@@ -104,7 +138,8 @@ def _caption(fittings: Sequence[Fitting]) -> str:
     )
     but = ", those that roll the shape that touches" if rolls else ""
     return (
-        f"Boxes and cylinders have the mass and the moments of inertia of the bodies{but}; {path}."
+        f"Boxes and cylinders have the mass and the moments of inertia of the bodies{but}; {path}. "
+        "Arrows of one unit have one scale, by the largest so far."
     )
 
 
@@ -113,7 +148,7 @@ def _notes(tree: Tree, drawn: System) -> Iterator[str]:
     free = [j for j in tree.ordered if j.motion is None]
     follow = [s for j in free for s in j.speeds if s.name not in drawn.state_names]
     if follow:
-        names = ", ".join(s.name for s in follow)
+        names = ", ".join(formulas.name(s.name) for s in follow)
         yield f"By the constraints these speeds follow from the others, and have no sliders: {names}."
 
 
@@ -175,10 +210,10 @@ def _variant(
         for k, b in enumerate(tree.bodies)
         for n, tip in enumerate(TIPS)
     ]
-    own, moving = (scene.of_tree(tree, asked, stay) for asked in ((), points))
-    drawn = _with_shapes(moving, scene, tree, fittings)
+    own, moving = scene.of_tree(tree, (), stay), scene.of_tree(tree, (*points, VECTORS), stay)
+    drawn, vectors = _with_shapes(moving, scene, tree, fittings), VECTORS.of(moving, tree)
     saved = savings(tree)
-    return Variant(own, drawn, tuple(saved.reasons), saved.without, cost(own))
+    return Variant(own, drawn, tuple(saved.reasons), saved.without, cost(own), vectors=vectors)
 
 
 def _with_shapes(
@@ -186,7 +221,7 @@ def _with_shapes(
 ) -> System:
     """Return a system whose outputs give points, then mass, centre, inertia, joints of each body.
 
-    Behind them come the values of the fittings, in order.
+    Behind them come the values of the fittings, and vectors with their places, in order.
     """
     known = set(system.parameter_names)
     values = [*_shape_values(tree), *(as_expression(x) for f in fittings for x in f.values)]
@@ -201,7 +236,8 @@ def _with_shapes(
         for k, value in enumerate(values)
     )
     points = tuple(d for d in system.outputs if f"_{VIEW}" in d.name)
-    return replace(system, outputs=(*points, *shapes))
+    vectors = tuple(d for d in system.outputs if d.name.startswith(VECTORS.prefix))
+    return replace(system, outputs=(*points, *shapes, *vectors))
 
 
 def _shape_values(tree: Tree) -> list[Expr]:
@@ -254,5 +290,5 @@ def _attitudes(scene: TreeScene) -> tuple[tuple[Attitude, ...], list[Knob]]:
 
 def _up(scene: TreeScene) -> tuple[float, ...]:
     """Return the direction against gravity; axis 3 of the ground where there is none."""
-    g = ManyBodies(scene).gravity
-    return (0.0, 0.0, 1.0) if g is None else tuple((-g / np.linalg.norm(g) + 0.0).tolist())
+    g = _field(scene)
+    return tuple((-g / np.linalg.norm(g) + 0.0).tolist()) if np.any(g) else (0.0, 0.0, 1.0)

@@ -57,6 +57,18 @@ class _Group:
 def quantities(system: System) -> tuple[Quantity, ...]:
     """Return what a result of a system holds: its states and outputs, with their units.
 
+    Parameters
+    ----------
+    system : System
+        Any.
+
+    Returns
+    -------
+    tuple of Quantity
+        What a result of it holds: states and outputs, with their units.
+
+    Examples
+    --------
     >>> import eom
     >>> [q.unit for q in quantities(eom.free_rigid_body())][:3]
     ['rad/s', 'rad/s', 'rad/s']
@@ -69,16 +81,38 @@ def histories(
 ) -> Picture:
     """Return states and outputs of a run over time (s), quantities of one unit together.
 
-    ``result``: of `codegen.simulate`; ``known``: the quantities of `quantities`, for their units.
-    ``names``: which to draw, in panels of eight curves at most, those apart whose sizes are unlike; without
-    them all, but eight a unit, and the caption says how many are left out. Where lines have too few points
-    for what moves fastest the picture's ``notice`` says so. The lowest panel has the drift of the
-    invariants, value less first value, on a logarithmic scale; it says whether drift is relative (over
-    the size of the terms that the invariant is made of) or absolute (in its unit, where all terms are
-    zero). Values that are no numbers leave gaps.
+    Parameters
+    ----------
+    result : Result
+        Of `codegen.simulate`.
+    known : iterable of Quantity
+        The quantities of `quantities`, for their units.
+    names : iterable of str, optional
+        Which to draw, in panels of eight curves at most, those apart whose sizes are unlike;
+        without them all, but eight a unit, and the caption says how many are left out.
+    title : str, optional
+        Above the picture.
 
-    Raises `InputError` for unknown names, for fewer than two times, and for a quantity without numbers.
+    Returns
+    -------
+    Picture
+        States and outputs over time (s). The lowest panel has the drift of the invariants, value
+        less first value, on a logarithmic scale; it says whether drift is relative (over the size
+        of the terms that the invariant is made of) or absolute (in its unit, where all terms are
+        zero).
 
+    Raises
+    ------
+    InputError
+        For unknown names, for fewer than two times, and for a quantity without numbers.
+
+    Notes
+    -----
+    Where lines have too few points for what moves fastest the picture's ``notice`` says so. Values
+    that are no numbers leave gaps.
+
+    Examples
+    --------
     >>> import codegen, eom
     >>> system = eom.free_rigid_body()
     >>> start = {"omega_1": 0.1, "omega_2": 2.0, "omega_3": 0.1}
@@ -152,9 +186,28 @@ def histories_of(
 ) -> Picture:
     """Return the histories of what a scene asks for; of all states, eight a unit, where it names nothing.
 
-    ``scene``: of any model; ``seconds`` (s), ``points``: end and number of the stored times, by default the
-    scene's. Axes and errors as of `histories`; raises as `codegen.simulate` does, too.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model.
+    seconds : float, optional
+        End of the stored times, ``seconds`` (s), by default the scene's.
+    points : int, optional
+        Number of the stored times, by default the scene's.
 
+    Returns
+    -------
+    Picture
+        What the scene asks for; of all states, eight a unit, where it names nothing. Axes as of
+        `histories`.
+
+    Raises
+    ------
+    InputError
+        As of `histories`, and as `codegen.simulate` does.
+
+    Examples
+    --------
     >>> import eom
     >>> histories_of(eom.load_scene("t-handle"), seconds=1.0, points=101).rows[-1][0].axes[0].words
     '$t$ [s]'

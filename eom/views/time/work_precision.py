@@ -35,10 +35,25 @@ AROUND = 3.0
 def work_precision(diagram: Diagram) -> Picture:
     """Return time (s) over error, both on logarithmic scales, fine results to the right.
 
-    ``diagram``: of `codegen.measure.workprecision.measuring.measure`. The error is that at the end, of the
-    state that is worst, over its largest size. A dotted vertical line stands at the reference's own error
-    where it is above rounding. Raises `InputError` where nothing was measured.
+    Parameters
+    ----------
+    diagram : Diagram
+        Of `codegen.measure.workprecision.measuring.measure`.
 
+    Returns
+    -------
+    Picture
+        The time (s) of an integration over its error: that at the end, of the state that is worst,
+        over its largest size. A dotted vertical line stands at the reference's own error where it
+        is above rounding.
+
+    Raises
+    ------
+    InputError
+        Where nothing was measured.
+
+    Examples
+    --------
     >>> from codegen.measure.workprecision import measuring, programs
     >>> from codegen.measure.workprecision.case import Case
     >>> from eom import problems

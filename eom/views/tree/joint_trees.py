@@ -256,11 +256,27 @@ def _bond(constraint: Constraint, tree: Tree) -> _Bond | None:
 def joint_tree(tree: Tree, title: str = "") -> Picture:
     """Return the diagram of a tree: bodies as boxes, the ground hatched, joints as lines.
 
-    ``tree``: of any kind; nothing is to scale, and there are no units. A joint has the letter of its kind
-    in a circle, its name above and its coordinates below its line. Dashed lines are constraints, and
-    springs between points. Long trees go on in bands below each other. Raises `InputError` for a tree
-    without bodies.
+    Parameters
+    ----------
+    tree : Tree
+        Of any kind; nothing is to scale, and there are no units.
+    title : str, optional
+        Above the picture.
 
+    Returns
+    -------
+    Picture
+        A joint has the letter of its kind in a circle, its name above and its coordinates below its
+        line. Dashed lines are constraints, and springs between points. Long trees go on in bands
+        below each other.
+
+    Raises
+    ------
+    InputError
+        For a tree without bodies.
+
+    Examples
+    --------
     >>> from eom.multibody import Body, Joint, Tree
     >>> rod = Body("rod", 2.0, centre=(0, 0, -0.5), inertia=(0.2, 0.2, 0))
     >>> pin = Joint("pin", "revolute", "ground", "rod", axis="y")

@@ -24,20 +24,12 @@ from eom.multibody.model.constraints import Distance, KnifeEdge, Loop, Rolling
 from eom.multibody.model.jets import rates
 from eom.multibody.model.model import GROUND, Constraint, Joint, Tree
 from eom.multibody.recursion.motion import places
+from eom.multibody.system.vectors import GRADIENT, WEIGHT, vectors_of
 from eom.opening import AnyScene
 from eom.scenes.assembly import torques_of
-from eom.views.animation.bodies import (
-    ARRAYS,
-    Bodies,
-    ManyBodies,
-    OneBody,
-    Posture,
-    at_start,
-    bodies_of,
-    number,
-    numbers,
-)
-from eom.views.animation.figures import central, equivalent
+from eom.views.animation.bodies import Bodies, Drawing, ManyBodies, OneBody, at_start, bodies_of
+from eom.views.animation.figures import central, equivalent, on_its_tip
+from eom.views.animation.posture import ARRAYS, Posture, filled, number, numbers
 from eom.views.animation.tracks import from_third, matrices
 from eom.views.body.frame_sketches import SPACE, Frame, arc_points, triads
 from eom.views.draw.formulas import formula, name, short
@@ -84,19 +76,37 @@ class Sketch:
 def sketch(scene: AnyScene) -> Picture:
     """Return the sketch of a scene at its start: bodies, centres of mass, joints, and what acts on them.
 
-    ``scene``: of any model. Bodies are drawn as uniform solids of the same mass and inertia; lengths of
-    arrows say nothing.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model.
 
-    Of one body nothing is to scale. The reference frame has the axes a, the body (a spinner's frame that
-    does not spin) the axes b. Weight acts at the centre of mass G along -a3, with the reaction of the fixed
-    point O; torque by components has an arrow along each of them, its sense that at the start; a gravity
-    gradient one along its torque at the start. What acts together is drawn together.
+    Returns
+    -------
+    Picture
+        Bodies are drawn as uniform solids of the same mass and inertia; lengths of arrows say
+        nothing.
 
-    A tree is drawn to scale (m). Weights act at centres of mass; at joints stand torques and forces on the
-    child by springs, dampers and motors, with their sense at the start; reactions of the ground at joints
-    and contacts are drawn against gravity, as their direction is not known. Springs between points are
-    dotted, rods dashed. Raises `InputError` as the scene does whose numbers make no body or tree.
+    Raises
+    ------
+    InputError
+        As the scene does whose numbers make no body or tree.
 
+    Notes
+    -----
+    Of one body nothing is to scale. The reference frame has the axes a, the body (a spinner's frame
+    that does not spin) the axes b. Weight acts at the centre of mass G along -a3, with the reaction
+    of the fixed point O; torque by components has an arrow along each of them, its sense that at
+    the start; a gravity gradient one along its torque at the start. What acts together is drawn
+    together.
+
+    A tree is drawn to scale (m). Weights act at centres of mass; at joints stand torques and forces
+    on the child by springs, dampers and motors, with their sense at the start; reactions of the
+    ground at joints and contacts are drawn against gravity, as their direction is not known.
+    Springs between points are dotted, rods dashed.
+
+    Examples
+    --------
     >>> import eom
     >>> sketch(eom.load_scene("heavy-top")).caption.split(". ")[1]
     'Its weight acts at the centre of mass G, a reaction at the fixed point O.'
@@ -143,7 +153,7 @@ REACH = 1.0
 """Where one body ends in its sketch; other lengths are in proportion."""
 LARGEST = 1.7
 """Size of a body that its fixed point is far away from the surface of."""
-GRADIENT = "gravity_gradient"
+FIELD = "gravity_gradient"
 
 
 @_of.register
@@ -200,13 +210,17 @@ class BodyAtStart:
     def mesh(self) -> Mesh:
         """The body about its centre of mass, its surface through the fixed point if there is one.
 
-        A flat body, which would be too large then, is on a stalk.
+        A flat body, which would be too large then, is on a stalk; one that would reach below is a cone.
         """
         J, mass = self.bodies.inertia, self.bodies.scene.body.mass
         if self.weight is not None:
-            mass = self.weight.mass
-            about = central(J, mass, self.weight.centre_of_mass)
+            r, mass = np.array(self.weight.centre_of_mass), self.weight.mass
+            about = central(J, mass, r)
             J = J if about is None else about
+            cone = None if about is None else on_its_tip(about, mass, r)
+            if cone is not None:
+                size = REACH / float(np.linalg.norm(r))
+                return Mesh(size * (cone.vertices - r), cone.faces, cone.round)
         mesh = equivalent(J, mass).mesh
         way = -self.centre
         reach = float(np.max(mesh.vertices @ way)) / REACH if np.any(way) else mesh.extent
@@ -247,7 +261,7 @@ def _caption_of_one(s: BodyAtStart) -> str:
     acts = []
     if s.weight is not None:
         acts.append("Its weight acts at the centre of mass G, a reaction at the fixed point O.")
-    if GRADIENT in s.torques:
+    if FIELD in s.torques:
         acts.append("The torque of the gravity gradient acts on it, at the start along the arrow.")
     if s.applied or not acts:
         acts.append(f"{len(s.applied) or 'No'} components of torque act on it.")
@@ -267,8 +281,8 @@ def _acting(s: BodyAtStart) -> Iterator[Item]:
         down = np.array([0.0, 0.0, -1.0])
         yield from force(s.centre @ s.C, down, 0.8, "$m g$")
         yield from push(np.zeros(3), -down, 0.8, "$R$")
-    if GRADIENT in s.torques:
-        way = numbers(s.torques[GRADIENT], s.known)
+    if FIELD in s.torques:
+        way = numbers(s.torques[FIELD], s.known)
         yield from torque(np.zeros(3), way @ s.C, 1.25, r"$\mathbf{M}$")
         yield Arrow(
             np.zeros(3), np.array([-1.75, 0.0, 0.0]), "grey", 1.6, "to the attracting centre"
@@ -389,6 +403,12 @@ class TreeAtStart:
             found[body.name] = Place(C[0], origin[0])
         return found
 
+    def vector(self, source: str, body: str) -> Floats:
+        """Return a vector that acts on a body by a source; zero where none does."""
+        own = (v for v in vectors_of(self.tree) if (v.source, v.body) == (source, body))
+        found = [v.at(self.posture.moment) for v in own]
+        return sum((filled(list(f[0]), 1)[0] for f in found if f is not None), np.zeros(3))
+
     @cached_property
     def posture(self) -> Posture:
         """Where everything is."""
@@ -440,14 +460,14 @@ class TreeAtStart:
 
     @cached_property
     def shapes(self) -> list[Item]:
-        """The bodies as uniform solids of the same mass and inertia, about their centres of mass."""
-        found: list[Item] = []
-        for body in self.tree.bodies:
-            J, m = numbers(body.central_inertia, self.known), float(numbers(body.mass, self.known))
-            if m > 0 and np.any(J):
-                mesh = equivalent(J, m).mesh
-                found += solid(mesh, self.bodies[body.name].C, self.centre(body.name))
-        return found
+        """The bodies as in animations: solids of the scene, what rolls, ones of equal inertia."""
+        drawing = Drawing(self.drawn.scene, {}, spokes=False)
+        return [
+            item
+            for body in self.tree.bodies
+            for shape in drawing.own(body)[0]
+            for item in solid(shape.mesh, self.bodies[body.name].C, self.bodies[body.name].origin)
+        ]
 
     @cached_property
     def upright(self) -> Floats:
@@ -502,11 +522,11 @@ def _caption(s: TreeAtStart) -> str:
     count = len(s.tree.bodies)
     held = ", ".join(c.name for c in s.tree.constraints)
     words = (
-        f"Forces and torques on {count} {'bodies' if count > 1 else 'body'} at the start, drawn as "
-        "uniform solids of the same inertia."
+        f"Forces and torques on {count} {'bodies' if count > 1 else 'body'} at the start, drawn as solids "
+        "of the scene, or uniform ones of the same inertia."
     )
     if any(not is_zero(x) for row in s.tree.gravity_gradient for x in row):
-        words += " Gravity varies with the position; its gradient acts, too."
+        words += " Gravity varies with the position; the torques of its gradient act, too."
     return words + (f" Bound by {held}." if held else "")
 
 
@@ -522,7 +542,9 @@ def _body(s: TreeAtStart, body: str) -> Iterator[Item]:
         letter = name(str(m)) if isinstance(m, sp.Symbol) else name(f"m_{body}")
         named = len(s.tree.bodies) <= MOST_WEIGHED
         weight = f"${letter.strip('$')}\\,g$" if named else ""
-        yield from force(centre, s.down, 0.4 * s.size, weight)
+        yield from force(centre, s.vector(WEIGHT, body), 0.4 * s.size, weight)
+        turning = s.vector(GRADIENT, body)
+        yield from torque(centre, turning, 0.55 * s.size, f"$M_{{{name(body).strip('$')}}}$")
 
 
 def _joint(s: TreeAtStart, joint: Joint) -> Iterator[Item]:
@@ -648,9 +670,24 @@ MOST_INDEXED = 6
 def tree_frames(scene: TreeScene) -> Picture:
     """Return the axes x, y, z of the ground (black) and of all bodies at the start, at their origins.
 
-    ``scene``: its tree, numbers and start. Grey lines lead along the bodies from joint to joint. What is up
-    by gravity is drawn upwards; lengths of axes say nothing. Raises `InputError` as the scene does.
+    Parameters
+    ----------
+    scene : TreeScene
+        Its tree, numbers and start.
 
+    Returns
+    -------
+    Picture
+        The axes x, y, z of the ground and of all bodies. Grey lines lead along the bodies from
+        joint to joint. What is up by gravity is drawn upwards; lengths of axes say nothing.
+
+    Raises
+    ------
+    InputError
+        As the scene does.
+
+    Examples
+    --------
     >>> import eom
     >>> tree_frames(eom.load_scene("double-pendulum")).caption
     'The frames of the ground and of 2 bodies at the start.'

@@ -7,7 +7,7 @@
   const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
   const darkness = window.matchMedia("(prefers-color-scheme: dark)");
   const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
-  const LONGEST_FRAME = 0.1;
+  const LONGEST_FRAME = 0.1, SHORTEST = 0.02;
 
   // -- data ---------------------------------------------------------------------------------------
 
@@ -85,14 +85,8 @@
     return;
   }
 
-  const scales = {};
-  arrows.forEach((a) => {
-    for (let k = 0; k < count; k += 1) {
-      scales[a.kind] = Math.max(scales[a.kind] || 0, length(a.values.subarray(3 * k, 3 * k + 3)));
-    }
-  });
-  const reach = (several ? 0.5 : 0.95) * data.radius;
-  const SHARE = {omega: 1, momentum: 0.84, torque: 0.68, force: 0.6};
+  const factor = (arrow) => data.scales[arrow.unit] || 0;
+  const short = (vector) => length(vector) < SHORTEST * data.radius;
 
   const TRAIL = {width: 2, opacity: 0.75, layer: "trails"};
   const trailColour = (n) => (several ? data.bodies[n].colour : "orange");
@@ -110,7 +104,7 @@
       viewer.trail("tip " + n, body.path, {colour: trailColour(n), ...TRAIL});
     });
     if (!several) {
-      const points = arrows[0].values.map((x) => (x * reach) / (scales.omega || 1));
+      const points = arrows[0].values.map((x) => x * factor(arrows[0]));
       viewer.trail("omega", points, {colour: "red", width: 1.5, opacity: 0.55, layer: "path of omega"});
     }
   }
@@ -120,7 +114,9 @@
 
   const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, follow: data.follow};
   const shown = {};
-  const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque", force: "F, forces"};
+  const OMEGA = ["\u03c9", "i", ""];
+  const plain = (text) => [text, "", ""];
+  const FEW = 8;
 
   function swatch(colour) {
     const found = document.createElement("span");
@@ -129,7 +125,7 @@
     return found;
   }
 
-  function box(id, words, on, act, colour) {
+  function box(id, runs, on, act, colour) {
     const label = document.createElement("label");
     const input = document.createElement("input");
     Object.assign(input, {type: "checkbox", checked: on, id: "show-" + id});
@@ -141,7 +137,7 @@
     if (colour) {
       label.append(swatch(colour));
     }
-    label.append(document.createTextNode(words));
+    words.html(typeof runs === "string" ? [plain(runs)] : runs, label.appendChild(document.createElement("span")));
     byId("show").append(label);
     act(on);
     return input;
@@ -150,7 +146,9 @@
   const kinds = [...new Set(arrows.map((a) => a.kind))];
   kinds.forEach((kind) => {
     const colour = arrows.find((a) => a.kind === kind).colour;
-    box(kind, WORDS[kind], !several || kind === "force" || data.ground === null, (on) => { shown[kind] = on; }, colour);
+    const own = arrows.filter((a) => a.kind === kind && a.words).length;
+    const seen = !several || data.ground === null || (own > 0 && own <= FEW);
+    box(kind, data.kinds[kind], seen, (on) => { shown[kind] = on; }, colour);
   });
   if (several) {
     const label = document.createElement("label");
@@ -163,12 +161,13 @@
       draw();
       say();
     });
-    label.append(document.createTextNode("\u03c9 of"), select);
+    words.html([OMEGA, plain(" of")], label.appendChild(document.createElement("span")));
+    label.append(select);
     byId("show").append(label);
   }
   const trails = box("trails", several ? "paths of the tips" : "path of the tip", true, (on) => viewer.show("trails", on));
   if (!several) {
-    box("path", "path of \u03c9", false, (on) => viewer.show("path of omega", on));
+    box("path", [plain("path of "), OMEGA], false, (on) => viewer.show("path of omega", on));
   }
   const space = box("space", "space frame", !several, (on) => viewer.show("space frame", on));
   const frames = box("frames", several ? "body frames" : "body frame", !several, (on) => viewer.show("body frames", on));
@@ -192,15 +191,24 @@
   }
 
   const rows = [];
-  function row(name, unit, value) {
-    const line = byId("readouts").tBodies[0].insertRow();
+  function row(name, unit, value, {table = "readouts", colour, title} = {}) {
+    const line = byId(table).tBodies[0].insertRow();
     const head = document.createElement("th");
     head.scope = "row";
-    head.textContent = name;
+    if (colour) {
+      head.append(swatch(colour), " ");
+    }
+    words.html(name, head);
+    if (title) {
+      head.title = title;
+      const unseen = head.appendChild(document.createElement("span"));
+      unseen.className = "unseen";
+      unseen.textContent = ", " + title;
+    }
     line.append(head);
     const cell = line.insertCell();
     line.insertCell().textContent = unit;
-    rows.push({cell, value, name, unit});
+    rows.push({line, cell, head, value, name: words.text(name), unit});
   }
   const places = Math.max(0, Math.min(6, 3 - Math.floor(Math.log10(span))));
   const timeText = () => (data.start + state.time).toFixed(places);
@@ -210,16 +218,23 @@
     return text.replace(/-/g, "\u2212");
   }
   const size = (arrow) => (k, part) => length(between(arrow.values, 3, k, part));
-  row("t", "s", () => data.start + state.time);
+  const sized = (runs) => [plain("|"), ...runs, plain("|")];
+  row([["t", "i", ""]], "s", () => data.start + state.time);
   rows[0].fixed = true;
-  row("|\u03c9|", "rad/s",
-      (k, part) => size(arrows[state.chosen])(k, part));
+  row(sized([OMEGA]), "rad/s", (k, part) => size(arrows[state.chosen])(k, part));
   function chosenRow() {
-    rows[1].cell.previousSibling.textContent = several ? "|\u03c9| of " + bodies[state.chosen].name : "|\u03c9|";
+    rows[1].head.replaceChildren();
+    words.html([...sized([OMEGA]), plain(several ? " of " + bodies[state.chosen].name : "")], rows[1].head);
   }
   chosenRow();
-  arrows.filter((a) => a.kind === "momentum" || (a.kind === "torque" && !several)).forEach((a) => row("|" + a.text + "|", a.unit, size(a)));
+  arrows.filter((a) => !a.words && a.kind !== "omega").forEach((a) => row(sized(a.text), a.unit, size(a)));
   readouts.forEach((t) => row(t.name, t.unit, (k, part) => between(t.values, 1, k, part)[0]));
+  const acting = arrows.filter((a) => a.words);
+  byId("acting").hidden = !acting.length;
+  acting.forEach((a) => {
+    row(a.text, a.unit, size(a), {table: "forces", colour: a.colour, title: a.words});
+    rows[rows.length - 1].arrow = a;
+  });
 
   if (several) {
     bodies.forEach((body) => {
@@ -230,10 +245,17 @@
   } else {
     byId("bodies").remove();
   }
-  byId("sizes").textContent = "Longest arrows: " + kinds.map((kind) => {
-    const arrow = arrows.find((a) => a.kind === kind);
-    return arrow.text + " " + scales[kind].toPrecision(3) + " " + arrow.unit;
-  }).join(", ") + ". Momentum " + (several ? "is about the common centre of mass." : "and torque are about the body's origin.");
+  byId("sizes").textContent = "Arrows of one unit have one scale; the longest are " + Object.entries(data.scales).map(([unit]) => {
+    const most = Math.max(...arrows.filter((a) => a.unit === unit).map((a) => {
+      let found = 0;
+      for (let k = 0; k < count; k += 1) {
+        found = Math.max(found, length(a.values.subarray(3 * k, 3 * k + 3)));
+      }
+      return found;
+    }));
+    return Number(most.toPrecision(3)) + " " + unit;
+  }).join(", ") + ". Momentum " + (several ? "is about the common centre of mass. Forces and torques are those on the body that is named; in grey are those too short to be drawn."
+    : "and torque are about the body's origin.");
 
   // -- one moment -----------------------------------------------------------------------------------
 
@@ -269,8 +291,8 @@
     arrows.forEach((arrow, n) => {
       const seen = shown[arrow.kind] && (arrow.kind !== "omega" || n === state.chosen);
       const origin = arrow.body >= 0 ? at[arrow.body] : (arrow.places ? between(arrow.places, 3, k, part) : ORIGIN);
-      const factor = (SHARE[arrow.kind] * reach) / (scales[arrow.kind] || 1);
-      const vector = seen ? between(arrow.values, 3, k, part).map((x) => x * factor) : null;
+      const whole = between(arrow.values, 3, k, part).map((x) => x * factor(arrow));
+      const vector = seen && !short(whole) ? whole : null;
       viewer.arrow(arrow.kind + n, origin, vector, {colour: arrow.colour, text: arrow.text});
     });
     if (state.follow >= 0) {
@@ -285,7 +307,12 @@
 
   function say() {
     const [k, part] = moment();
-    rows.forEach((r) => { r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part)); });
+    rows.forEach((r) => {
+      r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part));
+      if (r.arrow) {
+        r.line.classList.toggle("faint", r.value(k, part) * factor(r.arrow) < SHORTEST * data.radius);
+      }
+    });
     if (!state.playing) {
       byId("status").textContent = rows.slice(0, 4).map((r) => r.name + " " + r.cell.textContent + " " + r.unit).join(", ");
     }
@@ -392,6 +419,7 @@
   darkness.addEventListener("change", () => dress(darkness.matches));
 
   dress(darkness.matches);
+  window.animation = {viewer, go};
   go(0);
   play(!still);
 })();

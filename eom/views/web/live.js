@@ -235,11 +235,10 @@
     radius = single ? 1 : reach();
     viewer = createViewer(byId("body"), {
       radius: single ? 1.05 : radius, up: data.up, view: single ? [35, 18] : [-62, 16], ground: single ? null : floor(), theme: theme(),
-      names: {space: data.kind === "spinner" ? ["i\u2081", "i\u2082", "i\u2083"] : ["a\u2081", "a\u2082", "a\u2083"]},
+      names: {space: createViewer.triad(data.kind === "spinner" ? "i" : "a")},
       bodies: data.bodies.map((name, k) => ({name, colour: COLOURS[k % COLOURS.length], frame: single ? 0.98 : 0.16 * radius, shapes: []})),
       stand: stand(),
     });
-    if (!single) viewer.show("body frames", false);
     dress();
   }
 
@@ -274,6 +273,7 @@
         }
       });
       drawFittings();
+      drawVectors();
       if (!data.fittings.some(touching)) trace(tip);
       return;
     }
@@ -291,6 +291,48 @@
     const axis = data.kind === "spinner" ? 1 : 2;
     for (let i = 0; i < 3; i += 1) tip[i] = 0.99 * C[3 * axis + i];
     trace(tip);
+  }
+
+  // -- vectors of a tree: components and places are the last six outputs of each ---------------------
+
+  const most = {}, ROOM = {"rad/s": 0.6, "N m s": 0.55, "N m": 0.5, N: 0.45}, SHORTEST = 0.02;
+  let vectorCells = [];
+
+  function vectorAt(n) {
+    const from = data.arrows + 6 * n;
+    return [Array.from(motion.view.subarray(from, from + 3)), Array.from(motion.view.subarray(from + 3, from + 6))];
+  }
+
+  function setVectors() {
+    if (single) return;
+    const body = byId("vectors"), {vectors} = motion.variant;
+    byId("vectors-part").hidden = !vectors.length;
+    body.replaceChildren();
+    vectorCells = vectors.map(({text, words: meaning, colour, unit}) => {
+      const row = body.insertRow(), head = document.createElement("th"), mark = document.createElement("span");
+      head.scope = "row";
+      mark.className = "dot";
+      mark.style.background = createViewer.colours[colour];
+      head.append(mark);
+      words.html(text, head);
+      head.title = meaning;
+      row.append(head);
+      const cell = row.insertCell();
+      row.insertCell().textContent = unit;
+      return cell;
+    });
+    viewer.arrows().forEach((name) => viewer.arrow(name, [0, 0, 0], null));
+  }
+
+  function drawVectors() {
+    const {vectors} = motion.variant, found = vectors.map((_, n) => vectorAt(n));
+    vectors.forEach(({unit}, n) => { most[unit] = Math.max(most[unit] || 0, length(found[n][0])); });
+    vectors.forEach(({unit, layer, colour, text}, n) => {
+      const [vector, place] = found[n];
+      const long = length(vector) * ROOM[unit] > SHORTEST * most[unit]; // others would be dots with names
+      const shownVector = long ? scaledTo(vector, most[unit], ROOM[unit] * radius) : null;
+      viewer.arrow(words.text(text) + " " + layer + " " + n, place, shownVector, {colour, text, layer});
+    });
   }
 
   function trace(point) {
@@ -483,6 +525,7 @@
       now.textContent = shown(motion.invariants[constants[k]]);
       drift.textContent = found[k] === 0 ? "0" : found[k].toExponential(1);
     });
+    vectorCells.forEach((cell, n) => { cell.textContent = shown(length(vectorAt(n)[0]), 4); });
     byId("time").textContent = motion.time.toFixed(motion.time < 1000 ? 2 : 0) + " s";
     byId("work").textContent = motion.steps.toLocaleString("en") + " steps, " + motion.evaluations.toLocaleString("en") + " right-hand sides";
     byId("states").textContent = motion.names.STATES.map((n, k) => n + " = " + shown(motion.states[k], 6)).join("\n");
@@ -535,8 +578,10 @@
     });
     if (motion.message) return;
     size.omega = size.H = size.torque = 0;
+    Object.keys(most).forEach((unit) => { most[unit] = 0; });
     viewer.trailClear("trail");
     dress();
+    setVectors();
     setPoinsot();
     setInvariants();
     setConstraints();
@@ -628,10 +673,12 @@
       plot();
     });
     still.addEventListener("change", () => play(!still.matches));
-    all("[data-show]").forEach((input) => input.addEventListener("change", () => {
+    const show = (input) => {
       if (input.dataset.show === "camera") following = input.checked;
-      else input.dataset.show.split(",").forEach((name) => viewer.show(name, input.checked));
-    }));
+      else viewer.show(input.dataset.show, input.checked);
+    };
+    all("[data-show]").forEach((input) => input.addEventListener("change", () => show(input)));
+    all("[data-show]").filter((input) => !input.checked).forEach(show);
   }
 
   makeViewer();

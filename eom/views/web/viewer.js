@@ -1,7 +1,7 @@
 /* Bodies in space, drawn by three.js: what the animation and the live page share.
 
    createViewer(canvas, description) returns an object with the methods at the end of this file; nothing
-   is drawn before render(). createViewer.colours: colours by name. Lengths are in metres, vectors in the space frame a1, a2, a3.
+   is drawn before render(). createViewer.colours: colours by name; createViewer.triad(letter): names of three axes. Lengths are in metres, vectors in the space frame a1, a2, a3.
    A quaternion is [q0, q1, q2, q3], the scalar first as everywhere in eom: it takes components in the
    body frame to the space frame, which is the transpose of C_BA of the same quaternion.
 
@@ -41,8 +41,15 @@ const createViewer = (() => {
   const LABEL = 17;
   const ROUND = 48;
 
+  /* Labels: room between boxes, ways and distances that are tried round a point (pixels), how far a box is from its
+     point where a line leads to it; what a half turn costs, and what it is worth to stay, against one distance. A label
+     goes back to where it stands by itself when there is more room. */
+  const GAP = 2, WAYS = 24, RINGS = 40, RING = 7, LEADING = 12, TURNED = 0.8, STAY = 0.9, MORE = 8;
+  const NAME = 0, NUMBER = 1, AT_TIP = 2, AT_AXIS = 3, AT_PLACE = 4;
+
   const PAPERS = {light: "#ffffff", dark: "#14171c"};
   const colourOf = (given) => new THREE.Color(COLOURS[given] || given || COLOURS.sky);
+  const triad = (letter) => ["1", "2", "3"].map((k) => [[letter, "b", ""], [k, "", "sub"]]);
   const runsOf = (text) => (Array.isArray(text) ? text : [[text, "", ""]]);
   const vectorOf = (v) => new THREE.Vector3(v[0], v[1], v[2]);
   const turnOf = (q) => new THREE.Quaternion(q[1], q[2], q[3], q[0]).normalize();
@@ -258,7 +265,7 @@ const createViewer = (() => {
     const focus = centre.clone();
     const up = vectorOf(description.up || [0, 0, 1]).normalize();
     const names = Object.assign(
-      {space: ["a\u2081", "a\u2082", "a\u2083"], body: ["b\u2081", "b\u2082", "b\u2083"]}, description.names);
+      {space: triad("a"), body: triad("b")}, description.names);
     const renderer = new THREE.WebGLRenderer({canvas, antialias: true});
     const scene = new THREE.Scene();
     const camera = new THREE.PerspectiveCamera(FIELD, 1, radius / 100, radius * 200);
@@ -270,6 +277,7 @@ const createViewer = (() => {
     const named = {arrows: new Map(), trails: new Map(), surfaces: new Map()};
     const bodies = [];
     const labels = new Set();
+    let made = 0;
     let theme = THEMES.light;
     let colours = {};
     let asked = false;
@@ -359,9 +367,12 @@ const createViewer = (() => {
     }
 
     // frames
-    function tag(text, colour, parent, size) {
+    /* Words in the space of a parent; rank: those of lower ranks stay where they are, others make room for them.
+       userData.tip: what they are the name of, if they do not stand on it. */
+    function tag(text, colour, parent, size, rank = AT_PLACE) {
       const sprite = label(text, inked(colour), theme.background, size);
       sprite.userData.words = {text, colour, size};
+      Object.assign(sprite.userData, {rank, serial: made += 1});
       sized(sprite);
       parent.add(sprite);
       labels.add(sprite);
@@ -385,7 +396,8 @@ const createViewer = (() => {
         const arrow = arrowObject(new THREE.Color(colours[k]), thickness);
         stretch(arrow, new THREE.Vector3(), vectorOf(axis).multiplyScalar(length));
         parent.add(arrow);
-        const words = tag(texts[k], colours[k], parent);
+        const words = tag(texts[k], colours[k], parent, undefined, AT_AXIS);
+        words.userData.tip = vectorOf(axis).multiplyScalar(length);
         words.position.copy(vectorOf(axis).multiplyScalar(1.12 * length));
       });
     }
@@ -436,6 +448,7 @@ const createViewer = (() => {
         shadows.sheet.material.opacity = theme.shadow;
         recolour(shadows.grid, theme);
       }
+      leaders.material.color.set(theme.axis);
       layer("space frame").children.filter((c) => c.isSprite).forEach((c) => labels.delete(c));
       spaceFrame();
       labels.forEach(repainted);
@@ -559,23 +572,111 @@ const createViewer = (() => {
     }
 
     function render() {
+      camera.updateMatrixWorld();
       if (grid) {
         turnedBox();
       }
+      settle();
       renderer.render(scene, camera);
     }
 
-    let apart = distance();
+    // labels where they cover no others
+    const leaders = (() => {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.Float32BufferAttribute(new Float32Array(6 * 400), 3));
+      const object = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({depthTest: false, transparent: true}));
+      object.frustumCulled = false;
+      object.renderOrder = 9;
+      scene.add(object);
+      return object;
+    })();
+
+    const pixelOf = (v) => {
+      const p = v.clone().project(camera);
+      return [((p.x + 1) / 2) * canvas.clientWidth, ((1 - p.y) / 2) * canvas.clientHeight, p.z];
+    };
+    const apart = (a, b, gap) => Math.abs(a.x - b.x) >= a.wide + b.wide + gap || Math.abs(a.y - b.y) >= a.high + b.high + gap;
+    const within = (a) => a.x - a.wide >= 0 && a.x + a.wide <= canvas.clientWidth
+      && a.y - a.high >= 0 && a.y + a.high <= canvas.clientHeight;
+
+    /* The best free box round a point: the nearest, the one that the label has now if it is little farther. */
+    function freeBox(home, tip, taken, before) {
+      const free = (box, gap = GAP) => within(box) && taken.every((other) => apart(box, other, gap));
+      let [best, least] = [null, Infinity];
+      if (free(home, before ? MORE : GAP)) {
+        [best, least] = [home, 0];
+      }
+      const [dx, dy] = [home.x - tip[0], home.y - tip[1]];
+      const start = Math.hypot(dx, dy) < 1 ? -Math.PI / 2 : Math.atan2(dy, dx);
+      for (let ring = 1; ring < RINGS && ring - STAY < least; ring += 1) {
+        for (let k = 0; k < WAYS; k += 1) {
+          const turn = (2 * Math.PI * k) / WAYS;
+          const [c, s] = [Math.cos(start + turn), Math.sin(start + turn)];
+          const place = {...home, x: tip[0] + c * (RING * ring + home.wide), y: tip[1] + s * (RING * ring + home.high), ring, k};
+          const stays = before && before.ring === ring && before.k === k;
+          const cost = ring + (TURNED * (1 - Math.cos(turn))) / 2 - (stays ? STAY : 0);
+          if (cost < least && free(place)) {
+            [best, least] = [place, cost];
+          }
+        }
+      }
+      return best || (free(home) ? home : null);
+    }
+
+    /* Move labels that would cover others to where they do not, with a line to what they name; leave out numbers of
+       ticks that overlap, and what there is no room for. */
+    function settle() {
+      const seen = (node) => node.visible && (!node.parent || seen(node.parent));
+      const shown = [...labels].filter((sprite) => seen(sprite) && sprite.userData.words.text.length)
+        .sort((a, b) => a.userData.rank - b.userData.rank || a.userData.serial - b.userData.serial);
+      const taken = [];
+      const array = leaders.geometry.getAttribute("position").array;
+      let count = 0;
+      shown.forEach((sprite) => {
+        const data = sprite.userData;
+        const at = sprite.getWorldPosition(new THREE.Vector3());
+        const [x, y] = pixelOf(at);
+        const home = {x, y, wide: (data.pixels[0] - 8) / 2, high: (0.6 * data.pixels[1]) / 1.7};
+        const tip = data.tip ? sprite.parent.localToWorld(data.tip.clone()) : at;
+        const point = pixelOf(tip);
+        let box = home;
+        if (data.rank <= NUMBER) {
+          box = taken.every((other) => apart(home, other, 0)) ? home : null;
+        } else {
+          const inside = Math.abs(point[2]) <= 1 && within({x: point[0], y: point[1], wide: 0, high: 0});
+          box = inside ? freeBox(home, point, taken, data.box && data.box.ring ? data.box : null) : null;
+        }
+        data.box = box;
+        sprite.material.visible = Boolean(box);
+        if (!box) {
+          return;
+        }
+        taken.push(box);
+        sprite.center.set(0.5 - (box.x - x) / data.pixels[0], 0.5 + (box.y - y) / data.pixels[1]);
+        const end = [[point[0], box.x, box.wide], [point[1], box.y, box.high]]
+          .map(([p, middle, half]) => Math.min(middle + half, Math.max(middle - half, p)));
+        if (box.ring && Math.hypot(end[0] - point[0], end[1] - point[1]) > LEADING && 6 * count < array.length) {
+          const foot = new THREE.Vector3((2 * end[0]) / canvas.clientWidth - 1, 1 - (2 * end[1]) / canvas.clientHeight, point[2])
+            .unproject(camera);
+          array.set([...tip.toArray(), ...foot.toArray()], 6 * count);
+          count += 1;
+        }
+      });
+      leaders.geometry.setDrawRange(0, 2 * count);
+      leaders.geometry.getAttribute("position").needsUpdate = true;
+    }
+
+    let far = distance();
     function resize() {
       const [wide, high] = [Math.max(canvas.clientWidth, 1), Math.max(canvas.clientHeight, 1)];
       renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
       renderer.setSize(wide, high, false);
-      const before = apart;
+      const before = far;
       camera.aspect = wide / high;
       camera.updateProjectionMatrix();
-      apart = distance();
-      if (before !== apart) {
-        const offset = camera.position.clone().sub(controls.target).multiplyScalar(apart / before);
+      far = distance();
+      if (before !== far) {
+        const offset = camera.position.clone().sub(controls.target).multiplyScalar(far / before);
         camera.position.copy(controls.target).add(offset);
       }
       labels.forEach(sized);
@@ -593,7 +694,7 @@ const createViewer = (() => {
         group.add(object);
         layer(where).add(group);
         const gap = (options && options.gap) || 0.07;
-        found = {group, object, gap, words: tag(text, colour, group, options && options.size)};
+        found = {group, object, gap, words: tag(text, colour, group, options && options.size, AT_TIP)};
         named.arrows.set(name, found);
       }
       const v = vector && vectorOf(vector);
@@ -602,6 +703,7 @@ const createViewer = (() => {
       if (seen) {
         const start = vectorOf(origin);
         stretch(found.object, start, v);
+        found.words.userData.tip = start.clone().add(v);
         found.words.position.copy(start).add(v).addScaledVector(v.normalize(), found.gap * radius);
       }
     }
@@ -744,8 +846,8 @@ const createViewer = (() => {
         sides.push({side, k, sign});
       }));
       const marks = ticks.map((list) => list.filter((t) => t.runs).map((t) => (
-        {at: t.at, sprite: tag(t.runs, "axis", layer("box"), {size: 12, weight: 400})})));
-      const heads = axes.map((runs) => tag(runs, "text", layer("box"), {size: 14, weight: 400}));
+        {at: t.at, sprite: tag(t.runs, "axis", layer("box"), {size: 12, weight: 400}, NUMBER)})));
+      const heads = axes.map((runs) => tag(runs, "text", layer("box"), {size: 14, weight: 400}, NAME));
       grid = {low, high, sides, marks, heads};
     }
 
@@ -813,17 +915,16 @@ const createViewer = (() => {
     /* Where a point is on the canvas, in pixels, and how deep. */
     function seenAt(place) {
       camera.updateMatrixWorld();
-      const p = vectorOf(place).project(camera);
-      return [((p.x + 1) / 2) * canvas.clientWidth, ((1 - p.y) / 2) * canvas.clientHeight, p.z];
+      return pixelOf(vectorOf(place));
     }
 
-    /* All words that are seen: text, place of their middle and size in pixels. */
+    /* All words that are seen: text, place of their middle and size in pixels, whether a line leads to them. */
     function allWords() {
+      render();
       const shown = (node) => node.visible && (!node.parent || shown(node.parent));
-      return [...labels].filter((sprite) => shown(sprite) && sprite.userData.words.text.length).map((sprite) => {
-        const [x, y] = seenAt(sprite.getWorldPosition(new THREE.Vector3()).toArray());
-        return {text: runsOf(sprite.userData.words.text).map((run) => run[0]).join(""), x, y, size: sprite.userData.pixels};
-      });
+      return [...labels].filter((sprite) => shown(sprite) && sprite.material.visible && sprite.userData.words.text.length)
+        .map(({userData}) => ({text: runsOf(userData.words.text).map((run) => run[0]).join(""), x: userData.box.x,
+                               y: userData.box.y, size: userData.pixels, rank: userData.rank, moved: Boolean(userData.box.ring)}));
     }
 
     function placed(object, position, quaternion) {
@@ -847,6 +948,8 @@ const createViewer = (() => {
       /* Show an arrow from a point; a vector of null or (almost) zero hides it. options: colour, text, layer,
          size of the text, thickness and gap (of the text from the tip) as shares of the radius. */
       arrow,
+      /* The names of all arrows. */
+      arrows: () => [...named.arrows.keys()],
       /* A line through points (flat or in triples), broken where one is no number. options: colour, width, opacity,
          dash: lengths of dashes and gaps, layer, or the number of a body that it is fixed to, with points in its frame. */
       trail,
@@ -891,7 +994,7 @@ const createViewer = (() => {
       },
       /* Turn the camera (radians), move it nearer (factor below 1) or farther, put it back. */
       orbit, zoom, home,
-      resize, camera, controls, scene,
+      resize, camera, controls, scene, canvas,
       dispose() {
         watcher.disconnect();
         controls.dispose();
@@ -901,5 +1004,5 @@ const createViewer = (() => {
       },
     };
   };
-  return Object.assign(make, {colours: COLOURS});
+  return Object.assign(make, {colours: COLOURS, triad});
 })();

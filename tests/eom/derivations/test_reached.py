@@ -5,6 +5,7 @@ import pytest
 from eom.checker.mean.solid_models import SPELLINGS
 from eom.derivations import derive, names
 from eom.derivations.chapters.solids import LETTERS
+from eom.derivations.deciding import surplus
 from eom.derivations.derivation import Derivation
 from eom.derivations.derived import Derived
 from eom.derivations.reached import (
@@ -17,13 +18,7 @@ from eom.derivations.reached import (
     smallest,
 )
 from eom.derivations.steps import Step
-from eom.derivations.verification import (
-    IDENTITY,
-    DerivationError,
-    decide,
-    has_meaning,
-    verify,
-)
+from eom.derivations.verification import DerivationError
 from eom.errors import InputError
 from eom.terms import rules
 from eom.terms.rules.inferences import solved
@@ -75,23 +70,6 @@ def test_none_of_all_derivations_asserts_a_result():
     assert not [s for n in ALL for s in asserted(derive(n))]
 
 
-def surplus(name):
-    """Assumptions that a step names though it holds without them, or with what they need alone."""
-    d = derive(name)
-    for step in d.steps:
-        line = step.statement
-        if line.relation == ":=":
-            continue
-        for spared in step.assumptions:
-            rest = closure(step.assumptions) - {spared}
-            try:
-                if verify(line, rest, d.scalars) == IDENTITY and has_meaning(line, d.scalars):
-                    decide(line, rest, d.scalars, count=1)  # its symbols, too, have to exist
-            except InputError:
-                continue
-            yield step.label, spared
-
-
 @pytest.mark.parametrize(
     "name",
     [
@@ -101,7 +79,7 @@ def surplus(name):
     ],
 )
 def test_no_step_names_an_assumption_that_it_does_not_need(name):
-    assert list(surplus(name)) == []
+    assert list(surplus(derive(name))) == []
 
 
 def test_every_rule_and_inference_that_is_applied_has_a_name():

@@ -415,7 +415,7 @@ def test_every_ready_scene_fits_into_a_page(name):
 def test_what_a_scene_brings_along_is_escaped():
     text = page(animation_of(tumbling("none", title=HOSTILE, description=HOSTILE), integrate))
     assert "<img" not in text
-    assert text.count("<script") == text.count("</script>") == 5  # four of our own, and the data
+    assert text.count("<script") == text.count("</script>") == 6  # five of our own, and the data
     data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
     assert data["title"] == data["bodies"][0]["name"] == HOSTILE
     assert re.findall(r'(?:src|href)="(?!#)', text) == []

@@ -12,7 +12,8 @@ from eom.multibody.model.constraints import Loop
 from eom.opening import load_scene
 from eom.scenes import catalogue
 from eom.scenes.scene import Scene
-from eom.views.animation.bodies import ManyBodies, number
+from eom.views.animation.bodies import ManyBodies
+from eom.views.animation.posture import number
 from eom.views.draw.picture import Arrow, Curve, Marks, Surface, Words
 from eom.views.draw.viewpoint import names, paper
 from eom.views.tree.sketches import FORCE, REACTION, TORQUE, TreeAtStart, sketch, tree_frames
