@@ -569,8 +569,8 @@ def compiled_jacobian(
     Parameters
     ----------
     compiled : Compiled or System
-        The system, compiled at the first call unless it is; it keeps what is compiled, so that the same arguments give the same object at
-        once.
+        The system, compiled at the first call unless it is; it keeps what is compiled, so that the
+        same arguments give the same object at once.
     by : str, default "states"
         states, parameters, inputs or time.
     of : str, default "rates"
