@@ -32,6 +32,7 @@ SHARE = 20
 MANY = 10_000
 VALUES, GRADIENTS, TRAJECTORIES = 1e-14, 1e-9, 1e-7
 """Largest differences: of rates, of gradients, of many trajectories (both at a tolerance of 1e-10)."""
+LEAST = 1e-6
 LIMIT = 1500.0
 """Seconds for a scene, in which XLA compiles its programs."""
 RATES = {"rad/s", "m/s"}
@@ -83,7 +84,11 @@ class Compared:
         return worst(np.asarray(got), expected, axis=0)
 
     def gradients(self) -> dict[str, float]:
-        """Return the largest difference of a derivative, over the largest by the same variable."""
+        """Return the largest difference of a derivative, over the largest by the same variable.
+
+        What moves nothing by more than `LEAST` of what others do is measured by that: a derivative that
+        is zero is known to rounding alone.
+        """
         import jax
 
         x, p, _ = self.vectors()
@@ -98,7 +103,10 @@ class Compared:
         expected = grown.matrix(found)
         back = jax.jit(jax.jacrev(self.last(1e-11), argnums=(1, 0)))
         got, theirs = twice(lambda: [np.asarray(m) for m in back(x, p)])
-        difference = worst(np.hstack(got), expected, axis=0)
+        sizes = np.abs([*p, *x])
+        sizes[sizes == 0] = 1.0
+        least = LEAST * np.abs(expected * sizes).max()
+        difference = worst(np.hstack(got) * sizes, expected * sizes, axis=0, least=least)
         return {"gradients": difference, "ours": ours, "theirs": theirs}
 
     def many(self) -> dict[str, float]:
@@ -121,9 +129,9 @@ class Compared:
         return {"many": worst(got, fleet, axis=1), "fleet": ours, "vmap": theirs}
 
 
-def worst(got: Array, expected: Array, axis: int) -> float:
-    """Return the largest difference over the largest entry along an axis; NaN counts."""
-    scale = np.abs(expected).max(axis=axis, keepdims=True)
+def worst(got: Array, expected: Array, axis: int, least: float = 0.0) -> float:
+    """Return the largest difference over the largest entry along an axis, or over ``least``; NaN counts."""
+    scale = np.maximum(np.abs(expected).max(axis=axis, keepdims=True), least)
     return float((np.abs(got - expected) / np.where(scale == 0, 1.0, scale)).max(initial=0.0))
 
 

@@ -75,6 +75,7 @@ _HOME = {
 
 displays.register({
     "system as page": "eom.typeset.printing:notebook",
+    "accuracy as page": "codegen.precision.accuracy_report:notebook",
     "result as histories": "eom.views.time.histories:of_result",
     "result as animation": "eom.views.animation.of_results:animated",
     "picture as file": "eom.views.draw.saving:save",

@@ -108,6 +108,15 @@ def printable(value: object) -> str:
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
+def spelt(name: str, known: Iterable[str]) -> str:
+    """Return a name as it is known, in whatever case it is given; others as they are.
+
+    >>> spelt("dop853", ["auto", "DOP853"])
+    'DOP853'
+    """
+    return {k.casefold(): k for k in known}.get(name.strip().casefold(), name)
+
+
 def near_matches(name: str, known: Iterable[str]) -> str:
     """Return a hint that names the known spellings closest to ``name``, or all of a short list.
 

@@ -10,19 +10,20 @@ tumbles, and its motion is chaotic: after 20 orbits twelve digits are lost, afte
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cos, pi, sin
+from math import cos, inf, pi, sin
 
 import sympy as sp
 
-from eom.errors import unknown_name
+from eom.errors import InputError, unknown_name
 from eom.mechanics.dissipation import viscous_slug
 from eom.mechanics.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.mechanics.spinning import lecture_torque
 from eom.opening import AnyScene, load_scene
 from eom.quantities import TIME
 from eom.scenes import catalogue
+from eom.scenes.given import number_of
 from eom.system import System
 
 ORBIT = 1.13e-3
@@ -174,14 +175,49 @@ def names() -> list[str]:
     return [*(row.name for row in PROBLEMS), *catalogue.names()]
 
 
-def ready(name: str) -> Problem:
+def ready(
+    name: str, values: Mapping[str, float | str] | None = None, end: float | None = None
+) -> Problem:
     """Return a reference problem, a ready scene, or a scene from a file.
 
-    Raises `InputError` for other names.
+    ``values``: others of parameters, inputs and initial values by name, as `eom.Scene.with_values`
+    takes them; ``end``: another end time (s). Raises `InputError` for other names, and for values and
+    times that cannot be.
     """
     rows = {row.name: row for row in PROBLEMS}
     if name in rows:
-        return rows[name]
-    if not catalogue.is_file(name) and name not in catalogue.names():
+        return _changed(rows[name], values or {}, end)
+    if not is_scene(name):
         raise unknown_name("problem or scene", name, names())
-    return from_scene(load_scene(name))
+    scene = load_scene(name)
+    if values:
+        scene = scene.with_values(values)
+    if end is not None:
+        plan = {**scene.integration.model_dump(exclude_unset=True), "t_end": end}
+        scene = scene.changed(integration=plan)
+    return from_scene(scene)
+
+
+def is_scene(name: str) -> bool:
+    """Return whether a name is that of a ready scene or of a file, and of no reference problem."""
+    return catalogue.is_file(name) or name in catalogue.names()
+
+
+def _changed(problem: Problem, values: Mapping[str, float | str], end: float | None) -> Problem:
+    """Return a reference problem with other numbers. Raises `InputError` for those that cannot be."""
+    if end is not None and not 0 < end < inf:
+        raise InputError("the end time is not positive", where=f"{problem.name}: --t-end", got=end)
+    system = problem.system if values else None
+    quantities = (*system.states, *system.parameters, *system.inputs) if system else ()
+    units = {q.name: q.unit for q in quantities}
+    for name in values:
+        if name not in units:
+            raise unknown_name("parameter, input or initial value", name, units, problem.name)
+    numbers = {n: number_of(v, units[n], f"{problem.name}: {n}") for n, v in values.items()}
+    start, parameters, inputs = (
+        {n: numbers.get(n, v) for n, v in group.items()}
+        for group in (problem.start, problem.parameters, problem.inputs)
+    )
+    return replace(
+        problem, start=start, parameters=parameters, inputs=inputs, end=problem.end if end is None else end
+    )  # fmt: skip

@@ -23,13 +23,28 @@ TIME = sp.Symbol("t", real=True)
 class Quantity:
     """A symbol with its SI unit, a one-line meaning and its LaTeX form.
 
-    ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s
-    (`eom.units`); ``1`` where there is none, nothing where it is not stated. ``meaning``, ``latex``: for
-    pages; nothing is computed from them. ``default``: of a state or parameter, its value in runs that give
-    none by name. ``held``: of a parameter, whether it is a state that keeps its initial value, which runs
-    then take among the initial values too.
-    Raises `InputError` for what is no symbol, no text, no truth value, an unknown unit, and a default that
-    is no finite number.
+    Parameters
+    ----------
+    symbol : symbol
+        Of SymPy, as a rule with ``real=True``.
+    unit : str, optional
+        As text, for example kg m^2 or rad/s (`eom.units`); ``1`` where there is none, nothing where
+        it is not stated.
+    meaning : str, optional
+        In one line, for pages; nothing is computed from it.
+    latex : str, optional
+        How it is typeset; by default from the name.
+    default : float, optional
+        Of a state or parameter, its value in runs that give none by name.
+    held : bool, default False
+        Of a parameter, whether it is a state that keeps its initial value, which runs then take
+        among the initial values too.
+
+    Raises
+    ------
+    InputError
+        For what is no symbol, no text, no truth value, an unknown unit, and a default that is no
+        finite number.
     """
 
     symbol: Expr
@@ -85,8 +100,17 @@ class Quantity:
 class Definition:
     """A named expression: an intermediate, an output or a constant of the motion.
 
-    ``quantity``: the name, with its SI unit. ``expression``: over states, parameters, inputs, time and
-    definitions before it. Raises `InputError` for what is no quantity, and no expression.
+    Parameters
+    ----------
+    quantity : Quantity
+        The name, with its SI unit.
+    expression : expression
+        Over states, parameters, inputs, time and definitions before it.
+
+    Raises
+    ------
+    InputError
+        For what is no quantity, and no expression.
     """
 
     quantity: Quantity
@@ -158,10 +182,22 @@ def checked_times(period: Any, delay: Any, where: str) -> None:
 class Singularity:
     """A configuration in which the chosen coordinates fail: ``expression`` is zero there.
 
-    ``expression``: over states, parameters, inputs and time; its absolute value is the distance from the
-    configuration, in its own unit. ``coordinate`` is the state to name in a report (the middle angle of a
-    rotation sequence). ``meaning``: what happens there; ``hint``: what to do about it. Raises `InputError`
-    for what is no expression.
+    Parameters
+    ----------
+    expression : expression
+        Over states, parameters, inputs and time; its absolute value is the distance from the
+        configuration, in its own unit.
+    coordinate : expression
+        The state to name in a report (the middle angle of a rotation sequence).
+    meaning : str, optional
+        What happens there.
+    hint : str, optional
+        What to do about it.
+
+    Raises
+    ------
+    InputError
+        For what is no expression.
     """
 
     expression: Expr
@@ -179,11 +215,26 @@ class Singularity:
 class Assumption:
     """What was assumed, as data that can be tested on numbers.
 
-    Every expression of ``vanish`` is zero and every one of ``nonnegative`` is at least zero when
-    the assumption holds. The expressions may use symbols that the system no longer has, so that
-    values given for them can be tested against what was assumed. ``meaning``: in words. What has no
-    expressions is stated and not tested. Raises `InputError` for what is no expression, and a
-    tolerance below zero.
+    Parameters
+    ----------
+    name : str
+        By which pages and errors call it.
+    meaning : str
+        In words.
+    vanish : tuple of expressions, optional
+        Expressions each of which is zero when it holds.
+    nonnegative : tuple of expressions, optional
+        Expressions each of which is at least zero when it holds.
+
+    Raises
+    ------
+    InputError
+        For what is no expression, and a tolerance below zero.
+
+    Notes
+    -----
+    The expressions may use symbols that the system no longer has, so that values given for them can
+    be tested against what was assumed. What has no expressions is stated and not tested.
     """
 
     name: str

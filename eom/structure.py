@@ -29,19 +29,42 @@ STILL: Triple = (sp.Integer(0),) * 3
 class BodyAttitude:
     """A body B among the states: its angular velocity, its attitude in a frame A, its inertia and torque.
 
-    ``omega``: angular velocity of B (rad/s), three components in B: states, or expressions. ``kind``:
-    ``quaternion`` (scalar first), ``dcm`` (C_BA, which takes components in A to components in B, row by
-    row), a sequence of angles such as ``3-1-2``, or ``none``. ``coordinates``: the states that are that
-    attitude, in order; None for an angle or direction cosine that the system does without.
-    ``frame_rate``: n, the angular velocity of A in the frame in which that of B is omega, components in A:
-    coordinates move by omega - C_BA n. ``inertia``, ``torque``: J (3 x 3, kg m^2) and tau (N m),
-    components in B, of J d(omega)/dt + omega x J omega = tau; both or none, in any common unit.
-    ``directions``: triples of states that are components in B of vectors with d(v)/dt = -omega x v, which
-    stand still where omega is measured from. ``unspun``: omega, J and tau have components along the axes
-    before the last turn of the sequence, as for a body of revolution about the axis of that turn; the
-    balance is then taken in these axes. ``body``: its name. Raises `InputError` for what are no
-    expressions, or not three.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2 and 3.
+    Parameters
+    ----------
+    omega : three expressions
+        Angular velocity of B (rad/s), three components in B: states, or expressions.
+    kind : str, default "none"
+        ``quaternion`` (scalar first), ``dcm`` (C_BA, which takes components in A to components in
+        B, row by row), a sequence of angles such as ``3-1-2``, or ``none``.
+    coordinates : tuple of expressions, optional
+        The states that are that attitude, in order; None for an angle or direction cosine that the
+        system does without.
+    frame_rate : three expressions, optional
+        n, the angular velocity of A in the frame in which that of B is omega (rad/s), three
+        components in A: coordinates move by omega - C_BA n.
+    inertia : expression, optional
+        J, (3, 3), in kg m^2, of J d(omega)/dt + omega x J omega = tau; both or none of J and tau,
+        in any common unit.
+    torque : three expressions, optional
+        tau (N m), three components in B.
+    directions : tuple of three expressions, optional
+        Triples of states that are components in B of vectors with d(v)/dt = -omega x v, which stand
+        still where omega is measured from.
+    unspun : bool, default False
+        Whether omega, J and tau have components along the axes before the last turn of the
+        sequence, as for a body of revolution about the axis of that turn; the balance is then taken
+        in these axes.
+    body : str, optional
+        Its name.
+
+    Raises
+    ------
+    InputError
+        For what are no expressions, or not three.
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), ch. 2 and 3.
     """
 
     omega: Triple

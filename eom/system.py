@@ -54,28 +54,63 @@ def _few(names: Sequence[str], most: int = 12) -> str:
 class System:
     """Equations of motion: ``mass_matrix * d(states)/dt = rates``, or ``d(states)/dt = rates``.
 
-    ``states``, ``parameters``, ``inputs``: quantities, in the order of every array of values; a plain
-    symbol becomes a quantity without a unit. ``definitions``: named intermediates, each over the symbols
-    before it; these, ``outputs`` and ``invariants`` may be given as expressions by name.
-    ``rates``: one expression a state. ``mass_matrix``: SymPy matrix, symmetric or not, None for identity.
-    ``multipliers``: named unknowns beside the rates, such as forces of constraints, each with the right
-    side of its row: ``mass_matrix * (d(states)/dt, multipliers) = (rates, right sides)``; outputs alone may
-    use them.
-    ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
-    ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
-    integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
-    `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
-    ``sampled``: laws by which inputs are held between samples, see `Sampling`; what is held are inputs.
-    ``time``: the symbol of time. Units are SI; angles are in radians. ``numbers``: what exact numbers in
-    expressions are, a row of `NUMBERS`; the dimension of every formula is checked where they are counts.
+    Parameters
+    ----------
+    name : str
+        What it is called, also in generated code.
+    states : tuple of Quantity
+        Quantities, in the order of every array of values, (n,); a plain symbol becomes a quantity
+        without a unit.
+    rates : tuple of expressions
+        One expression a state, (n,).
+    parameters : tuple of Quantity, optional
+        Quantities in the order of arrays, too.
+    inputs : tuple of Quantity, optional
+        Quantities in the order of arrays, too.
+    time : symbol, optional
+        The symbol of time.
+    definitions : tuple of Definition, optional
+        Named intermediates, each over the symbols before it; these, outputs and invariants may be
+        given as expressions by name.
+    mass_matrix : matrix, optional
+        SymPy matrix, symmetric or not, (n + m, n + m) with m multipliers; None for identity.
+    outputs : tuple of Definition, optional
+        Named expressions.
+    invariants : tuple of Definition, optional
+        Named expressions that are constant along every solution.
+    singularities : tuple of Singularity, optional
+        Where coordinates fail, see `Singularity`.
+    assumptions : tuple of Assumption, optional
+        What was assumed, see `Assumption`.
+    maintained : tuple of str, optional
+        Names of invariants onto which integration brings the state back unless asked not to.
+    attitudes : tuple of BodyAttitude, optional
+        Bodies among the states, see `BodyAttitude`; each is proved.
+    angles : tuple of SequenceAngles, optional
+        Outputs that jump by whole turns, see `SequenceAngles`.
+    sampled : tuple of Sampling, optional
+        Laws by which inputs are held between samples, see `Sampling`; what is held are inputs.
+    multipliers : tuple of Definition, optional
+        Named unknowns beside the rates, such as forces of constraints, each with the right side of
+        its row: ``mass_matrix * (d(states)/dt, multipliers) = (rates, right sides)``; outputs alone
+        may use them.
+    title : str, optional
+        Its heading; two systems are equal if all but their titles are.
+    numbers : str, default "counts"
+        What exact numbers in expressions are, a row of `NUMBERS`; the dimension of every formula is
+        checked where they are counts.
 
-    Shapes, for n states and m multipliers: ``states`` and ``rates`` (n,), ``mass_matrix`` (n + m, n + m).
-    Frames and signs are said by the meanings of the quantities. Two systems are equal if all but their
-    titles are.
+    Raises
+    ------
+    InputError
+        For repeated names, free symbols without a meaning, wrong lengths, attitudes that are not
+        so, with the equation that fails, and formulas of another dimension than their quantities
+        have, with the term that does not fit; what follows from no unit is not refused.
 
-    Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, attitudes that
-    are not so, with the equation that fails, and formulas of another dimension than their quantities have,
-    with the term that does not fit; what follows from no unit is not refused.
+    Notes
+    -----
+    Units are SI; angles are in radians. Frames and signs are said by the meanings of the
+    quantities.
     """
 
     name: str

@@ -40,16 +40,35 @@ MOST_DERIVATIVES = 100
 class Table:
     """A function of one variable, given by values at breakpoints; call it on an expression.
 
-    ``breakpoints``, ``values``: K numbers each, K at least 2, in any consistent units. ``kind``:
-    ``linear``; ``cubic``, the spline with two continuous derivatives and not-a-knot ends (de Boor, A
-    Practical Guide to Splines, ch. IV), which may overshoot; ``pchip``, cubic with one continuous
-    derivative, monotone where the values are (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984).
-    ``outside``: what holds beyond the first and last breakpoint: ``hold``, the end values, or
-    ``linear``, the end slopes. ``order``: how often the function has been differentiated; at a
-    breakpoint a derivative that jumps has its value from the right.
+    Parameters
+    ----------
+    name : str
+        By which generated code calls it.
+    breakpoints : tuple of floats
+        With ``values`` K numbers each, K at least 2; they increase, in any consistent units.
+    values : tuple of floats
+        K numbers.
+    kind : str, default "linear"
+        ``linear``; ``cubic``, the spline with two continuous derivatives and not-a-knot ends, which
+        may overshoot; ``pchip``, cubic with one continuous derivative, monotone where the values
+        are.
+    outside : str, default "hold"
+        What holds beyond the first and last breakpoint: ``hold``, the end values, or ``linear``,
+        the end slopes.
+    order : int, default 0
+        How often the function has been differentiated; at a breakpoint a derivative that jumps has
+        its value from the right.
 
-    Raises `InputError` for fewer than two breakpoints, breakpoints that do not increase, numbers
-    that are not finite, lists of different lengths, and unknown words.
+    Raises
+    ------
+    InputError
+        For fewer than two breakpoints, breakpoints that do not increase, numbers that are not
+        finite, lists of different lengths, and unknown words.
+
+    References
+    ----------
+    de Boor, A Practical Guide to Splines (1978), ch. IV; Fritsch and Butland, SIAM J. Sci. Stat.
+    Comput. 5, 1984.
     """
 
     name: str

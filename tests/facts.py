@@ -129,7 +129,7 @@ FACTS = {
     ),
     "eom.lecture_torque": (NONE, "(N m)", "torque -M1 b1", "lecture 001"),
     "eom.Assumption": (NONE, "relative to the largest", NONE, NONE),
-    "eom.BodyAttitude": ("(3 x 3", "(rad/s)", "components in B", "(1986)"),
+    "eom.BodyAttitude": ("(3, 3)", "(rad/s)", "components in B", "(1986)"),
     "eom.Definition": (NONE, "SI unit", NONE, NONE),
     "eom.Quantity": (NONE, "SI unit", NONE, NONE),
     "eom.Singularity": (NONE, "in its own unit", NONE, NONE),
@@ -155,7 +155,7 @@ FACTS = {
     "eom.multibody.Assembly": (NONE, "(rad, m)", NONE, NONE),
     "eom.multibody.BaseParameters": (NONE, "Units are those of `Regressor`", NONE, NONE),
     "eom.multibody.Body": (
-        "``inertia`` (3,) or (3, 3)",
+        "(3,) or (3, 3)",
         "(kg m^2)",
         "J12 = -integral of r1 r2 dm",
         NONE,
@@ -190,14 +190,14 @@ FACTS = {
     ),
     "eom.multibody.Joint": (
         NONE,
-        "(N m/rad or N/m)",
+        "N m/rad or N/m",
         "right-handed",
         "Featherstone, Rigid Body Dynamics Algorithms (2008), table 4.1",
     ),
     "eom.multibody.Load": (
         "(3,)",
         "A force (N)",
-        "``axes``: those of ``force`` and ``torque``",
+        "the axes of force and torque",
         NONE,
     ),
     "eom.multibody.Loop": (
@@ -220,7 +220,7 @@ FACTS = {
     "eom.multibody.Rotor": (
         NONE,
         "(kg m^2)",
-        "their opposites on the body",
+        "its opposite on the body",
         "Hughes, Spacecraft Attitude Dynamics (1986)",
     ),
     "eom.multibody.KnifeEdge": (NONE, "(m)", "along the direction", NONE),
@@ -230,7 +230,7 @@ FACTS = {
         "by the coefficients of the speeds",
         NONE,
     ),
-    "eom.multibody.Spring": (NONE, "(N/m)", "in its axes", NONE),
+    "eom.multibody.Spring": (NONE, "In N/m", "in its axes", NONE),
     "eom.multibody.Tree": ("(3,)", "(m/s^2)", "in the ground's axes", NONE),
     "eom.multibody.TreeFunction": ("(n,)", "SI units", "frames of `Joint`", NONE),
     "eom.multibody.absolute_angles": (NONE, "(rad)", "against the ground", NONE),
@@ -327,7 +327,7 @@ FACTS = {
         "signs are those of the source",
         "Greenwood, Advanced Dynamics (2003)",
     ),
-    "eom.multibody.Lagrangian": (NONE, "(J)", NONE, "Goldstein, Classical Mechanics (2002)"),
+    "eom.multibody.Lagrangian": (NONE, "In J", NONE, "Goldstein, Classical Mechanics (2002)"),
     "eom.multibody.closed_form": (
         NONE,
         "SI units",

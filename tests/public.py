@@ -155,9 +155,12 @@ HEADING = re.compile(r"^(\w+)\n-{3,}$", re.MULTILINE)
 
 
 def sections(words):
-    """The text of each section of a docstring by its heading, in order."""
+    """The text of each section of a docstring by its heading, in order; of several with one heading all."""
     _, *parts = HEADING.split(words)
-    return {name: text.strip("\n") for name, text in zip(parts[::2], parts[1::2], strict=True)}
+    found: dict[str, str] = {}
+    for name, text in zip(parts[::2], parts[1::2], strict=True):
+        found[name] = "\n".join([*filter(None, [found.get(name)]), text.strip("\n")])
+    return found
 
 
 def rows_of(section):

@@ -72,6 +72,27 @@ def test_scenes_and_scene_files_are_problems(run, tmp_path, no_first_results):
     assert "mine: " in done.stdout
 
 
+@pytest.mark.parametrize("name", ["forced-rigid-body", "t-handle"])
+def test_other_values_and_another_end_are_measured(run, no_first_results, name):
+    state = {"forced-rigid-body": "y2", "t-handle": "omega_2"}[name]
+    words = ["bench", name, "--quick", "--methods", "dop853", "--json"]
+    done = run(*words, "--set", f"{state}=0.25", "--t-end", "0.001 min")
+    assert done.exit_code == 0, done.output
+    problem = json.loads(done.stdout)["problems"][0]["problem"]
+    assert problem["start"][state] == 0.25
+    assert problem["end"] == 0.06
+
+
+def test_a_first_result_is_that_of_the_changed_problem(monkeypatch):
+    asked = []
+    monkeypatch.setattr(problems, "ready", lambda *given: asked.append(given) or READY)
+    first.stages("forced-rigid-body", "none", '[{"y1": "0.5"}, 0.1]')
+    assert asked == [("forced-rigid-body", {"y1": "0.5"}, 0.1)]
+
+
+READY = problems.ready("forced-rigid-body", {"y1": 0.5}, 0.1)
+
+
 def test_help_lists_the_problems(run):
     text = run("bench", "--help").output
     assert all(name in text for name in problems.names())
@@ -107,6 +128,11 @@ BAD = {
     "unknown problem": (["bench", "detest-b6"], "did you mean detest-b5?"),
     "unknown file": (["bench", "missing.toml"], "no such scene file"),
     "unknown method": (["bench", "t-handle", "--methods", "DOP583"], "did you mean DOP853"),
+    "unknown value": (["bench", "detest-b5", "--set", "y4=1"], "known names: y1, y2, y3"),
+    "no number": (["bench", "detest-b5", "--set", "y1=much"], "unknown name 'much'"),
+    "no time": (["bench", "detest-b5", "--t-end", "-1"], "the end time is not positive"),
+    "no words of a time": (["bench", "detest-b5", "--t-end", "soon"], "'soon' is no time"),
+    "value of a scene": (["bench", "t-handle", "--set", "I9=1"], "t-handle: --set: I9"),
     "second problem unknown": (["bench", "t-handle", "heavy-tap"], "did you mean heavy-top"),
 }
 
@@ -117,7 +143,7 @@ def test_bad_input_is_one_clear_error_before_anything_runs(run, case, tmp_path, 
     words, expected = BAD[case]
     done = run(*words)
     assert done.exit_code == 2
-    assert done.stderr.count("error: ") == 1
+    assert done.stderr.casefold().count("error: ") == 1
     assert expected in done.stderr
     assert done.stdout == ""
     assert list(tmp_path.iterdir()) == []

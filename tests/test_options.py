@@ -170,6 +170,32 @@ def test_a_run_starts_from_what_is_set(run):
     assert found["method"].startswith("DOP853")
 
 
+OWN = """outputs = ["omega_1"]
+[body]
+moments = [1.0, 2.0, 3.0]
+[initial]
+omega_1 = 0.1
+omega_2 = 2.0
+omega_3 = 0.1
+[integration]
+t_end = 0.1
+method = "{}"
+"""
+
+
+def test_methods_of_scene_files_are_in_any_case_and_refused_before_any_work(run, tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_text(OWN.format("dOP853"))
+    done = run("simulate", file, "--json", "--no-accuracy")
+    assert json.loads(done.output)["method"].startswith("DOP853")
+    file.write_text(OWN.format("DOP854"))
+    done = run("run", file, "--out", tmp_path / "out")
+    assert done.exit_code == 2
+    assert "own.toml: [integration] method" in done.output
+    assert "did you mean DOP853" in done.output
+    assert [f.name for f in tmp_path.iterdir()] == ["own.toml"]
+
+
 # -- where things are written ----------------------------------------------------------------------------
 
 FOLDERS = {

@@ -10,8 +10,9 @@ Rules, for everything that `tests/public.py` finds:
   or by its type where that is a class under these rules;
 - an array that is returned or held has its shape in words in brackets, as (3,) or (n, N);
 - an error that the function raises, or what it calls directly, is named behind "Raises";
-- what takes arguments says them in sections: those of numpydoc in their order, its arguments in the order
-  in which they are taken, each with a text, what is returned and, where there are any, errors;
+- what takes arguments, and each public class with fields, says them in sections: those of numpydoc in
+  their order, its arguments in the order in which they are taken, each with a text, what is returned and,
+  where there are any, errors;
 - each public function has an example that runs, but for what takes seconds (`SLOW`).
 """
 
@@ -20,7 +21,7 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,7 @@ from tests.public import (
     fields,
     function_of,
     is_property,
+    lineage,
     makers,
     members,
     parameters,
@@ -149,7 +151,7 @@ def shapeless_results(words, function):
 
 def shapeless_fields(words, cls):
     """The shape stands in the text behind a field, or near its name in the docstring."""
-    own = texts_of_fields(cls)
+    own = rows_of(sections(words).get("Parameters", "")) | texts_of_fields(cls)
     sentences = re.split(r"(?<=[.:])\s+(?=[A-Z`])", words)
     for field, annotation in fields(cls).items():
         if ARRAY.search(str(annotation)):
@@ -189,6 +191,20 @@ def wrong_sections(words, function):
         yield from (f"{n} has no text" for n, text in below.items() if not text.endswith("."))
 
 
+def fields_without_section(words, cls):
+    """Each field of a class has a text behind it, or in the section of parameters, in order."""
+    told = {n for c in lineage(cls) for n in rows_of_class(c)}
+    known = {n: a for n, a in fields(cls).items() if n not in texts_of_fields(cls)}
+    yield from (n for n, a in known.items() if n not in told and not says_itself(n, str(a)))
+    own = rows_of_class(cls)
+    if own != [n for n in fields(cls) if n in own]:
+        yield f"the order of {own}"
+
+
+def rows_of_class(cls):
+    return [*rows_of(sections(inspect.cleandoc(cls.__doc__ or "")).get("Parameters", ""))]
+
+
 METHODS = {n: f for n, f in CALLABLE.items() if n in FUNCTIONS or not is_property(*MEMBERS[n][:2])}
 RULES = {
     no_sentence: EVERYTHING | CALLABLE,
@@ -200,6 +216,7 @@ RULES = {
     unreported_errors: {n: obj for n, obj in (CALLABLE | CLASSES).items() if n not in NEVER},
     no_example: {n: f for n, f in FUNCTIONS.items() if n not in SLOW},
     wrong_sections: CALLABLE,
+    fields_without_section: {n: c for n, c in CLASSES.items() if n in PUBLIC and is_dataclass(c)},
 }
 """Each rule, and what it holds for."""
 
@@ -260,6 +277,7 @@ def test_the_rules_see_what_is_missing():
     assert not list(shapeless_results("Return it, (n,).", calls))
     assert list(shapeless_fields("What has ``values``.", Vague)) == ["values has no shape"]
     assert not list(shapeless_fields("What has ``values`` (n, 3).", Vague))
+    assert list(fields_without_section("", Vague)) == ["values"]
     assert "InputError" in unreported_errors("Do it.", calls)
     assert "InputError" in unreported_errors("Do it.", Vague)
     assert not list(unreported_errors("Do it. Raises `InputError`.", refused))

@@ -243,10 +243,22 @@ def form_of(body: Polhode) -> Form:
 class FreeMotion:
     """A torque-free motion in closed form: call it with times; made by `free_motion`.
 
-    ``kind``: its row of `KINDS` by name, ``meaning`` in words. ``period``: of the angular velocity
-    in the body, s; 0 where it is constant, infinite on the separatrix. Units, frames, signs and sources
-    are those of `free_body`. ``body``, ``form``: the motion in the frame of the polhode; ``first``: the
-    quaternion of a constant turn before it, scalar first.
+    Parameters
+    ----------
+    kind : str
+        Its row of `KINDS` by name.
+    meaning : str
+        The same in words.
+    period : float
+        Of the angular velocity in the body (s); 0 where it is constant, infinite on the separatrix.
+    body, form : Polhode
+        The motion in the frame of the polhode.
+    first : tuple of float, float, float, float
+        The quaternion of a constant turn before it, scalar first.
+
+    Notes
+    -----
+    Units, frames, signs and sources are those of `free_body`.
     """
 
     kind: str

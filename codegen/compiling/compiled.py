@@ -71,14 +71,31 @@ from eom.system import BodyAttitude, System
 class Compiled:
     """A system compiled for a target, made by `codegen.compile`.
 
-    ``rhs(t, x, p, u, out=None)`` gives d(states)/dt; ``outputs``, ``invariants`` and
-    ``singularities`` are like it, where the system has any. Shapes: ``t`` a number or (N,); ``x``, ``p``,
-    ``u`` (n,) or (n, N), in the order of ``layout``; results (k,) or (k, N). Units are those of the system.
+    Parameters
+    ----------
+    system : System
+        What was compiled.
+    layout : Layout
+        The order of arrays.
+    program : Program
+        Its straight-line code.
+    target : str
+        ``c``, ``numpy``, ``python`` or ``jax``.
+    structure : Structure
+        What was compiled in.
+    functions : mapping of str to Function
+        By group: rates, outputs, invariants, singularities.
+    notice : str, optional
+        What the user should know, for example that there was no C compiler.
+    stable : bool, default False
+        Whether every identity against cancellation was applied, also those that cost time.
 
-    ``system``: what was compiled; ``program``: its straight-line code; ``target``: c, numpy, python or jax.
-    ``functions``: by group: rates, outputs, invariants, singularities. ``structure``: what was compiled in.
-    ``notice``: what the user should know, for example that there was no C compiler.
-    ``stable``: whether every identity against cancellation was applied, also those that cost time.
+    Notes
+    -----
+    ``rhs(t, x, p, u, out=None)`` gives d(states)/dt; ``outputs``, ``invariants`` and
+    ``singularities`` are like it, where the system has any. Shapes: ``t`` a number or (N,); ``x``,
+    ``p``, ``u`` (n,) or (n, N), in the order of ``layout``; results (k,) or (k, N). Units are those
+    of the system.
     """
 
     system: System

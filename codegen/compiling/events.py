@@ -41,14 +41,30 @@ _MOVES = 2
 class Event:
     """A zero of ``expression``, over states, parameters, inputs, time, definitions and outputs.
 
-    ``direction``: 1 for zeros at which it increases in the direction of integration, -1 for those at
-    which it decreases, 0 for all; zeros that are touched and not crossed count for 0 alone.
-    ``terminal``: whether the run ends there, or at the how manyth. ``name``: by default the expression.
+    Parameters
+    ----------
+    expression : expression
+        Over states, parameters, inputs, time, definitions and outputs, in any consistent units.
+    direction : int, default 0
+        1 for zeros at which it increases in the direction of integration, -1 for those at which it
+        decreases, 0 for all; zeros that are touched and not crossed count for 0 alone.
+    terminal : bool or int, default False
+        Whether the run ends there, or at the how manyth.
+    name : str, optional
+        By default the expression.
 
-    A zero at the start is reported, as a crossing towards where the expression goes, but does not end
-    the run. The expression is in any consistent units. Raises `InputError` for what is no expression, no
-    direction or no number of times.
+    Raises
+    ------
+    InputError
+        For what is no expression, no direction or no number of times.
 
+    Notes
+    -----
+    A zero at the start is reported, as a crossing towards where the expression goes, but does not
+    end the run.
+
+    Examples
+    --------
     >>> height = sp.Symbol("height", real=True)
     >>> Event(height, direction=-1, terminal=True, name="landing").label
     'landing'

@@ -34,23 +34,40 @@ NOTHING = object()
 class Sampled:
     """A law of control that is evaluated once a ``period`` (s), and whose value is held in between.
 
-    The first sample is at the start of a run; steps of every method end at the samples. ``law``: an
-    expression over states, outputs, parameters, inputs and time of the system, which is compiled with it,
-    or a function of time, f(t), or of time and states by name, f(t, x). For ``inputs={"u": ...}`` it gives
-    the one input, in its unit; for ``inputs=Sampled(...)`` expressions by the names of the inputs, or a
-    function that returns all inputs by name or in order. Symbols that the system does not have are further
-    parameters of the run. ``delay`` (s): from a sample until its value takes effect, as for computing;
-    it may be longer than the period. Until then an input is zero.
+    Parameters
+    ----------
+    law : expression or callable
+        Over states, outputs, parameters, inputs and time of the system, which is compiled with it,
+        or a function of time, f(t), or of time and states by name, f(t, x). For
+        ``inputs={"u": ...}`` it gives the one input, in its unit; for ``inputs=Sampled(...)``
+        expressions by the names of the inputs, or a function that returns all inputs by name or in
+        order. Symbols that the system does not have are further parameters of the run.
+    period : float
+        Between samples (s); the first is at the start of a run, and steps of every method end at
+        samples.
+    delay : float, default 0.0
+        From a sample until its value takes effect (s), as for computing; it may be longer than the
+        period. Until then an input is zero.
+    states : mapping, optional
+        Of a symbolic law itself (an integrator, observer, filter), the expression of the next value
+        of each by its name; they start at zero, or where ``initial`` says, and change at the
+        sample.
+    memory : number, expression or several, optional
+        Of a function, anything that it keeps from sample to sample: the law is then f(t, x, memory)
+        and returns its value and the next memory. Every run starts with a copy of the first.
 
-    ``states``: of a symbolic law itself (an integrator, observer, filter), the expression of the next value
-    of each by its name; they start at zero, or where ``initial`` says, and change at the sample.
-    ``memory``: of a function, anything that it keeps from sample to sample: the law is then f(t, x, memory)
-    and returns its value and the next memory. Every run starts with a copy of the first.
+    Raises
+    ------
+    InputError
+        For what is no law, a period that is not positive, a negative delay, ``states`` of a
+        function and ``memory`` of expressions.
 
-    Laws read what is there just before the sample, the inputs that they set among it. Raises `InputError`
-    for what is no law, a period that is not positive, a negative delay, ``states`` of a function and
-    ``memory`` of expressions.
+    Notes
+    -----
+    Laws read what is there just before the sample, the inputs that they set among it.
 
+    Examples
+    --------
     >>> Sampled(lambda t, x: -2 * x["angle"], period=0.01, delay=0.002).period
     0.01
     """

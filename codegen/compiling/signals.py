@@ -30,17 +30,31 @@ FINEST = 1e-6
 class Signal:
     """An input as a function of time that states where it changes suddenly, and how fast it changes.
 
-    ``function``: of the time, f(t), or of time and states, f(t, x), as of `codegen.simulate`; it returns a
-    number, in the unit of the input, and is called from Python. ``knots``: times (s) at which
-    it, or a derivative, jumps: steps end there, and the function is not looked at across them.
-    ``max_step`` (s): the longest step over which nothing that it does is missed, about the width of its
-    narrowest pulse. With one of the two the run trusts what is stated. Without both, as for a plain
-    function, the function is sampled at further points within steps and nothing is guaranteed: a pulse
-    between all of these is missed, and the run's ``notice`` says that this is possible.
+    Parameters
+    ----------
+    function : callable
+        Of the time, f(t), or of time and states, f(t, x), as of `codegen.simulate`; it returns a
+        number, in the unit of the input, and is called from Python.
+    knots : sequence of floats, optional
+        Times (s) at which it, or a derivative, jumps: steps end there, and the function is not
+        looked at across them.
+    max_step : float, optional
+        The longest step (s) over which nothing that it does is missed, about the width of its
+        narrowest pulse.
 
-    Raises `InputError` for what takes neither, knots that are not finite, and a longest step
-    that is not positive.
+    Raises
+    ------
+    InputError
+        For what takes neither, knots that are not finite, and a longest step that is not positive.
 
+    Notes
+    -----
+    With one of the two the run trusts what is stated. Without both, as for a plain function, the
+    function is sampled at further points within steps and nothing is guaranteed: a pulse between
+    all of these is missed, and the run's ``notice`` says that this is possible.
+
+    Examples
+    --------
     >>> kick = Signal(lambda t: 5.0 if 2 <= t < 2.01 else 0.0, knots=(2, 2.01))
     >>> kick(2.005), kick.is_stated
     (5.0, True)

@@ -29,9 +29,20 @@ Array = NDArray[np.float64]
 class SparseJacobian:
     """The derivatives of one group of results, and the results with them, from one function.
 
-    ``shape``: (results, variables). ``rows``, ``columns``: place of each entry that is not zero everywhere.
-    A call gives these entries, in shape (entries,) for one point or (entries, N) for N points. Units are
-    those of the results over those of the variables. How it is made: see `codegen.compiled_jacobian`.
+    Parameters
+    ----------
+    shape : tuple of int, int
+        (results, variables).
+    rows, columns : tuple of ints
+        Place of each entry that is not zero everywhere.
+    layout : Layout
+        The order of arrays.
+
+    Notes
+    -----
+    A call gives these entries, in shape (entries,) for one point or (entries, N) for N points.
+    Units are those of the results over those of the variables. How it is made: see
+    `codegen.compiled_jacobian`.
     """
 
     shape: tuple[int, int]

@@ -73,17 +73,46 @@ CHUNKS = 8
 class Ensemble:
     """What many trajectories came to; all arrays have the trajectories as their last axis.
 
-    ``count``: N of them. ``names``, ``outputs``: of the n states and o outputs, in order. ``t`` (K,):
-    the stored times. ``counts``: how many trajectories ended by each reason: end, singular, not finite,
-    step, max_steps. ``stopped`` (2, M): numbers of the first 10,000 trajectories that did not reach the
-    end, and their status. ``statistics``, ``drift``: by name of the state or output, and of the constant
-    of the motion (largest change over its first value). ``columns``: ``y`` (n, K, N), ``outputs`` (o, K,
-    N), ``y_stop`` (n, N), ``t_stop``, ``status``, ``which``, ``steps``, ``rejected``, ``continued`` (N,),
-    ``drift`` (i, N), where they are kept: NaN at times that a trajectory did not reach; ``continued`` is 1
-    where another method went on, 2 where it may have passed what is singular. ``method``: what integrated,
-    in ``seconds``, with so many ``steps``; ``notice``: what the user should know. ``store``: the folder of
-    the trajectories, if there is one; ``computed``: chunks that were not read from it. Units are those of
-    the system.
+    Parameters
+    ----------
+    count : int
+        N, of trajectories.
+    t : array
+        The stored times, (K,).
+    counts : mapping of str to ints
+        How many trajectories ended by each reason: end, singular, not finite, step, max_steps.
+    stopped : NDArray
+        Numbers of the first 10,000 trajectories that did not reach the end, and their status, (2,
+        M).
+    statistics : mapping of str to Summary
+        By name of the state or output.
+    drift : mapping of str to Summary
+        By name of the constant of the motion: largest change over its first value.
+    columns : mapping of str to NDArray
+        What is kept of each trajectory: ``y`` (n, K, N), ``outputs`` (o, K, N), ``y_stop`` (n, N),
+        ``t_stop``, ``status``, ``which``, ``steps``, ``rejected``, ``continued`` (N,), ``drift``
+        (i, N). NaN at times that a trajectory did not reach; ``continued`` is 1 where another
+        method went on, 2 where it may have passed what is singular.
+    names : tuple of str
+        Of the n states, in order.
+    outputs : tuple of str
+        Names of the o outputs, in order.
+    method : str
+        What integrated.
+    notice : str
+        What the user should know.
+    steps : int
+        Of all trajectories.
+    computed : int
+        Chunks that were not read from the store.
+    seconds : float
+        What it took.
+    store : path, optional
+        The folder of the trajectories, if there is one.
+
+    Notes
+    -----
+    All arrays have the trajectories as their last axis. Units are those of the system.
     """
 
     count: int

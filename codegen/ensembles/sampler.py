@@ -310,8 +310,19 @@ MOST_AT_ONCE = 10**8
 class Uniform:
     """Between two limits, ``low`` and ``high``, each value as likely as the other.
 
-    In the unit of what is sampled. It takes one number (``draws``) for one name (``size``). Raises
-    `InputError` for limits that are not finite or not in order.
+    Parameters
+    ----------
+    low, high : float
+        The limits, in the unit of what is sampled.
+    draws : int
+        Random numbers that it takes: one.
+    size : int
+        How many names it is for: one.
+
+    Raises
+    ------
+    InputError
+        For limits that are not finite or not in order.
     """
 
     low: float
@@ -345,9 +356,23 @@ class Uniform:
 class Normal:
     """The normal distribution of a ``mean`` and a standard ``deviation``.
 
-    In the unit of what is sampled; by the inverse of its distribution function. It takes one number
-    (``draws``) for one name (``size``). Raises `InputError` for what is not finite, and a negative
-    deviation.
+    Parameters
+    ----------
+    mean, deviation : float, default 0.0
+        In the unit of what is sampled.
+    draws : int
+        Random numbers that it takes: one.
+    size : int
+        How many names it is for: one.
+
+    Raises
+    ------
+    InputError
+        For what is not finite, and a negative deviation.
+
+    Notes
+    -----
+    In the unit of what is sampled; by the inverse of its distribution function.
     """
 
     mean: float = 0.0
@@ -382,8 +407,20 @@ class Normal:
 class UniformQuaternion:
     """Every attitude as likely as the other; for four names, scalar first.
 
-    It takes three numbers (``draws``) for four names (``size``), a quaternion of unit norm.
-    Source: Shoemake, Uniform random rotations, in Graphics Gems III (1992).
+    Parameters
+    ----------
+    draws : int
+        Random numbers that it takes: three.
+    size : int
+        How many names it is for: four, scalar first.
+
+    Notes
+    -----
+    A quaternion of unit norm.
+
+    References
+    ----------
+    Shoemake, Uniform random rotations, in Graphics Gems III (1992).
     """
 
     draws: int = field(default=3, init=False)
@@ -412,9 +449,25 @@ class UniformQuaternion:
 class Grid:
     """A ``count`` of values from ``low`` to ``high`` at equal distances, both included.
 
-    In the unit of what is sampled; grids of several names are crossed. It takes no random number
-    (``draws``) for one name (``size``). Raises `InputError` for limits that are not finite, and fewer
-    than one value.
+    Parameters
+    ----------
+    low, high : float
+        The first and the last value.
+    count : int
+        How many there are, at equal distances.
+    draws : int
+        Random numbers that it takes: none.
+    size : int
+        How many names it is for: one.
+
+    Raises
+    ------
+    InputError
+        For limits that are not finite, and fewer than one value.
+
+    Notes
+    -----
+    In the unit of what is sampled; grids of several names are crossed.
     """
 
     low: float
@@ -453,12 +506,32 @@ Value = Distribution | float
 class Sampler:
     """Samples of states and parameters by name, ``count`` of them, a pure function of ``seed`` and number.
 
-    ``values``: for a name a number or a distribution, for four names `UniformQuaternion`. The first
-    grid changes slowest; with grids ``count`` may be left out: each combination once. More samples
-    go through the combinations again. Units are those of what is sampled. Raises `InputError` for what
-    does not fit.
-    Source: Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011.
+    Parameters
+    ----------
+    values : mapping
+        For a name a number or a distribution, for four names `UniformQuaternion`. The first grid
+        changes slowest.
+    count : int, default 0
+        Of samples; with grids it may be left out: each combination once. More samples go through
+        the combinations again.
+    seed : int, default 0
+        Of random numbers.
 
+    Raises
+    ------
+    InputError
+        For what does not fit.
+
+    Notes
+    -----
+    Units are those of what is sampled.
+
+    References
+    ----------
+    Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011.
+
+    Examples
+    --------
     >>> Sampler({"k": Grid(1, 2, 3), "mass": 5.0}).sample(0, 3)
     {'k': array([1. , 1.5, 2. ]), 'mass': array([5., 5., 5.])}
     """

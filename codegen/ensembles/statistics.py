@@ -162,8 +162,19 @@ def quantile(bins: Bins, row: int, share: float, moments: Moments) -> float:
 class Statistics:
     """What to count of states and outputs ``names`` at each stored time.
 
-    ``quantiles``: keep what they need. ``edges``: by name the ascending edges of a histogram, in the
-    unit of the quantity. Raises `InputError` for edges that do not ascend, or of other names.
+    Parameters
+    ----------
+    names : tuple of str
+        Of states and outputs.
+    quantiles : bool, default False
+        Whether what they need is kept.
+    edges : mapping of str to sequence of floats, optional
+        By name the ascending edges of a histogram, in the unit of the quantity.
+
+    Raises
+    ------
+    InputError
+        For edges that do not ascend, or of other names.
     """
 
     names: tuple[str, ...]
@@ -185,10 +196,36 @@ class Statistics:
 class Summary:
     """Statistics of one quantity at the times ``t`` (K,), all arrays (K,): of trajectories that got there.
 
-    ``count`` of trajectories, ``mean``, ``minimum``, ``maximum``; ``variance`` divides by count - 1.
-    ``edges`` (bins + 1,) and ``histogram`` (K, bins): the last bin has both its edges; values outside
-    are in none. ``rows``, ``moments``, ``bins``: what quantiles are computed from. In the unit of the
-    quantity. Source: Chan, Golub and LeVeque, Am. Stat. 37 (1983) 242, eq. 2.1.
+    Parameters
+    ----------
+    name : str
+        Of the quantity.
+    t : array
+        Times, (K,).
+    count : array of int
+        Of trajectories that got there, (K,).
+    mean : array
+        (K,).
+    variance : array
+        (K,); it divides by count - 1.
+    minimum : array
+        (K,).
+    maximum : array
+        (K,).
+    edges : array, optional
+        (bins + 1,).
+    histogram : array of int, optional
+        (K, bins); the last bin has both its edges, values outside are in none.
+    rows, moments, bins : tuple of int, int, optional
+        What quantiles are computed from.
+
+    Notes
+    -----
+    In the unit of the quantity.
+
+    References
+    ----------
+    Chan, Golub and LeVeque, Am. Stat. 37 (1983) 242, eq. 2.1.
     """
 
     name: str

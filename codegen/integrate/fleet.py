@@ -29,7 +29,7 @@ from codegen.loops import runge_kutta, samples, taylor, taylor_lanes
 from codegen.loops.tableaux import DOP853
 from codegen.native import children, native
 from codegen.native.trajectory import Array, Law, Problem, Stop, Trajectory
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, spelt, unknown_name
 from eom.tables import Table
 
 STATUS = {
@@ -197,7 +197,7 @@ def build(compiled: Compiled, method: str, rtol: float) -> Built:
     ``auto``: Taylor series where every operation has a rule, else DOP853. Raises `InputError` for
     another method, and for ``taylor`` where an operation has no rule.
     """
-    row = METHODS.get(method)
+    row = METHODS.get(spelt(method, METHODS))
     if row is None:
         raise unknown_name("method", method, METHODS, "ensemble")
     if compiled.target != "c":

@@ -64,9 +64,23 @@ from eom.system import System
 class Linear:
     """A linear system dx' = A dx + B du, dy = C dx + D du about a point, or about N points.
 
-    ``A`` (n, n), ``B`` (n, m), ``C`` (o, n), ``D`` (o, m), with a last axis of N about N points, for n
-    states, m inputs, o outputs. ``states``, ``inputs``, ``outputs``: their names, in the order of rows
-    and columns. Units are those of the system.
+    Parameters
+    ----------
+    A : array
+        (n, n), with a last axis of N about N points, as the others.
+    B : array
+        (n, m).
+    C : array
+        (o, n).
+    D : array
+        (o, m).
+    states, inputs, outputs : tuple of str
+        Their names, in the order of rows and columns.
+
+    Notes
+    -----
+    ``A`` (n, n), ``B`` (n, m), ``C`` (o, n), ``D`` (o, m), for n states, m inputs, o outputs. Units
+    are those of the system.
     """
 
     A: Array
@@ -193,14 +207,29 @@ class Stability:
 class LinearMotion(Linear):
     """A linear motion dz' = A dz + B du, dy = C dz + D du; ``states`` are the names of z.
 
-    ``A``, ``B``, ``C``, ``D``, ``inputs``, ``outputs``: as of `Linear`, with A (k, k) for k independent
-    states. ``point``: about which. ``eliminated``: what other states are by these, {state: {state:
-    factor}}. ``dropped``: cyclic states, which nothing depends on. ``hidden``: how many constraints
-    follow from those that were given; ``redundant``: those given that say nothing new. ``agreement``:
-    the largest difference to a complex step, relative to the largest entry of its row (at least a
-    thousandth of the largest of all rows); NaN where that could not be made. ``doubtful``: states by
-    their rates, and outputs, that differ by more than `DOUBT`: they have no derivative there, but a
-    corner.
+    Parameters
+    ----------
+    point : Equilibrium
+        About which.
+    agreement : float
+        The largest difference to a complex step, relative to the largest entry of its row (at least
+        a thousandth of the largest of all rows); NaN where that could not be made.
+    eliminated : mapping of str to mapping of str to floats, optional
+        What other states are by these, {state: {state: factor}}.
+    dropped : tuple of str, optional
+        Cyclic states, which nothing depends on.
+    hidden : int, default 0
+        How many constraints follow from those that were given.
+    redundant : tuple of str, optional
+        Those given that say nothing new.
+    doubtful : tuple of str, optional
+        States by their rates, and outputs, that differ by more than `DOUBT`: they have no
+        derivative there, but a corner.
+
+    Notes
+    -----
+    The others are as of `Linear`, with A (k, k) for k independent states. Units are those of the
+    system.
     """
 
     point: Equilibrium

@@ -42,11 +42,24 @@ _DIFFERENTIATED = (RATES, OUTPUTS)
 class Sensitivities:
     """A compiled system over states and sensitivities, for `codegen.simulate` as it is.
 
-    ``compiled``: its states are x, then, variable by variable, the derivatives of all states, named
-    ``dtheta_dI1`` or, by a first state, ``dtheta_dpsi_0``; its outputs are those of the system and
-    their derivatives, named alike. ``states``: names of x; ``variables``: what is differentiated
-    by, first states with ``_0`` behind the name. Units are those of a state over those of a variable.
-    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14.
+    Parameters
+    ----------
+    compiled : Compiled
+        Its states are x, then, variable by variable, the derivatives of all states, named
+        ``dtheta_dI1`` or, by a first state, ``dtheta_dpsi_0``; its outputs are those of the system
+        and their derivatives, named alike.
+    states : tuple of str
+        Names of x.
+    variables : tuple of str
+        What is differentiated by, first states with ``_0`` behind the name.
+
+    Notes
+    -----
+    Units are those of a state over those of a variable.
+
+    References
+    ----------
+    Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14.
     """
 
     compiled: Compiled

@@ -32,12 +32,30 @@ from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, Program
 class Equilibrium:
     """A state with zero rates, or a steady motion.
 
-    ``states``, ``inputs``, ``parameters``: values by name. ``residual``: the largest rate that should be
-    zero, in its unit, that of the state ``worst``; ``relative``: the same by the terms that it is made of.
-    ``unknowns``, ``rank``: of the equations. ``kind``: ``isolated`` if the rank is full; ``family`` if
-    other solutions lie beside it, along ``directions`` (by name, one mapping a dimension); else
-    ``degenerate``: it stands alone as far as was seen, but few of its digits are certain.
-    ``rates``: of the cyclic states, which may run, by name.
+    Parameters
+    ----------
+    states, inputs, parameters : mapping of str to floats
+        Values by name.
+    residual : float
+        The largest rate that should be zero, in its unit.
+    relative : float
+        The same by the terms that it is made of.
+    worst : str
+        The state whose rate that is.
+    unknowns : int
+        Of the equations.
+    rank : int
+        Of the equations.
+    kind : str
+        ``isolated`` if the rank is full; ``family`` if other solutions lie beside it; else
+        ``degenerate``: it stands alone as far as was seen, but few of its digits are certain.
+    directions : tuple of mapping of str to floats, optional
+        Along which a family goes on, by name, one mapping a dimension.
+    rates : mapping of str to floats, optional
+        Of the cyclic states, which may run, by name.
+
+    Notes
+    -----
     Units are those of the system.
     """
 

@@ -169,11 +169,18 @@ class Problem:
 class Stop:
     """Why and when a run stopped.
 
-    ``kind``: end, singular, event, not finite, step, coarse, thin, max_steps, memory, left.
-    ``t``: the time, in the unit of the system (s).
-    ``which``: number of the singularity, of the event, or of the state that is not finite; -1 for none.
-    A run is left where its ``watch`` says so. ``overflows``: whether the rates are finite there, and
-    further Taylor coefficients are not, so that no series says how the solution goes on.
+    Parameters
+    ----------
+    kind : str
+        ``end``, ``singular``, ``event``, ``not finite``, ``step``, ``coarse``, ``thin``,
+        ``max_steps``, ``memory`` or ``left``, where the run's ``watch`` says so.
+    t : float
+        The time, in the unit of the system (s).
+    which : int, default -1
+        Number of the singularity, of the event, or of the state that is not finite; -1 for none.
+    overflows : bool, default False
+        Whether the rates are finite there, and further Taylor coefficients are not, so that no
+        series says how the solution goes on.
     """
 
     kind: str

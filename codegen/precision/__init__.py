@@ -2,6 +2,6 @@
 
 In: compiled systems, points. Out: errors against 50 digits with their causes; reference solutions.
 Imports: `codegen.compiling`, `codegen.derivatives`, `codegen.frontend`, `codegen.ir`,
-`codegen.loops`, `codegen.passes`, `codegen.watch`, `eom.errors`, `eom.quantities`, `eom.system`,
-`eom.units`.
+`codegen.loops`, `codegen.passes`, `codegen.watch`, `eom.displays`, `eom.errors`, `eom.quantities`,
+`eom.system`, `eom.units`.
 """

@@ -9,9 +9,11 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from codegen.compiling.compiled import Compiled
+from codegen.frontend.notebook import table as html_table
 from codegen.ir.program import RATES
 from codegen.precision.accuracy import SAMPLES, accuracy
 from codegen.precision.domain import (
@@ -81,17 +83,36 @@ def table(report: AccuracyReport) -> Table:
     """Return one line a result: errors in ulps in the domain, and the worst of the other regions."""
     from rich.table import Table
 
-    shown = [r for r in TITLES if any(row.region == r for row in report.rows)]
     grid = Table(box=None, pad_edge=False)
-    grid.add_column("result", no_wrap=True)
-    for title in ("typical", "worst", "bound", "condition", *(TITLES[r] for r in shown)):
-        grid.add_column(title, justify="right")
-    grid.add_column("verdict")
-    grid.add_column("where")
-    for key in dict.fromkeys((row.group, row.result) for row in report.rows):
-        rows = {row.region: row for row in report.rows if (row.group, row.result) == key}
-        grid.add_row(*_line(rows, shown))
+    titles, lines = cells(report)
+    for k, title in enumerate(titles):
+        text = k == 0 or title in TEXTS
+        grid.add_column(title, no_wrap=k == 0, justify="left" if text else "right")
+    for line in lines:
+        grid.add_row(*line)
     return grid
+
+
+def notebook(report: AccuracyReport) -> str:
+    """Return what a notebook displays of a report: the table and the sentences, in HTML."""
+    first, *rest = heading(report)
+    titles, lines = cells(report)
+    told = "".join(f"<p>{escape(line.strip())}</p>" for line in (*rest, *sentences(report)) if line)
+    return html_table(lines, titles, first) + told
+
+
+TEXTS = ("verdict", "where")
+"""Columns of words."""
+
+
+def cells(report: AccuracyReport) -> tuple[list[str], list[list[str]]]:
+    """Return the titles of the table and its lines, one a result."""
+    shown = [r for r in TITLES if any(row.region == r for row in report.rows)]
+    numbers = ("typical", "worst", "bound", "condition", *(TITLES[r] for r in shown))
+    found: dict[tuple[str, str], dict[str, Row]] = {}
+    for row in report.rows:
+        found.setdefault((row.group, row.result), {})[row.region] = row
+    return ["result", *numbers, *TEXTS], [_line(rows, shown) for rows in found.values()]
 
 
 def _line(rows: Mapping[str, Row], shown: Sequence[str]) -> list[str]:

@@ -15,6 +15,7 @@ from codegen.frontend.layout import Layout
 from codegen.ir.interpret import UNIT_ROUNDOFF, Point, interpret_exactly
 from codegen.ir.passes import prune
 from codegen.ir.program import INVARIANTS, RATES, SINGULARITIES, Program
+from eom.displays import display
 from eom.errors import InputError, unknown_name
 from eom.quantities import Quantity
 
@@ -403,11 +404,32 @@ class Change:
 class AccuracyReport:
     """What was measured of a compiled system: the error of each result against 50 digits.
 
-    ``system``, ``target``, ``stable``: what was measured. ``samples``, ``seed``: as of
-    `codegen.accuracy`. ``domain``: (low, high) by name, in the units of the system; ``unit``: names of
-    states that are one unit quaternion. ``rows``: one a result and region. ``made``: a rewriting of this
-    code; ``possible``: one that ``stable=True`` would add. Errors are in units in the last place (ulps).
-    Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 1.6.
+    Parameters
+    ----------
+    system : str
+        The name of what was measured.
+    target : str
+        For which it was compiled.
+    stable : bool
+        Whether every identity against cancellation was applied.
+    samples : int
+        As of `codegen.accuracy`.
+    seed : int
+        As of `codegen.accuracy`.
+    domain : mapping of str to Range
+        (low, high) by name, in the units of the system.
+    unit : tuple of tuple of str
+        Names of states that are one unit quaternion.
+    rows : tuple of three numbers
+        One a result and region; errors are in units in the last place (ulps).
+    made : Change
+        A rewriting of this code.
+    possible : Change
+        One that ``stable=True`` would add.
+
+    References
+    ----------
+    Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 1.6.
     """
 
     system: str
@@ -420,6 +442,19 @@ class AccuracyReport:
     rows: tuple[Row, ...] = field(repr=False)
     made: Change
     possible: Change
+
+    def __repr__(self) -> str:
+        """Say what was measured, the worst result, and how many lose digits by their formula."""
+        own = [(f.ulps, r.result) for r in self.rows if r.region == TYPICAL for f in [r.worst] if f]
+        worst = "".join(f"; {name} to {ulps:.2g} ulps" for ulps, name in [max(own)]) if own else ""
+        told = f"; unstable: {len(self.unstable)}" if self.unstable else ""
+        return (
+            f"AccuracyReport({self.system} for {self.target}, {self.samples} samples{worst}{told})"
+        )
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook displays: the errors of each result, and what to do about them."""
+        return str(display("accuracy as page", self))
 
     def row(self, result: str, region: str = REGIONS[0], group: str = RATES) -> Row:
         """Return the row of a result.

@@ -23,8 +23,8 @@ from codegen.compiling.events import Event
 from codegen.compiling.events import Given as EventsGiven
 from codegen.frontend.layout import names_of
 from codegen.integrate.choice import Task
+from codegen.integrate.methods import METHODS, Native, can_project, integrator_of
 from codegen.integrate.methods import Integrator as Loop
-from codegen.integrate.methods import Native, can_project, integrator_of
 from codegen.integrate.scales import quickly
 from codegen.ir.program import INVARIANTS, SINGULARITIES
 from codegen.loops.projection import chosen
@@ -43,7 +43,7 @@ from codegen.runs.given import (
 )
 from codegen.runs.result import Found, Result, result_of
 from codegen.runs.tested import Tested
-from eom.errors import InputError, typed
+from eom.errors import InputError, spelt, typed
 from eom.system import System
 
 DEFAULT_MARGIN = 1e-6
@@ -331,7 +331,7 @@ def asked_of(
     found = looked_for.checked(events)
     span = _span(t_span, t_eval)
     return Asked(
-        compiled_of(system), span, method, arguments.relative(rtol), atol,
+        compiled_of(system), span, spelt(method, METHODS), arguments.relative(rtol), atol,
         None if t_eval is None else arguments.grid(t_eval, span), outputs, dense_output,
         arguments.optional(first_step, "first_step"), arguments.positive(max_step, "max_step"),
         arguments.count(max_steps), arguments.positive(margin, "margin"), project, found,

@@ -37,10 +37,22 @@ from eom.errors import unknown_name
 class Drift:
     """How far a constant of the motion wandered from its first value, over the stored points.
 
-    ``start``: the first value; ``largest``: the largest change from it, both in the unit of the invariant.
-    It is relative to the terms that the constant is made of, by `codegen.precision.conditioning`: a kinetic
-    energy to itself, a closure of 4e-16 m, or an energy near zero, to what cancels in it.
-    Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 4.2.
+    Parameters
+    ----------
+    start : float
+        The first value, in the unit of the invariant.
+    largest : float
+        The largest change from it, in the same unit.
+
+    Notes
+    -----
+    Value less first value. It is relative to the terms that the constant is made of, by
+    `codegen.precision.conditioning`: a kinetic energy to itself, a closure of 4e-16 m, or an energy
+    near zero, to what cancels in it.
+
+    References
+    ----------
+    Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 4.2.
     """
 
     start: float

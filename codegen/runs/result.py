@@ -84,19 +84,55 @@ READ_LATER = frozenset(
 class Result:
     """A trajectory, with SciPy's field names and what belongs to mechanics.
 
-    ``t`` (N,), ``y`` (n, N), ``sol`` (dense output, or `NotKept`, which is false), ``nfev``,
-    ``status`` (0: end reached;
-    1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
-    failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
-    ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
-    order of ``y``; ``result[name]`` gives one of them, an output, or what kept its initial value: ``held``,
-    by name the states that became parameters.
-    ``outputs``: arrays (N,) by name, angles of a quaternion with their whole turns (`codegen.runs.turns`).
-    ``drift``: by name of the invariant.
-    ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop`` (n,):
-    where the run stopped. ``method``: what integrated, in ``seconds``; ``why``: the reason, where
-    the method was chosen and not given. ``steps`` were made, ``rejected`` tried in vain. ``notice``: what
-    the user should know. Units are those of the system.
+    Parameters
+    ----------
+    t : array
+        Stored times, (N,).
+    y : array
+        States at these: ``y`` (n, N).
+    sol : callable
+        Dense output, or `NotKept`, which is false.
+    nfev : int
+        Evaluations of the rates.
+    status : int
+        0: end reached; 1: stopped at a singular configuration; 2: at a terminal event; -1: stopped
+        because numbers failed.
+    message : str
+        The same in words.
+    outputs : mapping of str to array
+        Arrays (N,) by name, angles of a quaternion with their whole turns (`codegen.runs.turns`).
+    drift : mapping of str to Drift
+        By name of the invariant.
+    margin : mapping of str to floats
+        Least distance from each singularity, by its expression.
+    t_stop : float
+        When the run stopped.
+    y_stop : array
+        Where it stopped, (n,).
+    method : str
+        What integrated.
+    steps : int
+        That were made.
+    rejected : int
+        Steps that were tried in vain.
+    seconds : float, default 0.0
+        What the run took.
+    notice : str, optional
+        What the user should know.
+    why : str, optional
+        The reason, where the method was chosen and not given.
+    names : tuple of str, optional
+        Of the states, in the order of ``y``.
+    events : mapping of str to Occurrences, optional
+        What was found, by name.
+    held : mapping of str to floats, optional
+        By name the states that became parameters, and what they kept.
+
+    Notes
+    -----
+    ``success`` is status >= 0. ``t_events`` and ``y_events`` are what was found in order, as SciPy
+    has them. ``result[name]`` gives one of the states, an output, or what kept its initial value:
+    ``held``. Units are those of the system.
     """
 
     t: Array

@@ -57,17 +57,40 @@ DECLINE = 3.0
 class Accuracy:
     """How good a run is: estimated errors of its states, from its start to where it stopped.
 
-    ``states``: their names. ``t`` (K,): times at which the error was looked at, ``error`` (n, K): of each
-    state, in its unit. ``size`` (n,): what it is relative to, the largest value on the way of all states of
-    the same unit (by the second run), of angles 1 rad at most. ``growth`` (K,): the factor by which an
-    error of the start is larger there, at most, in these relative terms; NaN where it is not known.
-    ``rate``: its logarithm over the time, at the end (1/s), the finite-time Lyapunov exponent.
-    ``horizon``: time (s) from which on an error is a tenth of the size, so that no digit is left; None
-    where that is not so in this run.
-    ``lost``: states that are much smaller than others of their unit, of which no digit is left at the end.
-    ``second``: the method that was compared with. ``trouble``: why errors are not known, or not to the
-    end. Units are those of the system.
-    Source: Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15 (1980) 9, for the rate.
+    Parameters
+    ----------
+    states : tuple of str
+        Their names.
+    t : array
+        Times at which the error was looked at, (K,).
+    error : array
+        Of each state, in its unit: ``error`` (n, K).
+    size : array
+        What it is relative to, (n,): the largest value on the way of all states of the same unit
+        (by the second run), of angles 1 rad at most.
+    growth : array
+        The factor by which an error of the start is larger there, at most, in these relative terms,
+        (K,); NaN where it is not known.
+    rate : float
+        Its logarithm over the time, at the end (1/s), the finite-time Lyapunov exponent.
+    horizon : float
+        Time (s) from which on an error is a tenth of the size, so that no digit is left; None where
+        that is not so in this run.
+    lost : tuple of str, optional
+        States that are much smaller than others of their unit, of which no digit is left at the
+        end.
+    second : str, optional
+        The method that was compared with.
+    trouble : str, optional
+        Why errors are not known, or not to the end.
+
+    Notes
+    -----
+    Units are those of the system.
+
+    References
+    ----------
+    Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15 (1980) 9, for the rate.
     """
 
     states: tuple[str, ...]

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.options import option, options, spelt
+from eom.commands.options import chosen_values, option, options
 from eom.commands.shared import Rows, WithTable, progress_of, report_files, scene_of
-from eom.errors import InputError
-from eom.scenes.catalogue import ROBOTS
+from eom.errors import InputError, spelt
 
 if TYPE_CHECKING:
     from codegen.measure.workprecision.measuring import Diagram, Plan
@@ -38,7 +37,7 @@ def _problems() -> Rows:
 
 @click.command(cls=WithTable, title="Problems", rows=_problems)
 @click.argument("names", metavar="[PROBLEM|SCENE]...", nargs=-1)
-@options("lenient", "floating")
+@options("set", "lenient", "floating")
 @click.option("--all", "everything", is_flag=True, help="Every reference problem and ready scene.")
 @click.option(
     "--methods",
@@ -50,6 +49,7 @@ def _problems() -> Rows:
     "folder",
     help="Folder for a table, a picture and all data as JSON of each problem.",
 )
+@option("t_end", help="End time in seconds, or with a unit.  [default: the problem's]")
 @click.option("--quick", is_flag=True, help="Fewer tolerances and rounds, in seconds a problem.")
 @option("seed", help="Of the order of the runs.")
 @option("json", help="Print all data as JSON instead of tables.")
@@ -57,6 +57,7 @@ def bench(
     names: tuple[str, ...],
     everything: bool,
     methods: str | None,
+    t_end: float | None,
     folder: Path | None,
     as_json: bool,
     **options: Any,
@@ -72,25 +73,27 @@ def bench(
 
     if not names and not everything:
         raise InputError("no problem named", expected="PROBLEM or SCENE ...", hint="or --all")
-    chosen = _chosen(names, everything)
+    chosen = _chosen(names, everything, t_end)
     known = [p.name for p in programs.programs([])]
     asked = [] if methods is None else [spelt(m, known) for m in methods.split(",")]
     measured = programs.programs(asked)
     if folder is not None:
         write_files({}, folder)
     about = _about(measured)
-    found = [_bench(p, measured, _plan(**options), folder, about, as_json) for p in chosen]
+    found = [_bench(p, measured, _plan(**options), folder, about, as_json, t_end) for p in chosen]
     if as_json:
         click.echo(json.dumps({"problems": found}, indent=1))
 
 
-def _chosen(names: tuple[str, ...], everything: bool) -> list[Problem]:
-    """Return each problem once, in order."""
+def _chosen(names: tuple[str, ...], everything: bool, t_end: float | None) -> list[Problem]:
+    """Return each problem once, in order, with the values and the end time that were given."""
     from eom import problems
 
     wanted = [*names, *(problems.names() if everything else [])]
     return [
-        problems.from_scene(scene_of(name)) if name.endswith(ROBOTS) else problems.ready(name)
+        problems.from_scene(scene_of(name, t_end=t_end))
+        if problems.is_scene(name)
+        else problems.ready(name, chosen_values(), t_end)
         for name in dict.fromkeys(wanted)
     ]
 
@@ -120,6 +123,7 @@ def _bench(
     folder: Path | None,
     about: Mapping[str, Any],
     as_json: bool,
+    t_end: float | None,
 ) -> Any:
     """Measure a problem, print or write what was found, and return it as data."""
     from codegen.measure.workprecision.case import Case
@@ -128,7 +132,7 @@ def _bench(
     numbers = (problem.start, problem.parameters, problem.inputs)
     case = Case(problem.name, problem.title, problem.system, *numbers, problem.end, problem.stiff)
     with progress_of(f"measuring {problem.name}") as progress:
-        first = _first_results(problem, measured, progress)
+        first = _first_results(problem, measured, progress, t_end)
         diagram = measure(case, measured, plan, lambda f: progress(0.1 + 0.9 * f))
     lines = _print(diagram, first, quiet=as_json)
     about = {**about, "source": problem.source, "closed": problem.closed, "first_result": first}
@@ -138,14 +142,18 @@ def _bench(
 
 
 def _first_results(
-    problem: Problem, measured: list[Program], progress: Callable[[float], None]
+    problem: Problem,
+    measured: list[Program],
+    progress: Callable[[float], None],
+    t_end: float | None,
 ) -> dict[str, dict[str, float]]:
     """Return seconds by stage in new processes, with an empty cache and with what it then holds."""
     from codegen.native import children
     from codegen.native.native import CACHE_VARIABLE
 
     others = "heyoka" if any(p.name == "heyoka" for p in measured) else "none"
-    command = [sys.executable, "-m", "eom.commands.first", problem.name, others]
+    changes = json.dumps([dict(chosen_values()), t_end])
+    command = [sys.executable, "-m", "eom.commands.first", problem.name, others, changes]
     found = {}
     with tempfile.TemporaryDirectory() as cache:
         for k, kind in enumerate(("uncached", "cached")):

@@ -1,8 +1,9 @@
-"""Time to the first result in a process of its own: ``python -m eom.commands.first NAME OTHERS``.
+"""Time to the first result in a process of its own: ``python -m eom.commands.first NAME OTHERS [CHANGES]``.
 
 It prints one line of JSON: seconds to import, to derive, to generate and compile the functions, to do
 so for the method (taylor; Radau for stiff problems), and to integrate at 1e-9; with OTHERS = heyoka
-and a problem that is not stiff, also heyoka's compilation and run from the same derived rates.
+and a problem that is not stiff, also heyoka's compilation and run from the same derived rates. CHANGES:
+values by name and an end time, as JSON.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 RTOL = 1e-9
 
 
-def stages(name: str, others: str) -> dict[str, float]:
+def stages(name: str, others: str, changes: str = "[{}, null]") -> dict[str, float]:
     """Return seconds by stage."""
     clock = _Clock()
     from codegen import simulate
@@ -28,7 +29,7 @@ def stages(name: str, others: str) -> dict[str, float]:
     from eom import problems
 
     clock.lap("import")
-    problem = problems.ready(name)
+    problem = problems.ready(name, *json.loads(changes))
     system = problem.system
     clock.lap("derive")
     numbers = (problem.start, problem.parameters, problem.inputs)
@@ -69,4 +70,4 @@ class _Clock:
 
 
 if __name__ == "__main__":
-    print(json.dumps(stages(*sys.argv[1:3])))
+    print(json.dumps(stages(*sys.argv[1:4])))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.options import option, options, scene_argument, spelt, writable
+from eom.commands.options import option, options, scene_argument, writable
 from eom.commands.shared import (
     Rows,
     WithTable,
@@ -20,7 +20,7 @@ from eom.commands.shared import (
     scene_of,
     waiting_for,
 )
-from eom.errors import InputError
+from eom.errors import InputError, spelt
 
 if TYPE_CHECKING:
     from codegen.loops.written import Choice

@@ -6,14 +6,14 @@ values that have no name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import reduce
 from pathlib import Path
 from typing import Any
 
 import click
 
-from eom.errors import InputError, printable
+from eom.errors import InputError, printable, spelt
 
 Command = Callable[..., Any]
 
@@ -28,7 +28,12 @@ class _Seconds(click.types.FloatParamType):
         from eom.units import in_unit, nearest
 
         found = in_unit(value, "s", param.opts[0]) if isinstance(value, str) else None
-        return super().convert(value, param, ctx) if found is None else nearest(found)
+        if found is not None:
+            return nearest(found)
+        try:
+            return float(value)
+        except ValueError:
+            self.fail(f"{value!r} is no time: give seconds, or a unit, as '2 min'", param, ctx)
 
 
 class _Method(click.types.StringParamType):
@@ -39,15 +44,6 @@ class _Method(click.types.StringParamType):
         from codegen.integrate.methods import METHODS
 
         return spelt(value, METHODS)
-
-
-def spelt(name: str, known: Iterable[str]) -> str:
-    """Return a name as it is known, in whatever case it is given; others as they are.
-
-    >>> spelt("dop853", ["auto", "DOP853"])
-    'DOP853'
-    """
-    return {k.casefold(): k for k in known}.get(name.strip().casefold(), name)
 
 
 class Target(click.Path):

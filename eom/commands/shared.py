@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.options import chosen_values, read_as
-from eom.errors import InputError, near_matches, printable
+from eom.errors import InputError, near_matches, printable, spelt, unknown_name
 
 if TYPE_CHECKING:
     from codegen import Compiled, Event, Result
@@ -65,6 +65,8 @@ def scene_of(name: str, **options: Any) -> AnyScene:
         except InputError as error:
             raise error.at(f"{name}: --set: {error.where}") from None
     changed = {k: v for k, v in options.items() if v is not None}
+    if "method" in options:
+        _check_method(scene, name, options["method"])
     if not changed:
         return scene
     own = {k: changed.pop(k) for k in _OF_THE_SCENE if k in changed}
@@ -77,6 +79,16 @@ def scene_of(name: str, **options: Any) -> AnyScene:
         if section != "integration" or key not in options:
             raise
         raise error.at(f"--{key.replace('_', '-')}") from None
+
+
+def _check_method(scene: AnyScene, name: str, given: str | None) -> None:
+    """Raise `InputError`, before any work, for a method of an option or of a scene file that is none."""
+    from codegen.integrate.methods import METHODS
+
+    method = given or scene.integration.method
+    if spelt(method, METHODS) not in METHODS:
+        where = "--method" if given else f"{name}: [integration] method"
+        raise unknown_name("method", method, METHODS, where)
 
 
 _OF_THE_SCENE = ("integrate",)

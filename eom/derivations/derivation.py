@@ -270,12 +270,37 @@ def _is_known(term: Term, scalars: Mapping[Any, Term]) -> bool:
 class Derivation:
     """Collects lines, each verified when it is made; `finish` freezes them as an `eom.Derived`.
 
-    ``name``, ``title``, ``group``: how it is called; ``assumed``: names of assumptions
-    (`eom.worlds.worlds.ASSUMPTIONS`) to begin with. Quantities are in SI units. What stands so far:
-    ``scalars``, what symbols stand for, as terms; ``steps``; ``own``, its frames, points and laws;
-    ``stated``, the labels of steps by what they state; ``letters``, what other symbols are. A line that
-    is false or undecided raises `eom.derivations.verification.DerivationError` and is not kept; so do
-    arguments of other types raise `InputError`, and assumptions that are unknown or at odds.
+    Parameters
+    ----------
+    name : str
+        How it is called in commands and files.
+    title : str
+        Its heading.
+    group : str
+        The chapter that it belongs to.
+    assumed : tuple of str, optional
+        Names of assumptions (`eom.worlds.worlds.ASSUMPTIONS`) to begin with.
+    scalars : dict of object to Term
+        What symbols stand for so far, as terms.
+    steps : list of Step
+        What was stated so far, in order.
+    own : Own
+        Its frames, points, bodies and laws.
+    stated : dict of Equation to str
+        The labels of steps by what they state.
+    letters : dict of object to str
+        What other symbols are, in words.
+
+    Raises
+    ------
+    DerivationError
+        For a line that is false or undecided, which is not kept.
+    InputError
+        For arguments of other types, and assumptions that are unknown or at odds.
+
+    Notes
+    -----
+    Quantities are in SI units.
     """
 
     name: str

@@ -23,10 +23,28 @@ from eom.terms.own import Own
 class Derived:
     """A derivation with its verified steps and its result as SymPy objects by name.
 
-    ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
-    mechanics. ``result``: expressions, matrices and systems by name, in SI units. ``own``: frames, points,
-    bodies and laws that it defines. ``letters``: what other symbols are, in words. In a notebook it shows
-    itself as a page.
+    Parameters
+    ----------
+    name : str
+        How it is called in commands and files.
+    title : str
+        Its heading.
+    group : str
+        The chapter.
+    steps : tuple of Step
+        In order, each verified when it was made.
+    scalars : mapping of symbols to terms
+        What its own scalars are, as terms of vector mechanics.
+    result : mapping of str to objects
+        Expressions, matrices and systems by name, in SI units.
+    own : Own, optional
+        Frames, points, bodies and laws that it defines.
+    letters : mapping of object to str, optional
+        What other symbols are, in words.
+
+    Notes
+    -----
+    In a notebook it shows itself as a page.
     """
 
     name: str

@@ -45,9 +45,19 @@ RELATIONS = ("=", ":=")
 class Lesson:
     """A ``topic``: its ``derivation``, with the steps that can be lines of an exercise, and its lexicon.
 
-    ``front``: from the name of a notation to front matter that `eom check` reads, "" where no note can say
-    it; ``legend``: from lines and a notation to symbols with their meanings; ``judge``: what proves a line
-    false in a derivation with frames, bodies or laws of its own, None where notes are checked.
+    Parameters
+    ----------
+    topic : str
+        Its name, that of the derivation.
+    derivation : Derived
+        With the steps that can be lines of an exercise.
+    front : callable
+        From the name of a notation to front matter that `eom check` reads, "" where no note can say it.
+    legend : callable, optional
+        From lines and a notation to symbols with their meanings.
+    judge : callable, optional
+        What proves a line false in a derivation with frames, bodies or laws of its own; none where
+        notes are checked.
     """
 
     topic: str
@@ -280,8 +290,18 @@ class Asked:
 class Sheet:
     """Lines of which one is false, and those that carry its slip on.
 
-    ``right``: the lines as they are derived; ``number``: of the false one, from 1; ``planted``: the slip
-    in it; ``carried``: the numbers of lines behind it that carry it on, and the slip as it stands there.
+    Parameters
+    ----------
+    asked : Asked
+        Topic, seed and the rest that made it.
+    right : Derived
+        The lines as they are derived.
+    number : int
+        Of the false one, from 1.
+    planted : Planted
+        The slip in it.
+    carried : tuple of tuple of int, Planted, optional
+        Lines that carry it on, as the checker finds them.
     """
 
     asked: Asked
@@ -323,10 +343,12 @@ class Sheet:
 class Exercise(Sheet):
     """Lines of which the checker proves that one is false and no other.
 
-    ``asked``: topic, seed and the rest that made it; ``right``: the lines as they are derived; ``number``:
-    of the false one, from 1; ``planted``: the slip in it; ``finding``: what the checker says of it;
-    ``carried``: lines that carry it on, as the checker finds them;
-    ``others``: other false versions of that line, where they were asked for, the planted one first.
+    Parameters
+    ----------
+    finding : Finding
+        What the checker says of the false line.
+    others : tuple of Equation, optional
+        Other false versions of that line, where they were asked for, the planted one first.
     """
 
     finding: Finding

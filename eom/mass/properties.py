@@ -25,12 +25,31 @@ Expr = Any
 class MassProperties:
     """Mass (kg), first and second moments of mass about a reference point O.
 
-    ``mass`` (kg). ``first_moment``: a column (3, 1), integral of r dm (kg m); ``second_moments``:
-    symmetric, (3, 3), S_ij = integral of r_i r_j dm (kg m^2); r from O, components in the body's axes.
-    Sums and differences are about the same point, in the same axes.
+    Parameters
+    ----------
+    mass : expression
+        In kg.
+    first_moment : expression
+        A column (3, 1), integral of r dm (kg m).
+    second_moments : expression
+        Symmetric, (3, 3), S_ij = integral of r_i r_j dm (kg m^2).
 
-    Raises `InputError` for numbers that no body has. Source: Huygens and Steiner's theorem; lecture 002.
+    Raises
+    ------
+    InputError
+        For numbers that no body has.
 
+    Notes
+    -----
+    r from O, components in the body's axes. Sums and differences are about the same point, in the
+    same axes.
+
+    References
+    ----------
+    Huygens and Steiner's theorem; lecture 002.
+
+    Examples
+    --------
     >>> near = MassProperties(1, (1, 0, 0), sp.diag(1, 0, 0))
     >>> two = near + MassProperties(1, (3, 0, 0), sp.diag(9, 0, 0))
     >>> two.centre.T, two.about_centre[2, 2]

@@ -30,11 +30,25 @@ X = tuple(sp.Symbol(name, real=True) for name in "xyz")
 class Region:
     """A map from parameters to positions that covers a body once, and its density.
 
-    In any consistent units: lengths (m), and mass by volume, area or length as the dimension is three,
-    two or one; positions are components in the body's axes. ``position``: three expressions over the
-    parameters and sizes; ``bounds``: (parameter, from, to), the innermost integral first, so that limits
-    may depend on later parameters; ``density``: over the coordinates `X` and sizes, 1 if left out.
-    Raises `InputError` where these do not fit.
+    Parameters
+    ----------
+    position : tuple of expression, expression, expression
+        Three expressions over the parameters and sizes, components in the body's axes.
+    bounds : tuple of Bound
+        (parameter, from, to), the innermost integral first, so that limits may depend on later
+        parameters.
+    density : expression, optional
+        Over the coordinates `X` and sizes, 1 if left out.
+
+    Raises
+    ------
+    InputError
+        Where these do not fit.
+
+    Notes
+    -----
+    In any consistent units: lengths (m), and mass by volume, area or length as the dimension is
+    three, two or one.
     """
 
     position: tuple[Expr, Expr, Expr]

@@ -55,19 +55,43 @@ RATES = {
 class SpinningSymmetricBody:
     """The derivation of lecture 001 for a torque given by its components in B.
 
-    Frames: I inertial; A after psi about the third axis; B after theta about the first axis; the body's
-    own frame turns about b2 relative to B by phi, at the rate Omega. Moments of inertia (kg m^2) about
-    the reference point: I2 about the axle b2, I1 across it. Angles in rad, rates in rad/s.
+    Parameters
+    ----------
+    torque : tuple of expression, expression, expression
+        Components (M1, M2, M3) (N m) along b1, b2, b3 about the reference point, expressions of
+        parameters, inputs, time and the states theta, psi, phi, theta_dot, psi_dot, C, Omega.
+    parameters : tuple of Quantity, optional
+        Quantities in the torque that are constant.
+    inputs : tuple of Quantity, optional
+        Quantities in it that are given from outside.
+    potential : expression, default 0
+        Energy (J) whose loss is the work of the torque; without one that of a constant M1 is M1
+        theta.
+    reference_point : str, default "centre of mass"
+        What momentum and torque are about, in words: the centre of mass, or a fixed point on the
+        axle.
+    numbers : str, optional
+        What exact numbers in the torque are, a row of `eom.system.NUMBERS`; values where one stands
+        alone, unless it is said.
 
-    ``torque``: components (M1, M2, M3) (N m) along b1, b2, b3 about the reference point, expressions of
-    parameters, inputs, time and the states theta, psi, phi, theta_dot, psi_dot, C, Omega.
-    ``parameters``, ``inputs``: the quantities in it. ``potential``: energy (J) whose loss is the work of
-    the torque; without one that of a constant M1 is M1 theta. ``reference_point``: what momentum and torque
-    are about, in words: the centre of mass, or a fixed point on the axle. ``numbers``: what exact numbers
-    in the torque are, a row of `eom.system.NUMBERS`; values where one stands alone, unless it is said.
-    Raises `InputError` for what is no expression.
-    Source: lecture 001.
+    Raises
+    ------
+    InputError
+        For what is no expression.
 
+    Notes
+    -----
+    Frames: I inertial; A after psi about the third axis; B after theta about the first axis; the
+    body's own frame turns about b2 relative to B by phi, at the rate Omega. Moments of inertia (kg
+    m^2) about the reference point: I2 about the axle b2, I1 across it. Angles in rad, rates in
+    rad/s.
+
+    References
+    ----------
+    Lecture 001.
+
+    Examples
+    --------
     >>> SpinningSymmetricBody((0, 0, 0)).accelerations[1]
     (-C*I2*theta_dot + 2*I1*psi_dot*theta_dot*sin(theta))/(I1*cos(theta))
     """

@@ -83,12 +83,28 @@ def axes(letters: str, known: Mapping[str, Sequence[float]], what: str) -> Matri
 class Convention:
     """How attitudes and inertias are written: a row of each of `CHOICES`, and two systems of axes.
 
-    ``direction``: passive (C takes components in the reference axes to those in the body's) or active
-    (its transpose). ``order``: angles turn about axes of the body, or of space. ``scalar``: first or
-    last in quaternions. ``products``: of inertia, minus or plus the integrals beside the diagonal.
-    ``reference``: three of the letters e, w, n, s, u, d (east, ..., down), ``body``: three of f, b, l,
-    r, u, d (forward, ..., down); both right-handed. ``sequence``: of the angles. Raises `InputError` for
-    others.
+    Parameters
+    ----------
+    direction : str, default "passive"
+        ``passive`` (C takes components in the reference axes to those in the body's) or ``active``
+        (its transpose).
+    order : str, default "body"
+        Whether angles turn about axes of the ``body``, or of ``space``.
+    scalar : str, default "first"
+        ``first`` or ``last`` in quaternions.
+    products : str, default "minus"
+        Of inertia, ``minus`` or ``plus`` the integrals beside the diagonal.
+    reference : str, default "enu"
+        Three of the letters e, w, n, s, u, d (east, ..., down), right-handed.
+    body : str, default "flu"
+        Three of f, b, l, r, u, d (forward, ..., down), right-handed.
+    sequence : str, default "3-2-1"
+        Of the angles.
+
+    Raises
+    ------
+    InputError
+        For others.
     """
 
     direction: str = "passive"
@@ -180,9 +196,20 @@ def book(name: str) -> Convention:
 class Stated:
     """An attitude, an inertia and an angular velocity as a book has them.
 
-    ``convention``: which. ``matrix``: (3, 3), and ``quaternion``, of unit norm. ``inertia`` in kg m^2,
-    ``omega`` in rad/s, both in the body's axes; ``angles`` in radians, of the convention's sequence; what
-    was not given is None.
+    Parameters
+    ----------
+    convention : Convention
+        In which all is told.
+    matrix : rows of numbers
+        (3, 3).
+    quaternion : four numbers
+        Of unit norm.
+    angles : three numbers
+        In radians, of the convention's sequence.
+    inertia : rows of numbers, optional
+        ``inertia`` in kg m^2, (3, 3), in the body's axes; None where it was not given.
+    omega : three numbers, optional
+        In rad/s, in the body's axes; None where it was not given.
     """
 
     convention: Convention

@@ -29,8 +29,15 @@ if TYPE_CHECKING:
 class Ask:
     """What is drawn: a scene, for how long and at how many times.
 
-    ``scene``: of any model; ``seconds`` (s), ``points``: end and number of the times, by default (None) as
-    the picture needs them or as the scene has them; pictures of one instant leave them aside.
+    Parameters
+    ----------
+    scene : Scene or TreeScene
+        Of any model.
+    seconds : float, optional
+        End of the times: ``seconds`` (s), as the picture needs it or as the scene has it where it
+        is None.
+    points : int, optional
+        Number of the times, in the same way; pictures of one instant leave both aside.
     """
 
     scene: AnyScene

@@ -280,11 +280,13 @@ def test_everything_that_users_hold_has_a_short_text_and_a_page(run, top):
         compiled, {"y": np.linspace(0, 1, 3), "v": 0.0}, (0, 1), t_eval=[0.5, 1]
     )
     scene = load_scene("satellite-with-panels")
-    for made in (OSCILLATOR, compiled, run, top, linear, many, scene, scene.derive()):
+    report = codegen.accuracy(compiled, samples=20)
+    for made in (OSCILLATOR, compiled, run, top, linear, many, scene, scene.derive(), report):
         assert len(repr(made)) < 500
-        assert len(made._repr_html_()) > 200
         assert len(made._repr_html_()) < 60_000
-    for made in (run, top, linear, many):
+        assert len(made._repr_html_()) > 200
+    assert "<td>y&#x27;</td>" in report._repr_html_()
+    for made in (run, top, linear, many, report):
         parsed(made._repr_html_())
     assert run._repr_html_().count("<svg") == 3
     assert r"\frac{\mathrm{d}}{\mathrm{d}t} y &= v" in OSCILLATOR._repr_latex_()

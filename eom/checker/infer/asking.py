@@ -13,7 +13,7 @@ from eom.checker.infer.draft import Proposal
 from eom.checker.infer.letters import GUESSED, Draft
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands_of
-from eom.checker.infer.systems import USUAL, Guess, Tie, rows
+from eom.checker.infer.systems import USUAL, Guess, Tie
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
@@ -75,9 +75,8 @@ def _candidates(look: Look, draft: Proposal, lexicon: Lexicon) -> Iterator[Candi
         if other.latex == latex:
             yield Candidate(latex, other.meaning, f"line {other.line}: {other.words}")
     for one in draft.systems:
-        row = next(r for r in rows() if r.name == one.name)
         taken = {t.means for t in one.ties}
-        free = [x for x in row.letters if x.means not in taken and _known(one, x.means)]
+        free = [x for x in one.letters if x.means not in taken and _known(one, x.means)]
         for letter in sorted(free, key=lambda x: look not in x.usual):
             if letter.marked == bool(look.accents or look.style):
                 yield Candidate(latex, f"{SYSTEM}{letter.means}", f"of {one.name}")

@@ -109,7 +109,7 @@ def prose(document: Document) -> Prose:
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
             text.append(_marks(formula, mentions, [] if CASE.search(lead) else formulas))
-    whole = _LISTED.sub(_spelt_out, "".join(text))
+    whole = _ROW.sub(_told, _LISTED.sub(_spelt_out, "".join(text)))
     whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
     sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
     return Prose(
@@ -119,6 +119,18 @@ def prose(document: Document) -> Prose:
 
 _LISTED = re.compile(rf"((?:^|[.;,:\n]|- )\s*)({LIST})\s*:\s+(?:the |an? )?(?=[a-z])")
 """A letter in a list of such, with what it is behind a colon."""
+
+
+_ROW = re.compile(
+    rf"^[ \t]*\|\s*({LIST})\s*\|\s*(?:the |an? )?([a-z][^|\n]*?)\s*\|[^\n]*$", re.MULTILINE
+)
+"""A row of a table: a letter, and in the next column what it is."""
+
+
+def _told(match: re.Match[str]) -> str:
+    """Return a row of a table as a sentence."""
+    several = match[1].count("⟦") > 1
+    return f"{BREAK}{match[1]} {'are' if several else 'is'} the {match[2]}.{BREAK}"
 
 
 def _spelt_out(match: re.Match[str]) -> str:
@@ -155,7 +167,7 @@ def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[State
     for statement in formula.statements:
         if statement.relational and len(statement.members) > 1:
             formulas.append((statement, line))
-            nodes += [statement.members[0]]
+            nodes += _compared(statement)
         else:
             nodes += [i for m in statement.members for i in _items(m)]
     marks = []
@@ -165,6 +177,13 @@ def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[State
             marks.append(f"⟦{len(mentions)}⟧")
             mentions.append(Mention(look, node, line))
     return ", ".join(marks) if marks else "…"
+
+
+def _compared(statement: Statement) -> list[Node]:
+    """Return what a relation is about: its left side, letters on both sides of "greater than"."""
+    larger = {g.name for g in statement.signs} <= {"<", ">", "lt", "gt"}
+    letters = larger and all(look_of(m) is not None for m in statement.members)
+    return list(statement.members) if letters else [statement.members[0]]
 
 
 _LED = re.compile(

@@ -317,12 +317,21 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         if system and not named:
             free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
             taken += [f"{n} is counted from where the line needs it" for n in free]
+        if system and not named:
+            taken += _changed(one, known.draft)
         if _PLACED.search(one.finding.special):
             taken += ["points and frames are as drafted"]
         why = ", ".join(taken) or _excused(one, known.draft, settings)
         reason = f"if {why}, then: {one.finding.reason}"
         unsure = replace(one.finding, verdict=UNSURE, reason=reason)
         yield replace(one, finding=unsure) if why else one
+
+
+def _changed(one: Found, draft: Proposal) -> list[str]:
+    """Return that the system is as before the words that change it, where a line stands behind these."""
+    line = one.understood.formula.piece.line
+    own = [s for s in draft.systems if set(s.headings) <= set(one.understood.headings)]
+    return [f"the system is as before line {s.until}" for s in own[-1:] if 0 < s.until <= line]
 
 
 def _apart(judged: Judged, named: bool) -> bool:
@@ -456,7 +465,12 @@ def _drafts(draft: Proposal) -> Iterator[str]:
     """Yield the meanings that were taken, with the words or the custom that they come from."""
     for one in draft.systems:
         where = f", under {' and '.join(one.headings)}" if one.headings else ""
-        yield f"the note is about {one.name}{where} ({one.words or USUAL})"
+        if one.lines:
+            first, last = min(one.lines), max(one.lines)
+            read = f"lines {first} to {last}" if last > first else f"line {first}"
+            yield f"system read from {read}{where}: {one.name} ({one.words})"
+        else:
+            yield f"the note is about {one.name}{where} ({one.words or USUAL})"
         yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
     tied = {t.latex for one in draft.systems for t in one.ties if not one.headings}
     own = (d for d in draft.drafts if d.latex not in tied)

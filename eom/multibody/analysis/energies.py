@@ -147,13 +147,37 @@ def depends(e: Expr, symbol: Expr) -> bool:
 class Lagrangian:
     """A system by its energies: L = T - V, Rayleigh's function R, and other generalised forces.
 
-    ``rates``: symbols of the rates by coordinates, in order. ``kinetic`` (J): quadratic in the rates;
-    ``potential`` (J); ``dissipation`` (W): half the power that dampers take; ``forces``: generalised
-    forces by coordinate (N or N m) that have no potential. Angles in radians.
-    Raises `InputError` for no coordinates, symbols that repeat, a kinetic energy that is no polynomial of
-    degree two in the rates, and forces at no coordinate. Source: Goldstein, Classical Mechanics (2002),
-    eq. 1.70.
+    Parameters
+    ----------
+    name : str
+        What the system is called.
+    rates : mapping of expression to expressions
+        Symbols of the rates by coordinates, in order.
+    kinetic : expression
+        In J, quadratic in the rates.
+    potential : expression, default 0
+        In J.
+    dissipation : expression, default 0
+        In W: half the power that dampers take.
+    forces : mapping of expression to expressions, optional
+        Generalised forces by coordinate (N or N m) that have no potential.
 
+    Raises
+    ------
+    InputError
+        For no coordinates, symbols that repeat, a kinetic energy that is no polynomial of degree
+        two in the rates, and forces at no coordinate.
+
+    Notes
+    -----
+    Angles in radians.
+
+    References
+    ----------
+    Goldstein, Classical Mechanics (2002), eq. 1.70.
+
+    Examples
+    --------
     >>> q, u = sp.symbols("q u", real=True)
     >>> m, k = sp.symbols("m k", positive=True)
     >>> Lagrangian("oscillator", {q: u}, m * u**2 / 2, k * q**2 / 2).equations.rest

@@ -80,12 +80,31 @@ LONGEST = 1_000
 class ClosedForm:
     """The equations of motion of a tree: the terms on the left add to those on the right (applied).
 
-    ``method``: the row of `METHODS`. ``terms``: of all equations, generalised forces (N m or N);
-    ``write``: how coefficients are written. SI units; frames and signs are those of `Joint`.
-    ``coordinates``, ``speeds``: those with equations; ``accelerations``: the speeds' rates, as symbols.
-    ``kinematics``: rates of the coordinates. ``prescribed``: what the symbols of prescribed coordinates,
-    speeds and accelerations stand for. Where a speed is the rate of a coordinate, its equation is the
-    one that Lagrange's method gives for it.
+    Parameters
+    ----------
+    tree : Tree
+        Whose equations they are.
+    method : str
+        The row of `METHODS`.
+    coordinates : tuple of Quantity
+        Those with equations.
+    speeds : tuple of Quantity
+        Those with equations.
+    accelerations : tuple of expressions
+        The speeds' rates, as symbols.
+    kinematics : tuple of expressions
+        Rates of the coordinates.
+    prescribed : tuple of Definition
+        What the symbols of prescribed coordinates, speeds and accelerations stand for.
+    terms : tuple of Term
+        Of all equations, generalised forces (N m or N).
+    write : Writer
+        How coefficients are written.
+
+    Notes
+    -----
+    SI units; frames and signs are those of `Joint`. Where a speed is the rate of a coordinate, its
+    equation is the one that Lagrange's method gives for it.
     """
 
     tree: Tree
@@ -297,7 +316,13 @@ class Row:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Closed forms of one tree by several methods, term by term: ``forms`` in the order of the methods."""
+    """Closed forms of one tree by several methods, term by term: ``forms`` in the order of the methods.
+
+    Parameters
+    ----------
+    forms : tuple of ClosedForm
+        In the order of the methods.
+    """
 
     forms: tuple[ClosedForm, ...]
 

@@ -34,9 +34,16 @@ NOTABLE = 1e-12
 class Assembly:
     """Consistent values by name, of all coordinates and speeds, and how they differ from those given.
 
-    ``values``: coordinates (rad, m) and speeds (rad/s, m/s); ``changes``: those that were changed
-    notably, by how much. ``turns``: of Newton's iteration. ``left``: the largest constraint that is left
-    (m or 1).
+    Parameters
+    ----------
+    values : mapping of str to floats
+        Coordinates (rad, m) and speeds (rad/s, m/s) by name.
+    changes : mapping of str to floats
+        Those that were changed notably, by how much.
+    turns : int
+        Of Newton's iteration.
+    left : float
+        The largest constraint that is left (m or 1).
     """
 
     values: Mapping[str, float]

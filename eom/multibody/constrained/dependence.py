@@ -313,9 +313,18 @@ class Sample:
 class Examination:
     """What the rank test found: components kept, by number; those dropped, and what they depend on.
 
-    ``names``: of all components; ``kept``: places among these; ``dropped``: places, with those of the
-    components that each depends on. ``freedom``: how many speeds are independent. ``samples``: the
-    configurations tested.
+    Parameters
+    ----------
+    names : tuple of str
+        Of all components.
+    kept : tuple of ints
+        Places among these.
+    dropped : tuple of tuple of int, tuple of ints
+        Places, with those of the components that each depends on.
+    freedom : int
+        How many speeds are independent.
+    samples : tuple of Sample
+        The configurations tested.
     """
 
     names: tuple[str, ...]

@@ -117,10 +117,19 @@ SPARE = 6
 class BaseParameters:
     """The base parameters of a tree: the fewest combinations of inertial parameters that its motion shows.
 
-    ``combinations``: by the name of the column that each is the factor of; ``columns``: parameters. They
-    are sums over symbols with the names of the columns: tau = sum of these columns of Y times the
-    combinations. ``dropped``: columns that are zero: parameters that the motion never shows. Units are
-    those of `Regressor`.
+    Parameters
+    ----------
+    combinations : mapping of str to expressions
+        By the name of the column that each is the factor of: sums over symbols with the names of
+        the columns.
+    dropped : tuple of str
+        Columns that are zero: parameters that the motion never shows.
+    columns : tuple of Parameter
+        Parameters, in the order of pi.
+
+    Notes
+    -----
+    tau = sum of these columns of Y times the combinations. Units are those of `Regressor`.
     """
 
     combinations: Mapping[str, Expr]

@@ -79,9 +79,17 @@ class Parameter:
 class Regressor:
     """Y of a tree, in tau = Y pi: generalised forces (N m or N) linear in the parameters pi.
 
-    ``rows``: names of speeds; ``columns``: parameters, in the order of pi; Y is (rows, columns).
-    ``system``: its states are those of the tree, its inputs the rates ``dot_<speed>`` of the speeds, its
-    outputs the entries of Y that are not zero by structure; ``places``: (row, column) of each output.
+    Parameters
+    ----------
+    system : System
+        Its states are those of the tree, its inputs the rates ``dot_<speed>`` of the speeds, its
+        outputs the entries of Y that are not zero by structure.
+    rows : tuple of str
+        Names of speeds.
+    columns : tuple of Parameter
+        Parameters, in the order of pi; Y is (rows, columns).
+    places : tuple of tuple of int, int
+        (row, column) of each output.
     """
 
     system: System

@@ -34,12 +34,29 @@ CLOSING = tuple(k for k in KINDS if k not in {"free", "helical"})
 class Loop(Constraint):
     """A loop closed by a joint from ``first`` to ``second`` (bodies, or the ground), which was cut.
 
-    ``kind``, ``axis``, ``second_axis``: as those of a `Joint` whose parent is ``first`` and whose child
-    is ``second``; ``on_first``, ``on_second``: placements, as its on_parent and on_child (m).
+    Parameters
+    ----------
+    kind : str
+        As that of a `Joint` whose parent is ``first`` and whose child is ``second``.
+    first, second : str
+        Bodies, or the ground.
+    axis, second_axis : str or vector, default "z"
+        As those of a `Joint`.
+    on_first, on_second : Placement, optional
+        Placements, as its on_parent and on_child (m).
+
+    Raises
+    ------
+    InputError
+        For a kind that closes no loop, a zero axis, and two axes along one line.
+
+    Notes
+    -----
     Multipliers: force (N) at the origin of the joint's frame on ``second``, torque (N m) on it.
 
-    Raises `InputError` for a kind that closes no loop, a zero axis, and two axes along one line.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 8.
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 8.
     """
 
     name: str
@@ -74,10 +91,23 @@ class Loop(Constraint):
 class Distance(Constraint):
     """Two points at a constant distance (m): a rod without mass between two balls.
 
-    ``first``, ``second``: the bodies, or the ground; ``first_point``, ``second_point``: on them, from their
-    origins, in their axes (m). ``length``: the distance (m).
+    Parameters
+    ----------
+    first, second : str
+        The bodies, or the ground.
+    length : number or expression
+        The distance (m).
+    first_point, second_point : vector, optional
+        On them, from their origins, in their axes (m).
+
+    Raises
+    ------
+    InputError
+        For a distance that is not positive.
+
+    Notes
+    -----
     Multiplier: force (N) along the rod, from the first point to the second; a pull is negative.
-    Raises `InputError` for a distance that is not positive.
     """
 
     name: str
@@ -111,8 +141,19 @@ class _Expressed(Constraint):
 class Equation(_Expressed):
     """An equation between coordinates: ``expression`` = 0, over coordinates, parameters and time.
 
-    In any consistent units; angles are in radians. Multiplier: generalised force by the gradient of the
-    expression. Raises `InputError` for text in place of an expression.
+    Parameters
+    ----------
+    expression : number or expression
+        Over coordinates, parameters and time, in any consistent units; it is zero.
+
+    Raises
+    ------
+    InputError
+        For text in place of an expression.
+
+    Notes
+    -----
+    Angles are in radians. Multiplier: generalised force by the gradient of the expression.
     """
 
     def check(self, tree: Tree) -> None:
@@ -139,8 +180,19 @@ class Equation(_Expressed):
 class SpeedEquation(_Expressed):
     """An equation between speeds: ``expression`` = 0, linear in them, over all else that moves.
 
-    In any consistent units. Multiplier: generalised force by the coefficients of the speeds.
-    Raises `InputError` for text in place of an expression.
+    Parameters
+    ----------
+    expression : number or expression
+        Linear in speeds, over all else that moves, in any consistent units; it is zero.
+
+    Raises
+    ------
+    InputError
+        For text in place of an expression.
+
+    Notes
+    -----
+    Multiplier: generalised force by the coefficients of the speeds.
     """
 
     def check(self, tree: Tree) -> None:
@@ -172,10 +224,21 @@ class SpeedEquation(_Expressed):
 class Coupling(Constraint):
     """Gears: the sum of ratio times rate is zero over some joints of one speed each.
 
-    ``ratios``: a number a joint, by its name. The sum of ratio times coordinate keeps its start value.
-    ``follower``: the joint whose speed is no state where speeds are eliminated; by default numbers decide.
+    Parameters
+    ----------
+    ratios : numbers or expressions
+        A number a joint, by its name. The sum of ratio times coordinate keeps its start value.
+    follower : str, optional
+        The joint whose speed is no state where speeds are eliminated; by default numbers decide.
+
+    Raises
+    ------
+    InputError
+        For fewer than two joints, a ratio of zero, and a follower that is none of them.
+
+    Notes
+    -----
     Multiplier: generalised force (N m or N) on a joint of ratio 1.
-    Raises `InputError` for fewer than two joints, a ratio of zero, and a follower that is none of them.
     """
 
     name: str
@@ -236,15 +299,34 @@ class Coupling(Constraint):
 class Rolling(Constraint):
     """A wheel, ball or ellipsoid of revolution rolls on a plane of the ground without slip.
 
-    ``axis``: of a wheel with a thin edge, in the axes of the ``body``; None for a ball. ``centre``: of
-    the circle or ball, from the body's origin, in its axes (m). ``radius`` (m), of an ellipsoid that of its
-    equator; ``half_axis``: how far it reaches along its axis (m), 0 for a thin edge. ``normal``: of the
-    plane, towards the wheel; ``origin``: a point of the plane (m), both in the ground's axes. The point
-    of contact wanders over the body. Multipliers: force (N) of the plane on the body at that point, along
-    two directions of the plane, which are x and y where the normal is z, and along the normal.
+    Parameters
+    ----------
+    body : str
+        Its name.
+    radius : number or expression
+        In m, of an ellipsoid that of its equator.
+    axis : numbers or expressions, default "z"
+        Of a wheel with a thin edge or an ellipsoid, in the body's axes; None for a ball.
+    centre : vector, optional
+        Of the circle or ball, from the body's origin, in its axes (m).
+    normal : str or vector, default "z"
+        Of the plane, towards the wheel, in the ground's axes.
+    origin : vector, optional
+        A point of the plane (m), in the ground's axes.
+    half_axis : number or expression, default 0
+        How far an ellipsoid reaches along its axis (m), 0 for a thin edge.
 
-    Raises `InputError` for a radius that is not positive, a half axis below zero or of a ball, a zero axis
-    or normal, and a symbolic normal that is in no plane of two of the ground's axes.
+    Raises
+    ------
+    InputError
+        For a radius that is not positive, a half axis below zero or of a ball, a zero axis or
+        normal, and a symbolic normal that is in no plane of two of the ground's axes.
+
+    Notes
+    -----
+    The point of contact wanders over the body. Multipliers: force (N) of the plane on the body at
+    that point, along two directions of the plane, which are x and y where the normal is z, and
+    along the normal.
     """
 
     name: str
@@ -280,9 +362,23 @@ class Rolling(Constraint):
 class KnifeEdge(Constraint):
     """A knife edge: a point of a body has no velocity along a direction of the body.
 
-    ``point``: from the origin of the ``body`` (m), and ``direction``, across the edge, in the body's axes.
+    Parameters
+    ----------
+    body : str
+        Its name.
+    direction : str or vector, default "y"
+        Across the edge, in the body's axes.
+    point : vector, optional
+        From the origin of the body, in its axes (m).
+
+    Raises
+    ------
+    InputError
+        For a zero direction.
+
+    Notes
+    -----
     Multiplier: force (N) on the body at that point, along the direction.
-    Raises `InputError` for a zero direction.
     """
 
     name: str

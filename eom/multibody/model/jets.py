@@ -40,14 +40,33 @@ _JUMPS = (sp.DiracDelta, sp.Derivative, sp.Subs)
 class Jet(Part):
     """A stream of mass that leaves a ``body`` whose mass changes in time, or enters it.
 
-    ``velocity``: of the stream relative to the body where it passes (m/s), (3,), and ``point``: where that
-    is, from the body's origin (m), (3,), both in the body's axes. ``rate``: mass that leaves (kg/s),
-    negative for what enters, over time; of all jets of a body one leaves it out, and takes what the body
-    loses beyond the others. The force on the body is the rate times the opposite of the velocity, at the
-    point; what flows within the body damps its turning, and drives it as the source says.
+    Parameters
+    ----------
+    name : str
+        Of the jet, and its symbols.
+    body : str
+        Whose mass it takes.
+    velocity : numbers or expressions
+        Of the stream relative to the body where it passes (m/s), (3,), in the body's axes.
+    point : vector, optional
+        Where that is, from the body's origin, in its axes (m), (3,).
+    rate : numbers or expressions, optional
+        Mass that leaves (kg/s), negative for what enters, over time; of all jets of a body one
+        leaves it out, and takes what the body loses beyond the others.
 
-    Raises `InputError` for what is no number or expression.
-    Source: Thomson, Introduction to Space Dynamics (1961); the equations are in `eom.multibody.model.jets`.
+    Raises
+    ------
+    InputError
+        For what is no number or expression.
+
+    Notes
+    -----
+    The force on the body is the rate times the opposite of the velocity, at the point; what flows
+    within the body damps its turning, and drives it as the source says.
+
+    References
+    ----------
+    Thomson, Introduction to Space Dynamics (1961); the equations are in `eom.multibody.model.jets`.
     """
 
     noun = "jet"

@@ -48,15 +48,34 @@ GROUND = "ground"
 class Body(Part):
     """A rigid body with axes of its own.
 
-    ``mass`` (kg). ``centre``: of mass, from the body's origin, in its axes (m). ``inertia`` (kg m^2):
-    three principal moments or a symmetric matrix, J12 = -integral of r1 r2 dm; ``about`` the ``centre``
-    of mass, the ``origin``, or a point (m). ``axes``: C takes components in the body's axes to those
-    in the axes in which the inertia is given. A body of mass 0 has no inertia. All may change in time, by
-    a `Jet` through which mass leaves.
+    Parameters
+    ----------
+    name : str
+        Of the body, and its symbols.
+    mass : number or expression, default 0
+        In kg; a body of mass 0 has no inertia.
+    centre : numbers or expressions, optional
+        Of mass, from the body's origin, in its axes (m), (3,).
+    inertia : numbers or expressions, optional
+        Three principal moments or a symmetric matrix (kg m^2), (3,) or (3, 3), J12 = -integral of
+        r1 r2 dm.
+    about : numbers or expressions, default "centre"
+        What the inertia is about: the ``centre`` of mass, the ``origin``, or a point (m).
+    axes : numbers or expressions, optional
+        C, (3, 3), takes components in the body's axes to those in the axes in which the inertia is
+        given.
 
-    Shapes: ``centre`` (3,), ``inertia`` (3,) or (3, 3), ``axes`` (3, 3).
-    Raises `InputError` for a mass below zero, and an inertia in numbers that no body has.
+    Raises
+    ------
+    InputError
+        For a mass below zero, and an inertia in numbers that no body has.
 
+    Notes
+    -----
+    All may change in time, by a `Jet` through which mass leaves.
+
+    Examples
+    --------
     >>> Body("rod", mass=3, centre=(0, 0, -1), inertia=(4, 4, 0), about="origin").central_inertia[0]
     (1, 0, 0)
     """
@@ -104,8 +123,17 @@ class Body(Part):
 class Placement(Part):
     """Where a joint's frame is on a body.
 
-    ``position``: of its origin (m), in the body's axes, (3,). ``rotation``: C, (3, 3), takes components in
-    the body's axes to components in the joint's. Raises `InputError` for a matrix that is no rotation.
+    Parameters
+    ----------
+    position : vector, optional
+        Of its origin (m), in the body's axes, (3,).
+    rotation : numbers or expressions, optional
+        C, (3, 3), takes components in the body's axes to components in the joint's.
+
+    Raises
+    ------
+    InputError
+        For a matrix that is no rotation.
     """
 
     noun = "placement of a joint"
@@ -121,9 +149,20 @@ HERE = Placement()
 class Motion(Part):
     """A prescribed motion: coordinates as expressions of time, and their two derivatives.
 
-    ``position``: one expression a coordinate of the joint (rad, m); ``rate`` and ``acceleration``: what is
-    left out follows by differentiation; give all three where they are inputs. A constant locks the joint.
-    Raises `InputError` for what is no number or expression.
+    Parameters
+    ----------
+    position : tuple of numbers or expressions
+        One expression of time a coordinate of the joint (rad, m); a constant locks the joint.
+    rate : tuple of numbers or expressions, optional
+        Its derivative (rad/s, m/s), which follows by differentiation where it is left out; give it
+        where it is an input.
+    acceleration : tuple of numbers or expressions, optional
+        The derivative of that, in the same way.
+
+    Raises
+    ------
+    InputError
+        For what is no number or expression.
     """
 
     noun = "prescribed motion"
@@ -160,28 +199,64 @@ def _derivatives(expressions: Iterable[Value]) -> tuple[Value, ...]:
 class Joint(Part):
     """A joint from a ``parent`` (a body, or the ground) to its ``child``.
 
-    ``kind``: a row of `eom.multibody.model.joints.KINDS`. ``axis``: ``x``, ``-y``, ... or three
-    components, in the joint's frame; of a universal joint the first axis, ``second_axis`` the other.
-    ``pitch``: of a helical joint (m/rad). ``attitude``: of a spherical or free joint, ``quaternion`` or a
-    sequence. ``on_parent``, ``on_child``: where the joint's two frames are; they coincide at zero
-    coordinates.
+    Parameters
+    ----------
+    name : str
+        Of the joint, and its coordinates and speeds.
+    kind : str
+        A row of `eom.multibody.model.joints.KINDS`.
+    parent : str
+        A body, or the ground.
+    child : str
+        The body that hangs on it.
+    axis : str or vector, default "z"
+        ``x``, ``-y``, ... or three components, in the joint's frame; of a universal joint the first
+        axis.
+    second_axis : str or vector, default "x"
+        Of a universal joint the other axis.
+    pitch : number or expression, default 0
+        Of a helical joint (m/rad).
+    attitude : str, default "quaternion"
+        Of a spherical or free joint, ``quaternion`` or a sequence.
+    on_parent, on_child : Placement, optional
+        Where the joint's two frames are; they coincide at zero coordinates.
+    stiffness : numbers or expressions, default 0
+        N m/rad or N/m at each speed that is the rate of a coordinate.
+    rest : numbers or expressions, default 0
+        Where the spring has no force (rad or m).
+    damping : numbers or expressions, default 0
+        N m s/rad or N s/m at each speed.
+    armature : numbers or expressions, default 0
+        The inertia of a motor's rotor seen through its gear (kg m^2 or kg).
+    force : numbers or expressions, default 0
+        An applied force or torque (N or N m) on the child in the direction of the speed, its
+        opposite on the parent.
+    motor : bool, default False
+        Whether there is an input ``tau_<joint>`` (of several speeds ``tau_<joint>_<letter>``).
+    motion : Motion, optional
+        Prescribed motion, in place of coordinates.
+    alone : bool, default False
+        Whether an attitude has the names of that of a body by itself, q0 to q3 or psi, theta, phi,
+        and, on the ground, the angular velocity omega_1 to omega_3.
 
-    Coordinates (rad, m) are those of the child's frame in the parent's: positive turns are right-handed
-    about the axis. Speeds of a planar, spherical or free joint are components in the child's frame
-    (rad/s, m/s).
+    Raises
+    ------
+    InputError
+        For unknown kinds and attitudes, a zero axis, two axes along one line, springs where no
+        coordinate is, and a motion that does not fit.
 
-    At each speed: ``stiffness`` (N m/rad or N/m) about ``rest``, where the speed is the rate of a
-    coordinate; ``damping`` (N m s/rad or N s/m); ``armature``, the inertia of a motor's rotor seen through
-    its gear (kg m^2 or kg); ``force``, an applied force or torque (N or N m) on the child in the direction
-    of the speed, its opposite on the parent; ``motor``: whether there is an input ``tau_<joint>`` (of
-    several speeds ``tau_<joint>_<letter>``). One value serves all speeds. ``motion``: prescribed motion, in
-    place of coordinates. ``alone``: whether an attitude has the names of that of a body by itself, q0 to q3
-    or psi, theta, phi, and, on the ground, the angular velocity omega_1 to omega_3.
+    Notes
+    -----
+    Coordinates (rad, m) are those of the child's frame in the parent's: positive turns are
+    right-handed about the axis. Speeds of a planar, spherical or free joint are components in the
+    child's frame (rad/s, m/s). One value of stiffness and its like serves all speeds.
 
-    Raises `InputError` for unknown kinds and attitudes, a zero axis, two axes along one line, springs where
-    no coordinate is, and a motion that does not fit.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 4.1, in the child's axes.
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), table 4.1, in the child's axes.
 
+    Examples
+    --------
     >>> [q.name for q in Joint("hip", "spherical", GROUND, "thigh").coordinates]
     ['e_hip_0', 'e_hip_1', 'e_hip_2', 'e_hip_3']
     """
@@ -282,9 +357,27 @@ def _each(given: Any, size: int, where: str) -> tuple[Value, ...]:
 class Load(Part):
     """A force (N) that acts at a ``point`` of a body, and a torque (N m) on it.
 
-    ``body``: its name. ``point``: in the body's axes, from its origin (m). ``axes``: those of ``force`` and
-    ``torque``, ``body`` or ``ground``. All three are (3,); components may be numbers or expressions over
-    parameters, inputs, time and states. Raises `InputError` for other axes and for text.
+    Parameters
+    ----------
+    body : str
+        Its name.
+    force : numbers or expressions, optional
+        In N, (3,).
+    torque : numbers or expressions, optional
+        In N m, (3,).
+    point : numbers or expressions, optional
+        Where the force acts, in the body's axes, from its origin (m), (3,).
+    axes : str, default "ground"
+        The axes of force and torque: ``body`` or ``ground``.
+
+    Raises
+    ------
+    InputError
+        For other axes and for text.
+
+    Notes
+    -----
+    Components may be numbers or expressions over parameters, inputs, time and states.
     """
 
     noun = "load"
@@ -312,15 +405,40 @@ class Load(Part):
 class Rotor(Part):
     """A body of revolution that spins in bearings of a ``body``: a reaction wheel, a gyroscope, a motor.
 
-    ``axis``: in the body's axes. ``inertia``: its moment about the axis (kg m^2), which the body's
-    inertia includes. With a speed of its own there is a state ``Omega_<name>``, the rotor's whole angular
-    velocity along the axis (rad/s), driven by ``torque`` (N m), if ``motor`` by an input ``tau_<name>``,
-    and braked by ``damping`` (N m s) of its speed in the body; ``angle``: whether the angle in the body,
-    ``q_<name>``, is a state too. ``speed``: instead, its speed in the body as an expression of time.
+    Parameters
+    ----------
+    name : str
+        Of the rotor, and its symbols.
+    body : str
+        Whose bearings hold it.
+    axis : str or vector, default "z"
+        In the body's axes.
+    inertia : number or expression, default 0
+        Its moment about the axis (kg m^2), which the body's inertia includes.
+    damping : number or expression, default 0
+        Of its speed in the body (N m s).
+    torque : number or expression, default 0
+        That drives it (N m); it acts on the rotor, its opposite on the body.
+    motor : bool, default False
+        Whether an input ``tau_<name>`` drives it, too.
+    angle : bool, default False
+        Whether the angle in the body, ``q_<name>``, is a state too.
+    speed : numbers or expressions, optional
+        Its speed in the body as an expression of time (rad/s), in place of a state.
 
-    ``torque`` and ``tau_<name>`` act on the rotor, their opposites on the body. Raises `InputError` for a
-    moment that is not positive, and a given speed together with what drives it.
-    Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 3.3 and 6.2.
+    Raises
+    ------
+    InputError
+        For a moment that is not positive, and a given speed together with what drives it.
+
+    Notes
+    -----
+    With a speed of its own there is a state ``Omega_<name>``, the rotor's whole angular velocity
+    along the axis (rad/s).
+
+    References
+    ----------
+    Hughes, Spacecraft Attitude Dynamics (1986), sect. 3.3 and 6.2.
     """
 
     noun = "rotor"
@@ -376,10 +494,29 @@ class Rotor(Part):
 class Spring(Part):
     """A spring and damper between a point of one body and one of another, or of the ground.
 
-    ``bodies``: two names. ``points``: one of each, in its axes, from its origin (m). The tension is
-    ``stiffness`` (N/m) times the distance less the free ``length`` (m), and ``damping`` (N s/m) times
-    the rate of the distance. Its direction is lost where the points coincide, unless length and damping
-    are zero. Raises `InputError` for other than two bodies and two points.
+    Parameters
+    ----------
+    name : str
+        Of the spring, and its symbols.
+    bodies : tuple of str, str
+        Two names.
+    points : numbers or expressions, optional
+        One of each, in its axes, from its origin (m).
+    stiffness : number or expression, default 0
+        In N/m; the tension is this times the distance less the length.
+    length : number or expression, default 0
+        The free length (m).
+    damping : number or expression, default 0
+        In N s/m; the tension grows by this times the rate of the distance.
+
+    Raises
+    ------
+    InputError
+        For other than two bodies and two points.
+
+    Notes
+    -----
+    Its direction is lost where the points coincide, unless length and damping are zero.
     """
 
     noun = "spring"
@@ -453,19 +590,49 @@ class Constraint(Part):
 class Tree:
     """Bodies joined to the ground without loops, and constraints on them, which may close loops.
 
-    ``bodies``, ``joints``: one joint leads to each body. ``gravity``: its acceleration in the ground's axes
-    (m/s^2), (3,), at the ground's origin; ``gravity_gradient``: by how much it grows with the position,
-    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``, ``jets``: what else acts
-    and spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
-    parameters (every other symbol is one too). ``constraints``: rows of
-    `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
-    ``numbers``: what numbers in the equations are, a row of `eom.system.NUMBERS`; nothing where that is
-    to be seen from the values, whose dimensions are then checked.
+    Parameters
+    ----------
+    name : str
+        What the tree is called, also in generated code.
+    bodies : tuple of Body
+        One joint leads to each.
+    joints : tuple of Joint
+        In any order.
+    gravity : number, expression or several, optional
+        Its acceleration in the ground's axes (m/s^2), (3,), at the ground's origin.
+    loads : tuple of Load, optional
+        Forces and torques.
+    inputs : tuple of symbols or Quantity, optional
+        Symbols, or quantities, that are inputs.
+    parameters : tuple of Quantity, optional
+        Quantities that describe parameters (every other symbol is one too).
+    constraints : tuple of Constraint, optional
+        Rows of `eom.multibody.model.constraints`, which may close loops.
+    rotors : tuple of Rotor, optional
+        What spins in bodies.
+    springs : tuple of Spring, optional
+        Between points.
+    gravity_gradient : number, expression or several, optional
+        By how much gravity grows with the position, symmetric, (3, 3) or its diagonal (1/s^2).
+    jets : tuple of Jet, optional
+        By which mass leaves.
+    numbers : str, optional
+        What numbers in the equations are, a row of `eom.system.NUMBERS`; nothing where that is to
+        be seen from the values, whose dimensions are then checked.
 
-    Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
-    hangs on nothing or on two joints, a loop, a joint that moves no mass, an expression of another
-    dimension than its place has, where it is over parameters or inputs with units.
+    Raises
+    ------
+    InputError
+        That names the body or joint at fault: repeated or unknown names, a body that hangs on
+        nothing or on two joints, a loop, a joint that moves no mass, an expression of another
+        dimension than its place has, where it is over parameters or inputs with units.
 
+    Notes
+    -----
+    Every number may be a SymPy expression; SI units, angles in radians.
+
+    Examples
+    --------
     >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
     >>> hinge = Joint("hinge", "revolute", GROUND, "bob", axis="x")
     >>> Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -9.81)).joint_of["bob"].name

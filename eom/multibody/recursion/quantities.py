@@ -209,10 +209,29 @@ QUANTITIES = {
 class Point(Part):
     """A point of a body with outputs ``x_<name>_1`` to 3, ``v_...`` and ``a_...``.
 
-    Position (m), velocity (m/s) and acceleration (m/s^2) from the ground's origin, in the ground's axes.
-    ``body``: its name, or the ground. ``position``: in the body's axes, from its origin (m).
-    ``quantities``: keys of `QUANTITIES`. Raises `InputError` for others.
+    Parameters
+    ----------
+    name : str
+        Of the outputs.
+    body : str
+        Its name, or the ground.
+    position : vector, optional
+        In the body's axes, from its origin (m).
+    quantities : tuple of str, optional
+        Keys of `QUANTITIES`.
 
+    Raises
+    ------
+    InputError
+        For others.
+
+    Notes
+    -----
+    Position (m), velocity (m/s) and acceleration (m/s^2) from the ground's origin, in the ground's
+    axes.
+
+    Examples
+    --------
     >>> Point("tip", "rod", (0, 0, -1), ("velocity",)).names
     ('v_tip_1', 'v_tip_2', 'v_tip_3')
     """

@@ -295,7 +295,7 @@ def conservative(tree: Tree) -> bool:
 @typed
 def derive(
     tree: Tree,
-    outputs: Iterable[Wanted] = (),
+    outputs: Iterable[str | Reaction | Point | Drawn] = (),
     *,
     invariants: bool = True,
     start: Mapping[str, float] | None = None,
@@ -309,7 +309,7 @@ def derive(
     tree : Tree
         Bodies, joints, what acts on them, and constraints.
     outputs : iterable, optional
-        Rows of `OUTPUTS`, reactions and points.
+        Rows of `OUTPUTS`, reactions, points, and all vectors that are to be drawn.
     invariants : bool, default True
         Whether constants of this motion are given too.
     start : mapping, optional
@@ -498,10 +498,18 @@ def _with_inertia(stated: BodyAttitude, derived: Derived) -> BodyAttitude:
 class TreeFunction:
     """An array over the coordinates and speeds of a tree, as a ``system`` to compile for any target.
 
-    ``system``: its states are those of the tree, its outputs the entries that are not zero by structure,
-    in SI units and the frames of `Joint`; its rates move the coordinates at constant speeds, or as the
-    inputs say. ``shape``: of the array, (n,) or (n, m). ``places``: the index of each output.
-    ``symmetric``: whether an output stands at its mirror image, too.
+    Parameters
+    ----------
+    system : System
+        Its states are those of the tree, its outputs the entries that are not zero by structure, in
+        SI units and the frames of `Joint`; its rates move the coordinates at constant speeds, or as
+        the inputs say.
+    shape : tuple of ints
+        Of the array, (n,) or (n, m).
+    places : tuple of tuple of ints
+        The index of each output.
+    symmetric : bool, default False
+        Whether an output stands at its mirror image, too.
     """
 
     system: System

@@ -47,14 +47,32 @@ JOINT = "joint"
 class Reaction:
     """The force (N) and the torque (N m) that the parent of a joint exerts on its child.
 
-    ``point``: what the torque is about: ``joint``, the origin of its frame on the child; or a point of
-    a ``body`` (the child if left out): its ``centre`` of mass, its ``origin``, or three components in its
-    axes (m). ``axes``: ``ground``, ``parent``, ``child`` (of the bodies), or ``joint`` (its frame on the
-    child). ``name``: of the outputs, ``F_<name>_1`` to ``T_<name>_3``; the joint's if left out.
+    Parameters
+    ----------
+    joint : str
+        Its name.
+    point : number, expression or several, default "joint"
+        What the torque is about: ``joint``, the origin of its frame on the child; or a point of the
+        body: its ``centre`` of mass, its ``origin``, or three components in its axes (m).
+    body : str, optional
+        Of which that is a point, the child if left out.
+    axes : str, default "ground"
+        ``ground``, ``parent``, ``child`` (of the bodies), or ``joint`` (its frame on the child).
+    name : str, optional
+        Of the outputs, ``F_<name>_1`` to ``T_<name>_3``; the joint's if left out.
 
-    Everything that goes through the joint is in them, motors and springs at it too. Raises `InputError` for
-    unknown axes and points, and a body without a point of it.
-    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), sec. 5.3.
+    Raises
+    ------
+    InputError
+        For unknown axes and points, and a body without a point of it.
+
+    Notes
+    -----
+    Everything that goes through the joint is in them, motors and springs at it too.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms (2008), sec. 5.3.
     """
 
     joint: str

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 COARSE = 301
 """Stored times at least."""
-BUDGET = 1_400_000
-"""Bytes of all samples: the page that holds them stays below 3 MB."""
+BUDGET = 700_000
+"""Bytes of all samples: the page that holds them stays below 2 MB."""
 BYTES_OF_BODY, BYTES_OF_VECTOR = 40, 12
 SHORT, LONG, AIM = 2.0, 40.0, 20.0
 """A motion that takes between the first two (s) is shown as it is; others about as long as the third."""
@@ -172,7 +172,7 @@ def animation_of(
     InputError
         For an unknown body, for a time or speed that is not positive, for a motion that ends before
         it can be shown, and for one that turns so fast that its samples would not fit into a page
-        of 3 MB.
+        of 2 MB.
 
     Examples
     --------

@@ -54,12 +54,23 @@ CLASSES = {
 class FreeBody:
     """A torque-free body at t = 0.
 
-    ``moments``: the three principal ones, kg m^2; ``omega``: angular velocity along these axes, rad/s;
-    ``attitude``: unit quaternion of the principal axes, scalar first, C_BI as in `codegen.closed.exact`;
-    ``title``: of the scene; ``letter``: b where the principal axes are those of the body, p where they are
-    not.
+    Parameters
+    ----------
+    moments : three expressions
+        The three principal ones, kg m^2.
+    omega : three expressions
+        Angular velocity along these axes, rad/s.
+    attitude : four numbers, optional
+        Unit quaternion of the principal axes, scalar first, C_BI as in `codegen.closed.exact`.
+    title : str, optional
+        Of the scene.
+    letter : str, default "b"
+        b where the principal axes are those of the body, p where they are not.
 
-    Raises `InputError` for moments that no body has and rates that are not finite, where they are used.
+    Raises
+    ------
+    InputError
+        For moments that no body has and rates that are not finite, where they are used.
     """
 
     moments: Triple

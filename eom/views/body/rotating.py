@@ -36,10 +36,24 @@ PERIODS = 1.0
 class Turning:
     """How a body turns over time.
 
-    ``t`` (N,) s; ``omega`` (N, 3) rad/s along the body axes; ``C`` (N, 3, 3), C_BI, whose rows are
-    the body axes in the frame in which attitude is measured. ``free``: the free body that it is.
-    ``orbit``: whether that frame is the turning one of an orbit. ``symmetry``: index of the body axis
-    about which the body is symmetric, the two other moments being equal. ``notes``: for a caption.
+    Parameters
+    ----------
+    t : array
+        (N,), in s.
+    omega : array
+        (N, 3), in rad/s, along the body axes.
+    C : array
+        (N, 3, 3), C_BI, whose rows are the body axes in the frame in which attitude is measured.
+    title : str
+        Of the scene.
+    free : FreeBody, optional
+        The free body that it is.
+    orbit : bool, default False
+        Whether that frame is the turning one of an orbit.
+    symmetry : int, optional
+        Index of the body axis about which the body is symmetric, the two other moments being equal.
+    notes : tuple of str, optional
+        For a caption.
     """
 
     t: Floats

@@ -44,8 +44,18 @@ Scale = Literal["linear", "log"]
 class Curve:
     """A line through ``points``, shape (N, 2) or (N, 3); a point that is not a number breaks it.
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
-    points; ``label``: words of the legend.
+    Parameters
+    ----------
+    points : array
+        Shape (N, 2) or (N, 3), in the units of the panel's axes.
+    colour : str, default "blue"
+        A name of `COLOURS`.
+    width : float, default 1.5
+        In printer's points.
+    dash : Dash, default "solid"
+        How the line is broken.
+    label : str, optional
+        Words of the legend.
     """
 
     points: Floats
@@ -59,8 +69,16 @@ class Curve:
 class Marks:
     """Dots at ``points``, shape (N, 2) or (N, 3).
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``size``: their diameter
-    in printer's points; ``label``: words of the legend.
+    Parameters
+    ----------
+    points : array
+        Shape (N, 2) or (N, 3), in the units of the panel's axes.
+    colour : str, default "black"
+        A name of `COLOURS`.
+    size : float, default 5.0
+        Their diameter in printer's points.
+    label : str, optional
+        Words of the legend.
     """
 
     points: Floats
@@ -73,8 +91,18 @@ class Marks:
 class Arrow:
     """An arrow from ``start`` to ``end``, shape (2,) or (3,), with ``words`` at its tip.
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
-    points; ``label``: words of the legend.
+    Parameters
+    ----------
+    start, end : array
+        Shape (2,) or (3,), in the units of the panel's axes.
+    colour : str, default "black"
+        A name of `COLOURS`.
+    width : float, default 2.0
+        In printer's points.
+    words : str, optional
+        At its tip.
+    label : str, optional
+        Words of the legend.
     """
 
     start: Floats
@@ -89,8 +117,18 @@ class Arrow:
 class Surface:
     """Triangles: ``vertices`` of shape (N, 3), ``faces`` of shape (M, 3) with indices of vertices.
 
-    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``opacity``: from 0, not
-    seen, to 1; ``label``: words of the legend.
+    Parameters
+    ----------
+    vertices : array
+        ``vertices`` of shape (N, 3), in the units of the panel's axes.
+    faces : NDArray
+        Of shape (M, 3), with indices of vertices.
+    colour : str, default "grey"
+        A name of `COLOURS`.
+    opacity : float, default 0.3
+        From 0, not seen, to 1.
+    label : str, optional
+        Words of the legend.
     """
 
     vertices: Floats
@@ -104,8 +142,14 @@ class Surface:
 class Words:
     """Text at a ``place``, shape (2,) or (3,), in a ``colour`` of `COLOURS`.
 
-    ``place`` is in the units of the panel's axes; ``text``: words, with formulas between dollar signs, in
-    TeX.
+    Parameters
+    ----------
+    place : array
+        Shape (2,) or (3,), in the units of the panel's axes.
+    text : str
+        Words, with formulas between dollar signs, in TeX.
+    colour : str, default "black"
+        A name of `COLOURS`.
     """
 
     place: Floats
@@ -118,7 +162,17 @@ Item = Curve | Marks | Arrow | Surface | Words
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis: its ``words`` with the unit, its scale, its ``limits`` (in that unit) if they are fixed."""
+    """An axis: its ``words`` with the unit, its scale, its ``limits`` (in that unit) if they are fixed.
+
+    Parameters
+    ----------
+    words : str, optional
+        With the unit.
+    scale : Scale, default "linear"
+        ``linear`` or ``log``.
+    limits : tuple of float, float, optional
+        In that unit, if they are fixed.
+    """
 
     words: str = ""
     scale: Scale = "linear"
@@ -129,7 +183,16 @@ class Axis:
 class Panel:
     """One drawing: ``items`` in the units of its ``axes``, two for a plane or three for space.
 
-    ``equal`` gives all axes the same scale.
+    Parameters
+    ----------
+    items : tuple of Item
+        In the units of its ``axes``.
+    axes : tuple of str or vector
+        Two for a plane or three for space.
+    title : str, optional
+        Above it.
+    equal : bool, default False
+        Whether all axes have the same scale.
     """
 
     items: tuple[Item, ...]
@@ -149,6 +212,13 @@ class Picture:
     """Panels in ``rows`` from the top, with a title above and words below that say what is seen.
 
     A notebook displays it; `save` writes it, and `figure` makes a figure of Matplotlib of it.
+
+    Parameters
+    ----------
+    rows : tuple of tuple of Panel
+        Panels from the top, each row from the left.
+    title : str, optional
+        Above all.
     """
 
     rows: tuple[tuple[Panel, ...], ...]
@@ -163,11 +233,27 @@ class Picture:
     def save(
         self, path: str | Path, size: tuple[float, float] | None = None, dpi: float = 150.0
     ) -> Path:
-        """Write it to ``path``, a file .png, .svg, .pdf or .html, and return that.
+        """Write the picture to a file .png, .svg, .pdf or .html, and return its path.
 
-        ``size``: width and height in inches, by default as the panels need; ``dpi``: pixels an inch, of
-        PNG. Raises `InputError` for other endings, where Matplotlib is needed and not installed (extra
-        ``plot``), for a size that no paper has, and where the file cannot be written.
+        Parameters
+        ----------
+        path : path
+            The file; what it is, its ending says.
+        size : (float, float), optional
+            Width and height in inches, by default as the panels need.
+        dpi : float, default 150
+            Pixels an inch, of PNG.
+
+        Returns
+        -------
+        path
+            Of the file.
+
+        Raises
+        ------
+        InputError
+            For other endings, where Matplotlib is needed and not installed (extra ``plot``), for a size
+            that no paper has, and where the file cannot be written.
         """
         found: Path = display("picture as file", self, path, size, dpi)
         return found
@@ -175,7 +261,20 @@ class Picture:
     def figure(self, size: tuple[float, float] | None = None) -> Any:
         """Return a figure of Matplotlib, to go on with: its axes are those of the panels, in order.
 
-        ``size``: width and height in inches. Raises `InputError` where Matplotlib is not installed.
+        Parameters
+        ----------
+        size : (float, float), optional
+            Width and height in inches, by default as the panels need.
+
+        Returns
+        -------
+        Figure
+            Of Matplotlib, which no window and no global state knows.
+
+        Raises
+        ------
+        InputError
+            Where Matplotlib is not installed.
         """
         return display("picture as figure", self, size)
 

@@ -398,7 +398,7 @@ def test_arrays_that_do_not_fit_are_refused(changes, what):
 def test_every_ready_scene_fits_into_a_page(name):
     animation = sampled(ready(name), integrate, asked=load_scene(name).requested)
     text = page(animation)
-    assert len(text.encode()) < 3_000_000
+    assert len(text.encode()) < 2_000_000
     assert text == page(animation)
     data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
     assert data["count"] == len(animation.times) >= 2
