@@ -220,7 +220,7 @@ def test_a_closed_loop_is_animated_as_it_moved_and_not_as_its_scene_would(how):
     assert np.abs(2 * np.arctan2(arm[:, 3], arm[:, 0]) - states["q_arm"]).max() < 1e-8
     up = 1 - 2 * (rod[:, 1] ** 2 + rod[:, 2] ** 2)
     assert np.abs(up - np.cos(states["q_pin"])).max() < 1e-8
-    (torque,) = (a for a in made.tracks.acting if a.name == "arm" and a.kind == "torque")
+    (torque,) = (a for a in made.tracks.acting if a.name == "joint on arm")
     size = np.linalg.norm(torque.values, axis=1)
     motor = -sum(k * states[n] for n, k in GAINS.items())
     if how == "sampled law":  # at 10 of 11 times between samples
