@@ -387,8 +387,9 @@ def _wrong_entry(value: object, hint: Any) -> tuple[object, object, Any] | None:
 
 
 def shown(value: object) -> str:
-    """Return the type of a value, and the value as far as it is short."""
-    return printable(f"{type(value).__name__} {quoted(value)}".strip())
+    """Return the type of a value, and the value as far as it is short, which may name its type itself."""
+    kind, written = type(value).__name__, quoted(value)
+    return printable(written if written.startswith(f"{kind}(") else f"{kind} {written}".strip())
 
 
 def quoted(value: object) -> str:

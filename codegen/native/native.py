@@ -86,6 +86,12 @@ TIMEOUT_SECONDS = 600
 CACHE_VARIABLE = "EOM_CACHE_DIR"
 
 
+OR_NUMPY = ", or use the target numpy"
+"""How hints end where another target does without a compiler."""
+GET_COMPILER = "pip install 'eom-toolkit[compiler]', install gcc or clang, or set CC to its path"
+"""What to do where there is no compiler."""
+
+
 class CompilerError(InputError):
     """Say that there is no C compiler, or that it failed.
 
@@ -112,7 +118,7 @@ class CacheError(CompilerError):
             "compiled code cannot be kept in the cache",
             where=str(folder),
             got=error.strerror or str(error),
-            hint=f"set {CACHE_VARIABLE} to a folder of your own with room in it, or use the target numpy",
+            hint=f"set {CACHE_VARIABLE} to a folder of your own with room in it{OR_NUMPY}",
         )
 
 
@@ -199,8 +205,7 @@ def require_compiler() -> tuple[str, ...]:
         raise CompilerError(
             "no C compiler found",
             got=f"CC={asked}" if asked else "none of cc, gcc, clang on the PATH",
-            hint="pip install 'eom-toolkit[compiler]', install gcc or clang, set CC to its path, "
-            "or use the target numpy",
+            hint=GET_COMPILER + OR_NUMPY,
         )
     return command
 
@@ -407,7 +412,7 @@ def _compile(order: _Order) -> Path:
             "the C compiler failed",
             where=" ".join(run),
             got=(failure or "it made no file")[:2000],
-            hint="set CC to another compiler, or use the target numpy",
+            hint=f"set CC to another compiler{OR_NUMPY}",
         )
 
 
@@ -486,7 +491,7 @@ def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.
             "the C compiler made a library that cannot be loaded",
             where=str(made),
             got=str(error),
-            hint="set CC to another compiler, or use the target numpy",
+            hint=f"set CC to another compiler{OR_NUMPY}",
         ) from None
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen.compiling import events as looked_for
-from codegen.compiling.compiled import Compiled
+from codegen.compiling.compiled import Compiled, compiled_of
 from codegen.compiling.events import Event
 from codegen.compiling.events import Given as EventsGiven
 from codegen.frontend.layout import Layout, names_of
@@ -36,7 +36,6 @@ from codegen.runs.given import (
     Given,
     InputsGiven,
     Values,
-    compiled_of,
     given_of,
     part_of,
     smallest,

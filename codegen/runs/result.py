@@ -363,7 +363,9 @@ class Result:
         -------
         Picture
             Quantities of one unit are drawn together, the drift of constants of the motion below
-            (`eom.views.time.histories`). Units are those of the system; angles in rad.
+            (`eom.views.time.histories`). Units are those of the system; angles in rad. Its
+            ``save(path)`` writes a file .png, .svg, .pdf or .html, and its ``figure()`` is one of
+            Matplotlib.
 
         Raises
         ------

@@ -112,6 +112,20 @@ def answered(draft: Proposal, latex: str, meaning: str) -> Proposal:
     return replace(draft, drafts=(*kept, new), systems=systems, unplaced=unplaced)
 
 
+def left_open(draft: Proposal, question: Question) -> Proposal:
+    """Return a draft without the guess of a question that nobody answered; its symbol is unplaced."""
+    if not question.guess:
+        return draft
+    latex = question.latex
+    look = look_of(read_formula(latex).tree)
+    systems = tuple(
+        replace(s, ties=tuple(t for t in s.ties if t.look != look)) for s in draft.systems
+    )
+    kept = tuple(d for d in draft.drafts if d.latex != latex or d.words not in GUESSED)
+    unplaced = (*draft.unplaced, (latex, question.lines[0]))
+    return replace(draft, drafts=kept, systems=systems, unplaced=unplaced)
+
+
 def _tied(systems: Sequence[Guess], latex: str, meaning: str) -> Iterator[Guess]:
     """Yield the systems; the first has a letter more. Raises `InputError` where there is none."""
     look, means = look_of(read_formula(latex).tree), meaning.removeprefix(SYSTEM)

@@ -342,7 +342,8 @@ def of_one(data: Mapping[str, Any]) -> Mapping[str, Any]:
     field = dict(row for law, row in _FIELDS.items() if getattr(torque, law))
     masses = {"mass"} if torque.weight and not said.body.solid else set()
     for name in sorted({*field, *own, "joints"} & {*data, *said.parameters, *masses}):
-        raise InputError(f"{name} is given twice", where=f"{name}, and [body], [torque] or [joint]")
+        raise InputError(f"{name} is given twice", where=f"{name}, and [body], [torque] or [joint]",
+                         hint=f"rename yours: the scene has {name} itself")  # fmt: skip
     joint = {"kind": "spherical", "attitude": base.coordinates, "angles": base.sequence, "alone": True,
              "parent": GROUND, "child": ONE}  # fmt: skip
     frame = "orbit" if torque.gravity_gradient else GROUND
