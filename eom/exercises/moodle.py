@@ -250,9 +250,7 @@ def _symbols(exercise: Exercise) -> Iterator[Said]:
 def _lines(exercise: Exercise) -> Iterator[Said]:
     """Yield the lines: what is assumed anew, the reason, the formula."""
     wrong = exercise.wrong
-    for step, block in zip(
-        wrong.steps, steps(wrong, exercise.letters), strict=True
-    ):
+    for step, block in zip(wrong.steps, steps(wrong, exercise.letters), strict=True):
         (note,) = block.notes
         if note.assumed:
             yield spoken(note.assumed)

@@ -536,7 +536,9 @@ def test_numbers_obey_the_laws_and_tell_the_false_line_from_the_right_one(right,
     assert not judge.refutes(line(right), ())
     found = judge.numbers(line(wrong), line(right))
     if found is None:
-        assert "log" in wrong  # what was integrated has no value by symbols, and logarithms none in a world
+        assert (
+            "log" in wrong
+        )  # what was integrated has no value by symbols, and logarithms none in a world
         return
     sides = line(wrong).left.expression, line(wrong).right.expression
     assert [(s.xreplace(found.values),) for s in sides] == list(found.sides)

@@ -20,7 +20,9 @@ LETTERS = {
 
 
 def of(words: str):
-    return sp.parse_expr(words.replace("lambda", "lam"), {**SIZES, **LETTERS, "lam": LETTERS["lambda"]})
+    return sp.parse_expr(
+        words.replace("lambda", "lam"), {**SIZES, **LETTERS, "lam": LETTERS["lambda"]}
+    )
 
 
 ORDERED = [

@@ -91,7 +91,9 @@ def _moments(d: Derivation, region: Region) -> MassProperties:
     whole = body.of_mass(MASS)
     kind = CONTENT[region.dimension]
     d.show(
-        Equation(expr(_integral(region, sp.Integer(1))), expr(sp.factor_terms(in_letters(body.mass)))),
+        Equation(
+            expr(_integral(region, sp.Integer(1))), expr(sp.factor_terms(in_letters(body.mass)))
+        ),
         f"the {kind}",
         integrals,
         label=kind,

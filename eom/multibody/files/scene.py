@@ -167,7 +167,18 @@ class TreeScene(BaseScene, TreeDescription):
         return self.outputs or (*self._start, *self._angles, POINTS)
 
     def asking(self, more: Sequence[str]) -> Self:
-        """Return the scene with all states and points asked for, and ``more`` outputs by name."""
+        """Return the scene with all states and points asked for, and further outputs.
+
+        Parameters
+        ----------
+        more : sequence of str
+            Names of further outputs.
+
+        Returns
+        -------
+        TreeScene
+            Each name once, in order.
+        """
         wanted = (*self._start, *self._angles, POINTS, *more)
         return self.model_copy(update={"outputs": tuple(dict.fromkeys(wanted))})
 
