@@ -49,7 +49,7 @@ from eom.checker.report.findings import Counterexample
 from eom.errors import InputError
 from eom.exact.rings import summands
 from eom.exact.series import Series
-from eom.fields import PRIME, Field, Singular, sum_of_angles
+from eom.fields import PRIME, Singular, sum_of_angles
 from eom.system import Expr, System
 from eom.terms.terms import Term, add, mul, number, zero
 from eom.worlds.evaluate import Evaluator, flat
