@@ -21,6 +21,7 @@ all worlds: their members, up to one number for all.
 With ``--bare`` a note is judged with nothing but itself, without the lexicon in its head: meanings are
 found from its words, letters and types. Lines that are unsure count as not decided, and as not found.
 With ``--wordless`` the words of a note are taken out as well, symbols and formulas stay.
+With ``--meanings`` what symbols were taken to mean is counted (`benchmarks.meanings`).
 With ``--formulas`` every line of the truth is judged by itself, without a note; ``--strict`` counts what is
 unsure as wrong.
 """
@@ -41,6 +42,8 @@ from typing import Any
 
 import click
 
+from benchmarks.meanings import counted as counted_meanings
+from benchmarks.meanings import report as report_meanings
 from benchmarks.table import time_text
 from eom.checker.infer.draft import propose
 from eom.checker.judge.coordinates import on_solutions
@@ -495,6 +498,7 @@ def _missed(r: Result) -> list[str]:
 @click.option("--only", default="", help="One note of the folder.")
 @click.option("--bare", is_flag=True, help="Judge notes with nothing but themselves.")
 @click.option("--wordless", is_flag=True, help="With --bare: with the words of notes taken out.")
+@click.option("--meanings", is_flag=True, help="Count meanings against symbols.json.")
 @click.option("--formulas", is_flag=True, help="Judge every line by itself, without a note.")
 @click.option("--strict", is_flag=True, help="Count lines that are unsure as wrong.")
 def main(
@@ -503,6 +507,7 @@ def main(
     only: str,
     bare: bool,
     wordless: bool,
+    meanings: bool,
     formulas: bool,
     strict: bool,
 ) -> None:
@@ -516,6 +521,10 @@ def main(
         sys.exit(any(r.false_alarm for r in rows))
     names = [only] if only else sorted({e.split(":")[0] for e in truth})
     start = process_time()
+    if meanings:
+        found = [c for n in names for c in counted_meanings(folder, n, note(folder, n), _HEAD)]
+        click.echo("\n".join(report_meanings(found)))
+        return
     if bare:
         rows = [r for name in names for r in without_lexicon(folder, name, wordless=wordless)]
         click.echo("\n".join([*report(rows), *summary(rows, repairs=False)]))

@@ -16,6 +16,7 @@ from rich.table import Table
 
 from eom.derivations import derive, names
 from tests.eom.mutants import Count, edits_of
+from tests.eom.own_derivations import OWN
 
 COLUMNS = {
     "really false": ("false, rejected", "false, accepted", "false, undecided"),
@@ -35,9 +36,9 @@ COLUMNS = {
 @click.option("--most", type=int, help="Judge at most so many edits of a derivation, at random.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 def main(chosen: tuple[str, ...], most: int | None, jobs: int) -> None:
-    """Judge every edit of the derivations CHOSEN, or of all."""
+    """Judge every edit of the derivations CHOSEN, or of all that ship and of those that tests make."""
     count = Count()
-    parts = [(name, most, k, jobs) for name in chosen or names() for k in range(jobs)]
+    parts = [(name, most, k, jobs) for name in chosen or (*names(), *OWN) for k in range(jobs)]
     with multiprocessing.get_context("spawn").Pool(jobs) as pool:
         for (name, *_), found in zip(parts, pool.imap(_judged, parts), strict=True):
             count.include(found)
@@ -53,7 +54,8 @@ def main(chosen: tuple[str, ...], most: int | None, jobs: int) -> None:
 def _judged(part: tuple[str, int | None, int, int]) -> Count:
     """Judge every so many-th edit of a derivation, or of some of them drawn at random."""
     name, most, first, step = part
-    edits = list(edits_of([derive(name)]))
+    made = OWN[name]().finish() if name in OWN else derive(name)
+    edits = list(edits_of([made]))
     if most is not None and most < len(edits):
         edits = random.Random(name).sample(edits, most)
     count = Count()

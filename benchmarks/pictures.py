@@ -93,7 +93,9 @@ def _made(name: str, wanted: str) -> Iterator[tuple[str, str]]:
         yield what, turned.page(gallery.picture(what, gallery.Ask(scene)))
     if "animation" in chosen:
         seconds = min(SECONDS, scene.integration.t_end)
-        moving = animation_of(scene, lambda s: run(s)[0], seconds=seconds, robot=robot)
+        moving = animation_of(
+            scene, lambda s: run(s, points=s.integration.points)[0], seconds=seconds, robot=robot
+        )
         yield "animation", animation_page.page(moving)
     if "live" in chosen:
         yield "live", live.page(scene)

@@ -45,10 +45,10 @@ if TYPE_CHECKING:
     from codegen.precision.accuracy import accuracy as accuracy
     from codegen.precision.domain import AccuracyReport as AccuracyReport
     from codegen.runs.prepared import Integrator as Integrator
-    from codegen.runs.prepared import integrator as integrator
     from codegen.runs.pruning import Drift as Drift
     from codegen.runs.result import Result as Result
     from codegen.runs.run_accuracy import Accuracy as Accuracy
+    from codegen.runs.simulation import integrator as integrator
     from codegen.runs.simulation import simulate as simulate
 
 _HOME = {
@@ -87,7 +87,7 @@ _HOME = {
     "free_body": "closed.exact",
     "free_motion": "closed.exact",
     "generate": "compiling.generated",
-    "integrator": "runs.prepared",
+    "integrator": "runs.simulation",
     "linearise": "linearisation.linear_motion",
     "linearise_about": "linearisation.linear_motion",
     "sensitivities": "linearisation.sensitivity",

@@ -78,6 +78,8 @@ displays.register({
     "accuracy as page": "codegen.precision.accuracy_report:notebook",
     "result as histories": "eom.views.time.histories:of_result",
     "result as animation": "eom.views.animation.of_results:animated",
+    "picture as file": "eom.views.draw.saving:save",
+    "picture as figure": "eom.views.draw.printed:figure",
 })  # fmt: skip
 
 __all__ = [*_HOME, "__version__"]  # noqa: PLE0604 - all entries are strings

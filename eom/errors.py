@@ -225,27 +225,26 @@ def _by_type(hint: Any) -> Test:
         if kind in plain:
             return kind is not str or value.isascii()
         if kind is dict:
-            by_name = Mapping in of_numbers and _of_text(value)
-            return by_name and {*map(type, value.values())} <= _FLOATS | _small_integers(
-                value.values()
-            )
+            return Mapping in of_numbers and _of_text(value) and _are_floats(value.values())
         if kind is tuple or kind is list:
             if anything:
                 return kind is list or len(value) <= MOST_ENTRIES
             if len(value) in pairs or (Sequence in of_numbers and len(value) <= MOST_ENTRIES):
-                return {*map(type, value)} <= _FLOATS | _small_integers(value)
+                return _are_floats(value)
         return False
 
     return test
 
 
-_FLOATS, _INTEGERS, _NONE = frozenset({float}), frozenset({int}), frozenset[type]()
+_FLOATS, _NUMBERS = frozenset({float}), frozenset({float, int})
 
 
-def _small_integers(values: Collection[Any]) -> frozenset[type]:
-    """Return the type of whole numbers if all among the values can be floats."""
-    small = all(-(2**1000) < v < 2**1000 for v in values if type(v) is int)
-    return _INTEGERS if small else _NONE
+def _are_floats(values: Collection[Any]) -> bool:
+    """Return whether values are floats, or whole numbers that can be."""
+    kinds = {*map(type, values)}
+    if kinds <= _FLOATS:
+        return True
+    return kinds <= _NUMBERS and all(-(2**1000) < v < 2**1000 for v in values if type(v) is int)
 
 
 def _is_open(kind: Any) -> bool:
@@ -388,8 +387,9 @@ def _wrong_entry(value: object, hint: Any) -> tuple[object, object, Any] | None:
 
 
 def shown(value: object) -> str:
-    """Return the type of a value, and the value as far as it is short."""
-    return printable(f"{type(value).__name__} {quoted(value)}".strip())
+    """Return the type of a value, and the value as far as it is short, which may name its type itself."""
+    kind, written = type(value).__name__, quoted(value)
+    return printable(written if written.startswith(f"{kind}(") else f"{kind} {written}".strip())
 
 
 def quoted(value: object) -> str:

@@ -77,7 +77,7 @@ def unit_quaternion(gibbs: Iterable[Any]) -> tuple[Any, Any, Any, Any]:
 
 
 def cosines(q: Iterable[Any]) -> list[list[Any]]:
-    """Return C of a quaternion, times its squared norm (Hughes, 1986, eq. 2.2-27)."""
+    """Return C of a quaternion, times its squared norm (Hughes, 1986, sect. 2.2)."""
     a, b, c, d = q
     return [
         [a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c)],
@@ -117,7 +117,7 @@ def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
 
     References
     ----------
-    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27.
+    Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2.
 
     Examples
     --------

@@ -692,7 +692,7 @@ FACTS = {
         "3 x 3",
         "(rad)",
         "takes components in A to components in B",
-        "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10",
+        "Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2",
     ),
     "eom.mass.properties.MassProperties": (
         "(3, 3)",
@@ -754,7 +754,7 @@ FACTS = {
         "(3, 3)",
         "unit quaternion",
         "scalar first",
-        "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27",
+        "Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2",
     ),
     "eom.mass.solids.inertia": (
         "3 x 3",

@@ -181,8 +181,25 @@ def test_run_without_compiler_says_so(run, tmp_path, monkeypatch):
     done = run("run", "t-handle", "--out", tmp_path / "handle")
     assert done.exit_code == 0
     assert "no C compiler found" in done.output
+    assert "for C pip install 'eom-toolkit[compiler]'" in " ".join(done.output.split())
     assert (tmp_path / "handle" / "t_handle.py").is_file()
     assert "closed form: free body" in done.output
+
+
+def test_a_unit_without_a_library_is_said_to_be_so(run, tmp_path, monkeypatch):
+    target = ("generate", "t-handle", "--target", "fmu", "--out", tmp_path)
+    assert "sources alone" not in run(*target, "--platform", "x86_64-linux").output
+    monkeypatch.setenv("CC", str(tmp_path / "no-such-compiler"))
+    done = run(*target)
+    assert done.exit_code == 0
+    assert "sources alone are in it" in done.output
+    assert "pip install 'eom-toolkit[compiler]'" in done.output
+
+
+def test_unknown_targets_are_told_those_that_there_are(run, tmp_path):
+    done = run("generate", "t-handle", "--target", "fortran", "--out", tmp_path / "f")
+    assert done.exit_code == 2
+    assert ", fmu, " in done.output
 
 
 def test_options_change_the_integration(run, tmp_path):

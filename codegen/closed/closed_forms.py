@@ -456,10 +456,11 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
     """
     known = held(compiled, problem)
     for row in ROWS:
+        reading = _reading(known, row)
+        if reading is None:
+            continue
         try:
-            reading = known.read(row.read)
-            start = () if reading is None else tuple(Fraction(float(v)) for v in problem.x0)
-            motion = None if reading is None else row.move(reading, start)
+            motion = row.move(reading, tuple(Fraction(float(v)) for v in problem.x0))
         except (ArithmeticError, InputError):
             continue
         first, last = problem.t_span
@@ -467,6 +468,19 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
             names = names_of(compiled.layout.states)
             return Closed(row.name, row.meaning, Evaluated(motion, len(names)), motion, names)
     return None
+
+
+def is_known(compiled: Compiled, problem: Problem) -> bool:
+    """Return whether the rates with these parameters and inputs are those of a closed form."""
+    known = held(compiled, problem)
+    return any(_reading(known, row) is not None for row in ROWS)
+
+
+def _reading(known: Held, row: Row) -> Any:
+    try:
+        return known.read(row.read)
+    except (ArithmeticError, InputError):
+        return None
 
 
 EQUAL = Fraction(1, 10**40)

@@ -16,8 +16,9 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -41,7 +42,14 @@ from codegen.frontend.structure import Guard, Structure
 from codegen.ir import compile_progress
 from codegen.ir.names import identifier
 from codegen.ir.passes import prune
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
+from codegen.ir.program import (
+    INVARIANTS,
+    OUTPUTS,
+    RATES,
+    SINGULARITIES,
+    Program,
+    SameObject,
+)
 from codegen.loops import javascript, written
 from codegen.loops.written import Choice
 from codegen.native import native
@@ -354,8 +362,13 @@ def compile(  # noqa: A001 - the word that users expect
         raise unknown_name("target", target, TARGETS)
     system = as_system(system, attitudes=attitudes)
     structure = Structure.of(system, parameters, states, inputs)
+    in_c = build in (_automatic, _native)
+    if in_c:
+        native.begin_extension()
     with compile_progress.to(progress):
         program, layout = fitted(system, structure, rules, stable)
+        if in_c:
+            compile_progress.fitted(program, layout)
         used, functions, notice = build(program, layout)
     return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
 
@@ -467,7 +480,8 @@ def _automatic(program: Program, layout: Layout) -> tuple[str, Functions, str]:
         return _native(program, layout)
     except native.CompilerError as error:
         _, functions, _ = _numpy(program, layout)
-        return "numpy", functions, f"{error.brief}: using the NumPy target"
+        remedy = error.hint.removesuffix(native.OR_NUMPY)
+        return "numpy", functions, f"{error.brief}: using the NumPy target; for C {remedy}"
 
 
 TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
@@ -529,6 +543,9 @@ ROWS: dict[str, Target] = {
     row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON, JAX, MATLAB)
 }
 
+UNIT = "fmu"
+"""What users call a target, too, and `codegen.fmu` writes."""
+
 _BESIDE = {C.name: _c_files, JAVASCRIPT.name: _javascript_files}
 """What writes functions and integrator, by target."""
 
@@ -538,8 +555,11 @@ def target_of(name: str, integrator: written.Choice | None = None) -> Target:
 
     Raises `InputError` for unknown names, and for an integrator where the target writes none.
     """
+    if name == UNIT:
+        raise InputError("a functional mock-up unit is an archive, and no texts", where="target", got=name,
+                         hint="write it by eom.write_fmu, or by eom generate --target fmu")  # fmt: skip
     if name not in ROWS:
-        raise unknown_name("target", name, ROWS)
+        raise unknown_name("target", name, [*ROWS, UNIT])
     if integrator is None:
         return ROWS[name]
     written.check(integrator)
@@ -552,17 +572,36 @@ def target_of(name: str, integrator: written.Choice | None = None) -> Target:
     return replace(ROWS[name], files=partial(_BESIDE[name], integrator))
 
 
+def compiled_of(
+    system: System | Compiled, beside: compile_progress.Fitted | None = None
+) -> Compiled:
+    """Return a system compiled, the same again for the same object.
+
+    ``beside``: what begins beside its compiler, if it is not compiled yet.
+    """
+    if isinstance(system, Compiled):
+        return system
+    with nullcontext() if beside is None else compile_progress.beside(beside):
+        return compile_once(SameObject(system))
+
+
+@lru_cache(maxsize=64)
+def compile_once(key: SameObject[System]) -> Compiled:
+    """Return a system compiled, the same again for the same object."""
+    return compile(key.value)
+
+
 @typed
 def compiled_jacobian(
-    compiled: Compiled, by: str = "states", of: str = RATES, target: str = ""
+    compiled: Compiled | System, by: str = "states", of: str = RATES, target: str = ""
 ) -> SparseJacobian:
     """Return the compiled derivatives of a group of results by states, parameters, inputs or time.
 
     Parameters
     ----------
-    compiled : Compiled
-        The system; it keeps what is compiled, so that the same arguments give the same object at
-        once.
+    compiled : Compiled or System
+        The system, compiled at the first call unless it is; it keeps what is compiled, so that the
+        same arguments give the same object at once.
     by : str, default "states"
         states, parameters, inputs or time.
     of : str, default "rates"
@@ -598,6 +637,7 @@ def compiled_jacobian(
     array([[ 0.,  1.],
            [-4.,  0.]])
     """
+    compiled = compiled_of(compiled)
     if by not in KINDS:
         raise unknown_name("kind of variable", by, KINDS)
     if of not in compiled.layout.sizes:

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling import sampled
-from codegen.compiling.compiled import Compiled, processors
+from codegen.compiling.compiled import Compiled, compiled_of, processors
 from codegen.ensembles import store as stores
 from codegen.ensembles.sampler import Many, Population, Sampler, population
 from codegen.ensembles.statistics import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
@@ -51,14 +51,14 @@ from codegen.frontend.layout import names_of, to_array
 from codegen.frontend.notebook import number, sparkline, table
 from codegen.integrate import fleet
 from codegen.integrate.fleet import Shared
-from codegen.ir.program import INVARIANTS, OUTPUTS, SameObject
+from codegen.ir.program import INVARIANTS, OUTPUTS
 from codegen.native.children import Flag, obey
 from codegen.native.trajectory import MAX_STEPS, Array
 from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
 from codegen.runs.arguments import span as span_of
 from codegen.runs.arguments import tolerances as tolerances_of
-from codegen.runs.given import InputsGiven, compile_once
+from codegen.runs.given import InputsGiven
 from codegen.runs.prepared import DEFAULT_MARGIN
 from eom.errors import InputError, typed, unknown_name
 from eom.system import System
@@ -319,7 +319,7 @@ def ensemble(
     >>> found.y.shape, found["y"].round(6)  # (n, K, N): one time, three trajectories
     ((2, 1, 3), array([[1., 2., 3.]]))
     """
-    compiled = system if isinstance(system, Compiled) else compile_once(SameObject(system))
+    compiled = compiled_of(system)
     compiled, held = sampled.compiled_in(compiled, inputs or {})
     shared = _shared(compiled, t_span, held, rtol, atol, t_eval, max_step, max_steps, margin)
     some = population(compiled, initial, parameters)

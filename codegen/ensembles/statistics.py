@@ -1,7 +1,7 @@
 """Statistics that merge: count, mean, variance, extremes, histograms and quantiles of many values.
 
 Means and sums of squares are merged pairwise (Chan, Golub and LeVeque, Algorithms for computing the
-sample variance, Am. Stat. 37 (1983) 242, eq. 2.1), along one fixed binary tree over blocks of `BLOCK`
+sample variance, Am. Stat. 37 (1983) 242), along one fixed binary tree over blocks of `BLOCK`
 trajectories: results are the same to the last bit however the trajectories were divided, and in
 whatever order the parts arrive. Histograms are counts, which merge exactly. Quantiles come from a
 histogram whose bins are the first bits of the numbers themselves, 512 to each power of two.
@@ -225,7 +225,7 @@ class Summary:
 
     References
     ----------
-    Chan, Golub and LeVeque, Am. Stat. 37 (1983) 242, eq. 2.1.
+    Chan, Golub and LeVeque, Am. Stat. 37 (1983) 242.
     """
 
     name: str

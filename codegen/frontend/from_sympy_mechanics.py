@@ -18,7 +18,6 @@ from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
-from sympy.physics.mechanics import dynamicsymbols
 
 from eom.errors import InputError
 from eom.quantities import Assumption, Definition, Quantity
@@ -162,7 +161,15 @@ def _held(places: Iterable[Expr], speeds: Iterable[Expr]) -> tuple[tuple[str, st
 
 
 def _rate(coordinate: Expr) -> Expr:
-    return coordinate.diff(dynamicsymbols._t)
+    return coordinate.diff(_usual_time())
+
+
+def _usual_time() -> sp.Symbol:
+    """Return SymPy's symbol of time; whoever has no object of its mechanics does not wait for that."""
+    from sympy.physics.mechanics import dynamicsymbols
+
+    time: sp.Symbol = dynamicsymbols._t
+    return time
 
 
 def _ready(method: Any, kind: str, call: str) -> None:
@@ -387,7 +394,7 @@ def _time(states: Iterable[Expr], expressions: Sequence[Expr]) -> Expr:
     """Return the one symbol of time: the argument of functions, else the symbol of that name."""
     arguments = {a for f in (*states, *expressions) for x in nodes((f,))
                  if isinstance(x, AppliedUndef) for a in x.args if isinstance(a, sp.Symbol)}  # fmt: skip
-    usual = dynamicsymbols._t
+    usual = _usual_time()
     names = {a.name for a in arguments} if len(arguments) == 1 else {usual.name}
     found = {
         s for s in nodes((*states, *expressions)) if isinstance(s, sp.Symbol) and s.name in names

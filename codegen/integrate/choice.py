@@ -42,10 +42,11 @@ from codegen.compiling import events
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.signals import Inputs
 from codegen.derivatives.taylor import operations, prepare
+from codegen.frontend.layout import Layout
 from codegen.integrate import closed
 from codegen.integrate.scales import PART, units_of
 from codegen.ir.interpret import Point
-from codegen.ir.program import RATES, SameObject
+from codegen.ir.program import RATES, Program, SameObject
 from codegen.loops import taylor
 from codegen.loops.projection import units
 from codegen.native import native
@@ -115,11 +116,10 @@ def promising(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> 
 
     Costs as many calls of the rates as there are states where the norm of the Jacobian excludes it.
     """
+    if _is_calm(compiled, problem, u, worth):
+        return False
     start, end = problem.t_span
     span = abs(end - start)
-    quick = _steepest(compiled, problem, u)
-    if quick is not None and quick * span * ROUNDING < worth * DOP853_REACH:
-        return False
     changes, slopes = _differences(compiled, problem, start, problem.x0, u)
     bound = float((np.abs(slopes).T @ (1.0 / changes)).max())
     if not math.isfinite(bound) or bound * span < worth * DOP853_REACH:
@@ -127,6 +127,13 @@ def promising(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> 
     J = slopes.T / changes
     worst = _worst(J, math.copysign(1.0, end - start))
     return worst is not None and abs(worst) * span >= worth * DOP853_REACH
+
+
+def _is_calm(compiled: Compiled, problem: Problem, u: InputsAt, worth: int) -> bool:
+    """Return whether the norm of the Jacobian alone excludes stiffness, in one call of C."""
+    start, end = problem.t_span
+    found = _steepest(compiled, problem, u)
+    return found is not None and found * abs(end - start) * ROUNDING < worth * DOP853_REACH
 
 
 ROUNDING = 1 + 1e-9
@@ -253,6 +260,32 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
     return _going_on(task, methods, chosen, ready), ready[1]
 
 
+Decided = tuple[Callable[[Problem], Trajectory | None], str]
+
+
+def decided(task: Task, methods: Mapping[str, Prepare]) -> Decided | None:
+    """Return what integrates problems with the values of a task from any initial state, and its name.
+
+    It gives what `prepared` gives, or None from an initial state where more is to be decided. None at once
+    where a closed form is known, or not all of a run is made in generated C.
+    """
+    if task.events or task.problem.laws or not _is_native(task):
+        return None
+    if closed_forms.is_known(task.compiled, task.problem):
+        return None
+    chosen, u, worth = _explicit(task), _inputs(task), WORTH[True]
+    try:
+        ready = methods[chosen.method](task)
+    except native.CompilerError:
+        return None
+    run = _going_on(task, methods, chosen, ready)
+
+    def integrator(problem: Problem) -> Trajectory | None:
+        return run(problem) if _is_calm(task.compiled, problem, u, worth) else None
+
+    return integrator, ready[1]
+
+
 def _with_events(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, str]:
     """Return an explicit method: it finds events, which the closed forms and stiff methods do not."""
     chosen = _explicit(task)
@@ -325,10 +358,13 @@ def _explicit(task: Task) -> Explicit:
 
 @lru_cache(maxsize=256)
 def _against_series(key: SameObject[Compiled], order: int) -> str:
+    return against_series(key.value.program, key.value.layout, order)
+
+
+def against_series(program: Program, layout: Layout, order: int) -> str:
     """Return what speaks against Taylor series of an order, or nothing."""
-    compiled = key.value
     try:
-        series = prepare(compiled.program, RATES, compiled.layout)
+        series = prepare(program, RATES, layout)
     except InputError as error:
         return error.what
     if series.has_branches:

@@ -50,7 +50,7 @@ from codegen.ir.passes import (
 from codegen.ir.program import RATES, SINGULARITIES, Builder, Program
 from codegen.loops import projection, runge_kutta, samples
 from codegen.loops.runge_kutta import NativeMethod
-from codegen.native.trajectory import Array, Held, Problem, Stepwise, Trajectory
+from codegen.native.trajectory import Array, Held, Problem, Stepwise, Trajectory, pointer
 from codegen.passes.pipeline import optimise
 from codegen.targets import c
 from eom.errors import InputError
@@ -357,10 +357,6 @@ def integrate(method: NativeMethod, evaluate: Between, problem: Problem) -> Traj
     return made
 
 
-def _address(array: Array) -> Pointer:
-    return array.ctypes.data if array.size else None
-
-
 class RowSolution(Stepwise):
     """Partial steps on the group, evaluated in C."""
 
@@ -388,7 +384,7 @@ class RowSolution(Stepwise):
         rows = np.ascontiguousarray(self._rows[k])
         value = np.empty((len(k), self._x.shape[1]))
         self._evaluate(
-            _address(self._problem.parameters), _address(u), len(k),
+            pointer(self._problem.parameters), pointer(u), len(k),
             theta.ctypes.data, rows.ctypes.data, value.ctypes.data,
         )  # fmt: skip
         return value

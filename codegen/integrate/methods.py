@@ -189,6 +189,29 @@ def _auto(task: Task) -> tuple[Integrator, str]:
     return choice.prepared(task, {row.name: row.prepare for row in ROWS})
 
 
+def begin(program: Program, layout: Layout, method: str, rtol: float) -> None:
+    """Begin to compile the loop in C that a method is going to need, beside all else that is done.
+
+    For ``auto`` that of an explicit method; where another is taken, or what it does beside integrating
+    stands in another loop, nothing is lost but the work. Nothing is begun for other methods.
+    """
+    order = taylor.order_of(rtol)
+    if method == "auto":
+        method = "DOP853" if choice.against_series(program, layout, order) else "taylor"
+    if method == "taylor":
+        taylor.begin(program, layout, order)
+    elif method in _TABLEAUX:
+        runge_kutta.begin(_TABLEAUX[method], program, layout)
+
+
+_TABLEAUX = {"DOP853": DOP853, "DP5": DP5, "Tsit5": TSIT5}
+
+
+def decided(task: Task) -> choice.Decided | None:
+    """Return what `auto` decides for all initial states at once: see `choice.decided`."""
+    return choice.decided(task, {row.name: row.prepare for row in ROWS})
+
+
 def resumed(task: Task, first: Trajectory) -> Trajectory:
     """Go on where a Taylor series of an ensemble stopped: see `choice.resumed`."""
     return choice.resumed(task, {row.name: row.prepare for row in ROWS}, first)

@@ -176,7 +176,7 @@ AT_A_NODE = 2.0**-512
 class Polynomial:
     """A polynomial by its values at Chebyshev's points of a step, in the barycentric form.
 
-    Berrut and Trefethen, "Barycentric Lagrange interpolation", SIAM Review 46 (2004) 501-517, (5.4).
+    Berrut and Trefethen, "Barycentric Lagrange interpolation", SIAM Review 46 (2004) 501-517, sect. 5.
     """
 
     start: float

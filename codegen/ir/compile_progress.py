@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import Any
 
 Listener = Callable[[str, float], None]
 """Called with the name of a stage and the share of it that is done, 0 to 1."""
@@ -110,3 +111,26 @@ def beat() -> None:
 def is_heard() -> bool:
     """Return whether somebody listens."""
     return _LISTENING.get() is not None
+
+
+Fitted = Callable[[Any, Any], None]
+"""Called with a program and its layout, when they are there and nothing of them is written yet."""
+_FITTED: ContextVar[Fitted | None] = ContextVar("fitted", default=None)
+
+
+@contextmanager
+def beside(work: Fitted) -> Iterator[None]:
+    """Let ``work`` begin what goes on beside the compiler of the first system compiled inside."""
+    token = _FITTED.set(work)
+    try:
+        yield
+    finally:
+        _FITTED.reset(token)
+
+
+def fitted(program: Any, layout: Any) -> None:
+    """Say that a program is there."""
+    work = _FITTED.get()
+    if work is not None:
+        _FITTED.set(None)
+        work(program, layout)

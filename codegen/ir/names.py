@@ -236,6 +236,8 @@ def identifier(name: str) -> str:
     >>> identifier("θ'"), identifier("lambda"), identifier("2*/x")
     ('theta_dot', 'lambda_', 'v2_x')
     """
+    if len(name) <= 60 and name not in RESERVED and _PLAIN.fullmatch(name):
+        return name
     text = re.sub(
         r"['′’]+$", lambda m: "_" + "d" * len(m[0]) + "ot" if len(m[0]) > 1 else "_dot", name
     )
@@ -245,6 +247,10 @@ def identifier(name: str) -> str:
     if not spelt[0].isalpha():
         spelt = "v" + spelt
     return spelt[:60] + "_" if spelt in RESERVED else spelt[:60]
+
+
+_PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
+"""Names that are spelt as they are."""
 
 
 def _spell(character: str) -> str:
@@ -276,12 +282,24 @@ def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> list[str]:
     return result
 
 
+_SPECIAL = frozenset("\\?*")
+"""Characters that a comment has none of, or that may open or close one."""
+
+
+def _is_comment(text: str) -> bool:
+    """Return whether a text is one line of printable ASCII, with single spaces, that needs no change."""
+    plain = len(text) <= 200 and text.isascii() and text.isprintable()
+    return plain and _SPECIAL.isdisjoint(text) and "  " not in text and text == text.strip()
+
+
 def comment(text: str) -> str:
     r"""Return ``text`` as the inside of a one-line comment in any language: printable ASCII only.
 
     >>> comment("area */ [m²] #define x")
     'area * / [m2] #define x'
     """
+    if _is_comment(text):
+        return text
     plain = unicodedata.normalize("NFKD", " ".join(text.split())).encode("ascii", "ignore").decode()
     plain = "".join(c for c in plain if c.isprintable() and c not in "\\?")
     return " ".join(plain.replace("*/", "* /").replace("/*", "/ *").split())[:200]

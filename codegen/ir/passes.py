@@ -39,12 +39,17 @@ def dependence(program: Program, group: str, kind: str = "state") -> set[tuple[i
 
 
 def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
-    """Keep only ``groups`` of results (all if None) and what they need. Values do not change."""
+    """Keep only ``groups`` of results (all if None) and what they need. Values do not change.
+
+    A program of which nothing is left out is returned as it is.
+    """
     kept = list(program.results if groups is None else groups)
     order = sorted(needed(program, kept))
+    if len(order) == len(program.instructions) and kept == list(program.results):
+        return program
     new = {old: k for k, old in enumerate(order)}
     instructions = [
-        Instruction(i.op, tuple([new[a] for a in i.args]), i.value)
+        Instruction(i.op, tuple([new[a] for a in i.args]), i.value) if i.args else i
         for i in map(program.instructions.__getitem__, order)
     ]
     results = {g: tuple(new[k] for k in program.results[g]) for g in kept}

@@ -92,6 +92,8 @@ def _text(instruction: Instruction) -> str:
 
 
 _ARITIES = {name: row.arity for name, row in OPS.items()}
+_FURTHER = {*WITH_DATA, *INTEGER_FIRST, *SOLVE}
+"""Operations of which more is to be said than how many arguments they have."""
 
 
 def verify(program: Program) -> None:
@@ -103,9 +105,12 @@ def verify(program: Program) -> None:
             assert not args, (k, op)
             assert (value is None) == (op in {"pi", "time"}), (k, op)
             continue
-        assert arity in {VARIADIC, len(args)}, (k, op)
+        assert arity in (len(args), VARIADIC), (k, op)
         for a in args:
             assert 0 <= a < k, (k, op, args)
+        if op not in _FURTHER:
+            assert value is None, (k, op)
+            continue
         assert (value is None) != (op in WITH_DATA), (k, op)
         if op in INTEGER_FIRST:
             order = fold.constant(program, args[0])

@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.compiling.compiled import Compiled
+from codegen.compiling.compiled import Compiled, compiled_of
 from codegen.compiling.sampled import refuse
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import completed, in_si, names_of, to_array
@@ -44,6 +44,7 @@ from codegen.ir.passes import dependence
 from codegen.ir.program import INVARIANTS, OUTPUTS, RATES
 from codegen.linearisation.unknowns import Equations, Equilibrium, maintained, together
 from eom.errors import InputError, near_matches, typed, unknown_name
+from eom.system import System
 
 Array = NDArray[np.float64]
 
@@ -174,7 +175,7 @@ FAMILY_STEP = 1e-3
 
 @typed
 def equilibrium(
-    compiled: Compiled,
+    compiled: Compiled | System,
     guess: Mapping[str, float | str] | None = None,
     parameters: Mapping[str, float | str] | Sequence[float] | None = None,
     *,
@@ -190,8 +191,8 @@ def equilibrium(
 
     Parameters
     ----------
-    compiled : Compiled
-        The system; its rates must not depend on time.
+    compiled : Compiled or System
+        The system, compiled at the first call unless it is; its rates must not depend on time.
     guess : mapping, optional
         States by name, 0 where left out (1 in a quaternion's first place).
     parameters : mapping or sequence of float, optional
@@ -241,6 +242,7 @@ def equilibrium(
     >>> found.kind, round(found.states["q"], 6)
     ('isolated', 1.570796)
     """
+    compiled = compiled_of(compiled)
     refuse(compiled, "an equilibrium")
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     best: Array | None = None
@@ -259,7 +261,7 @@ def equilibrium(
 
 @typed
 def equilibria(
-    compiled: Compiled,
+    compiled: Compiled | System,
     guess: Mapping[str, float | str] | None = None,
     parameters: Mapping[str, float | str] | Sequence[float] | None = None,
     *,
@@ -320,6 +322,7 @@ def equilibria(
     >>> [round(found.states["x"], 6) for found in equilibria(logistic, {"x": 0.9})]
     [1.0, 0.0]
     """
+    compiled = compiled_of(compiled)
     refuse(compiled, "an equilibrium")
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     found: list[Array] = []

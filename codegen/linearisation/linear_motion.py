@@ -46,7 +46,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling.checked import Values
-from codegen.compiling.compiled import Compiled, kept_jacobian
+from codegen.compiling.compiled import Compiled, compiled_of, kept_jacobian
 from codegen.compiling.sampled import refuse
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of
@@ -57,6 +57,7 @@ from codegen.ir.passes import needed
 from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, Program
 from codegen.linearisation.unknowns import Equilibrium, leaves_of, maintained, tangents
 from eom.errors import InputError, near_matches, typed, unknown_name
+from eom.system import System
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,7 +111,7 @@ class Linear:
 
 @typed
 def linearise(
-    compiled: Compiled,
+    compiled: Compiled | System,
     x: Values,
     p: Values | None = None,
     u: Values | None = None,
@@ -120,8 +121,8 @@ def linearise(
 
     Parameters
     ----------
-    compiled : Compiled
-        The system; it keeps the function of the four matrices, which is compiled at the first use.
+    compiled : Compiled or System
+        The system, compiled at the first call unless it is; it keeps the function of the four matrices.
     x : mapping or array
         States, (n,) or (n, N); by name each a number or (N,). ``y`` of a `codegen.Result` fits as it
         is.
@@ -161,6 +162,7 @@ def linearise(
     >>> near.A.tolist(), near.B.tolist()
     ([[0.0, 1.0], [-1.0, 0.0]], [[0.0], [1.0]])
     """
+    compiled = compiled_of(compiled)
     refuse(compiled, "linear motion")
     layout = compiled.layout
     n, k = len(layout.states), len(layout.results[OUTPUTS])
@@ -260,7 +262,7 @@ class LinearMotion(Linear):
 
 @typed
 def linearise_about(
-    compiled: Compiled,
+    compiled: Compiled | System,
     point: Equilibrium,
     *,
     constraints: Iterable[str] = (),
@@ -272,7 +274,7 @@ def linearise_about(
 
     Parameters
     ----------
-    compiled : Compiled
+    compiled : Compiled or System
         The system.
     point : Equilibrium
         Of the same system.
@@ -315,10 +317,10 @@ def linearise_about(
     >>> near.stability.kind, [round(float(value.real), 6) for value in near.eigenvalues]
     ('unstable', [0.414214, -2.414214])
     """
-    layout = compiled.layout
+    compiled = compiled_of(compiled)
+    layout, cyclic = compiled.layout, point.cyclic
     x, u, p = _arrays(compiled, point)
     full = _whole(compiled, x, u, p)
-    cyclic = point.cyclic
     if attitude not in ATTITUDES:
         raise unknown_name("attitude", attitude, ATTITUDES)
     fours = _quaternions(compiled, point)

@@ -6,7 +6,7 @@ import ctypes
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
-from codegen.ir.program import RATES, SINGULARITIES, Program
+from codegen.ir.program import RATES, SINGULARITIES, Program, SameObject
 from codegen.loops import crossings, jumps, lookout, projection, samples
 from codegen.loops.tableaux import Row, Tableau
-from codegen.native import native
+from codegen.native import native, trajectory
 from codegen.native.trajectory import Array, Held, Problem, Stepwise, Stop, Trajectory, varied
 from codegen.passes.pipeline import by_parameters
 from codegen.targets import c
@@ -326,11 +326,24 @@ class NativeMethod:
         return None if extension is None else Quick(self, extension.begun)
 
 
+@lru_cache(maxsize=4)
+def _text_once(
+    tableau: Tableau, program: SameObject[Program], layout: SameObject[Layout], sampled: bool
+) -> str:
+    return single_text(tableau, program.value, layout.value, sampled)
+
+
+def begin(tableau: Tableau, program: Program, layout: Layout) -> None:
+    """Begin to compile what `build` needs, see `codegen.native.native.ahead`."""
+    text = _text_once(tableau, SameObject(program), SameObject(layout), False)
+    native.ahead(text, native.flags_for_steps(len(program.instructions)))
+
+
 def build(
     tableau: Tableau, program: Program, layout: Layout, sampled: bool = False
 ) -> NativeMethod:
     """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
-    text = single_text(tableau, program, layout, sampled)
+    text = _text_once(tableau, SameObject(program), SameObject(layout), sampled)
     flags = native.flags_for_steps(len(program.instructions))
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
@@ -527,7 +540,7 @@ class _Plain:
 
     def __init__(self, method: NativeMethod, problem: Problem, s: Any, store: _Store) -> None:
         self.method, self.s, self.o = method, ctypes.addressof(s), ctypes.addressof(store.output)
-        self.p, self.u = _pointer(problem.parameters), _pointer(problem.inputs)
+        self.p, self.u = trajectory.pointer(problem.parameters), trajectory.pointer(problem.inputs)
 
     def start(self) -> int:
         return int(self.method.start(self.s, self.p, self.u))
@@ -579,16 +592,6 @@ _STOPS = {
 }
 
 
-def _pointer(array: Array) -> int | None:
-    return array.ctypes.data if array.size else None
-
-
-def _doubled(array: Array) -> Array:
-    larger = np.empty((2 * len(array), *array.shape[1:]))
-    larger[: len(array)] = array
-    return larger
-
-
 def rows_of(grid: Array | None, n: int) -> tuple[Array, Array]:
     """Return room for times and states (n,); without a grid the first row is for the start."""
     room = 1 + FIRST_CAPACITY if grid is None else len(grid) or 1
@@ -622,7 +625,7 @@ class _Store:
         self.output = method.output(capacity=capacity)
         if self.grid is not None:
             self.output.grid, self.output.grid_count = (
-                _pointer(self.grid) or self.t.ctypes.data,
+                trajectory.pointer(self.grid) or self.t.ctypes.data,
                 len(self.grid),
             )
         self._point()
@@ -637,9 +640,9 @@ class _Store:
         if self.grid is not None or self.output.count < self.output.capacity:
             return True
         try:
-            self.t, self.x = _doubled(self.t), _doubled(self.x)
+            self.t, self.x = trajectory.doubled(self.t), trajectory.doubled(self.x)
             if self.dense_output:
-                self.dense = _doubled(self.dense)
+                self.dense = trajectory.doubled(self.dense)
         except MemoryError:
             return False
         self.output.capacity = len(self.dense) if self.dense_output else len(self.t) - self.head

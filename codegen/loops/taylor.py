@@ -15,8 +15,9 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from typing import Any
 
@@ -26,14 +27,16 @@ from numpy.typing import NDArray
 from codegen.derivatives.taylor import Prepared, prepare
 from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
-from codegen.ir.program import RATES, SINGULARITIES, Program
+from codegen.ir.program import RATES, SINGULARITIES, Program, SameObject
 from codegen.loops import crossings, projection, runge_kutta, samples, switches
 from codegen.loops.jets import limited, series
 from codegen.loops.runge_kutta import NativeMethod
+from codegen.native import native
 from codegen.native.trajectory import Array, Stepwise
 from codegen.passes.pipeline import by_parameters
 from codegen.targets import c
 from codegen.watch.trust import is_checked
+from eom.errors import InputError
 
 FURTHER_ORDERS = 2
 """Added to the order that is best where work grows with its square: a step also costs a part that does
@@ -159,13 +162,26 @@ def _structures(
     return runge_kutta.structures(prefix, state)
 
 
+@lru_cache(maxsize=4)
+def _text_once(
+    program: SameObject[Program], layout: SameObject[Layout], order: int, sampled: bool
+) -> str:
+    return single_text(program.value, layout.value, order, sampled)
+
+
+def begin(program: Program, layout: Layout, order: int) -> None:
+    """Begin to compile what `build` needs, see `codegen.native.native.ahead`; nothing without a series."""
+    with suppress(InputError):
+        native.ahead(_text_once(SameObject(program), SameObject(layout), order, False), FLAGS)
+
+
 def build(program: Program, layout: Layout, order: int, sampled: bool = False) -> NativeMethod:
     """Compile the integrator of a system for this machine; `runge_kutta.integrate` runs it.
 
     Raises `CompilerError` if that fails, and `InputError` where a value has no Taylor series.
     """
     prepared = _prepared(program, layout)
-    text = single_text(program, layout, order, sampled)
+    text = _text_once(SameObject(program), SameObject(layout), order, sampled)
     prefix = f"{identifier(layout.name)}_taylor"
     events = crossings.count_of(layout)
     _, of_series = series(prepared, f"{prefix}_series", order, events)

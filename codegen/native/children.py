@@ -40,7 +40,17 @@ def finished(
     `subprocess.TimeoutExpired` after ``seconds``; then, and at an interruption, it and its children are
     ended.
     """
-    process = subprocess.Popen(  # noqa: S603 - a list, no shell
+    return waited_for(begun(command, environment), seconds)
+
+
+def begun(
+    command: Sequence[str], environment: Mapping[str, str] | None = None
+) -> subprocess.Popen[str]:
+    """Begin a command, which goes on beside this process; whoever begins it waits for it, or ends it.
+
+    Raises `OSError` where it cannot be started.
+    """
+    return subprocess.Popen(  # noqa: S603 - a list, no shell
         command,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
@@ -51,13 +61,17 @@ def finished(
         env=None if environment is None else dict(environment),
         start_new_session=True,
     )
+
+
+def waited_for(process: subprocess.Popen[str], seconds: float) -> subprocess.CompletedProcess[str]:
+    """Return how a command that was `begun` ended; raises as `finished` does."""
     with process:
         try:
             out, err = _communicated(process, seconds)
         except BaseException:
-            _end(process)
+            end(process)
             raise
-    return subprocess.CompletedProcess(command, process.returncode, out, err)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
 
 def _communicated(process: subprocess.Popen[str], seconds: float) -> tuple[str, str]:
@@ -71,7 +85,7 @@ def _communicated(process: subprocess.Popen[str], seconds: float) -> tuple[str, 
     return process.communicate(timeout=end - time.monotonic())
 
 
-def _end(process: subprocess.Popen[str]) -> None:
+def end(process: subprocess.Popen[str]) -> None:
     """End a process and its group: first as an interruption does, so that it ends its own children.
 
     Its number is taken until it is waited for.

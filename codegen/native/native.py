@@ -4,6 +4,7 @@ A shared library is compiled into a temporary file and renamed into place, so th
 work at the same time never see half of one. The key, a folder's name, covers the source, the flags,
 the compiler and, since the code is for this machine, the processor. The library in it is named by the
 digest of its bytes: to load one that was damaged could end the process, so that one is built anew.
+What is going to be asked for is begun ahead, beside this process, so that compilers work at the same time.
 
 Quick calls of compiled functions from Python: a small extension, compiled once a machine.
 
@@ -13,6 +14,7 @@ slower by some microseconds and give the same results.
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import errno
 import hashlib
@@ -29,6 +31,7 @@ import sys
 import sysconfig
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, partial
 from importlib import resources
 from pathlib import Path
@@ -83,6 +86,12 @@ TIMEOUT_SECONDS = 600
 CACHE_VARIABLE = "EOM_CACHE_DIR"
 
 
+OR_NUMPY = ", or use the target numpy"
+"""How hints end where another target does without a compiler."""
+GET_COMPILER = "pip install 'eom-toolkit[compiler]', install gcc or clang, or set CC to its path"
+"""What to do where there is no compiler."""
+
+
 class CompilerError(InputError):
     """Say that there is no C compiler, or that it failed.
 
@@ -109,7 +118,7 @@ class CacheError(CompilerError):
             "compiled code cannot be kept in the cache",
             where=str(folder),
             got=error.strerror or str(error),
-            hint=f"set {CACHE_VARIABLE} to a folder of your own with room in it, or use the target numpy",
+            hint=f"set {CACHE_VARIABLE} to a folder of your own with room in it{OR_NUMPY}",
         )
 
 
@@ -196,8 +205,7 @@ def require_compiler() -> tuple[str, ...]:
         raise CompilerError(
             "no C compiler found",
             got=f"CC={asked}" if asked else "none of cc, gcc, clang on the PATH",
-            hint="pip install 'eom-toolkit[compiler]', install gcc or clang, set CC to its path, "
-            "or use the target numpy",
+            hint=GET_COMPILER + OR_NUMPY,
         )
     return command
 
@@ -260,21 +268,96 @@ def flags_for_steps(instructions: int) -> tuple[str, ...]:
     return (*flags_for(0, instructions), *STORES_APART)
 
 
-def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = "") -> Path:
-    """Return the shared library of a C source text, compiled if the cache does not have it.
+@dataclass(frozen=True)
+class _Order:
+    """A library that is wanted: how it is compiled, and its folder of the cache, which is its key."""
 
-    Raises `CompilerError` where there is no compiler, it fails, or the cache cannot be written; the
-    cache is then unchanged.
-    """
-    suffix = suffix or library_suffix()
+    command: tuple[str, ...]
+    flags: tuple[str, ...]
+    source: str
+    folder: Path
+    suffix: str
+
+
+def _order(source: str, extra_flags: Sequence[str], suffix: str) -> _Order:
     command = require_compiler()
     flags = (*FLAGS, *NATIVE_FLAGS, *extra_flags)
     key = "\0".join([source, *flags, _identity(command), _processor()])
     folder = cache_folder() / hashlib.sha256(key.encode()).hexdigest()[:40]
+    return _Order(command, flags, source, folder, suffix or library_suffix())
+
+
+def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = "") -> Path:
+    """Return the shared library of a C source text, compiled if the cache does not have it.
+
+    What was begun by `ahead` is waited for. Raises `CompilerError` where there is no compiler, it fails, or
+    the cache cannot be written; the cache is then unchanged.
+    """
+    order = _order(source, extra_flags, suffix)
     try:
-        return _found(folder, suffix) or _compile(command, flags, source, folder, suffix)
+        return _found(order.folder, order.suffix) or _from_ahead(order) or _compile(order)
     except OSError as error:
-        raise CacheError.of(error, folder.parent) from None
+        raise CacheError.of(error, order.folder.parent) from None
+
+
+@dataclass(frozen=True)
+class _Begun:
+    """A compiler at work beside this process: where, and who began it."""
+
+    process: subprocess.Popen[str]
+    build: Path
+    owner: int
+
+
+_AHEAD: dict[Path, _Begun] = {}
+"""What was begun and is not waited for yet, by folder of the cache."""
+
+
+def ahead(source: str, extra_flags: Sequence[str] = (), suffix: str = "") -> None:
+    """Begin to compile what `compile_library` is going to be asked for, and go on meanwhile.
+
+    Nothing is raised: whatever fails is done again when it is asked for, and told there. What nobody asks
+    for is ended with this process.
+    """
+    try:
+        order = _order(source, extra_flags, suffix)
+        if order.folder in _AHEAD or _found(order.folder, order.suffix):
+            return
+        build = Path(tempfile.mkdtemp(prefix="build-", dir=order.folder.parent))
+    except (InputError, OSError):
+        return
+    try:
+        command = _command(order, order.flags, build)
+        process = children.begun(command, _environment(str(build)))
+    except OSError:
+        shutil.rmtree(build, ignore_errors=True)
+        return
+    _AHEAD[order.folder] = _Begun(process, build, os.getpid())
+
+
+def _from_ahead(order: _Order) -> Path | None:
+    """Return the library that was begun ahead; None where there is none, or it failed."""
+    begun = _AHEAD.pop(order.folder, None)
+    if begun is None or begun.owner != os.getpid():
+        return None
+    try:
+        done = children.waited_for(begun.process, TIMEOUT_SECONDS)
+        made = begun.build / MADE
+        return _kept(made, order) if done.returncode == 0 and made.exists() else None
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        shutil.rmtree(begun.build, ignore_errors=True)
+
+
+@atexit.register
+def _give_up() -> None:
+    """End what was begun and nobody has asked for: with this process, or where the compiler fails."""
+    for folder in [f for f, begun in _AHEAD.items() if begun.owner == os.getpid()]:
+        begun = _AHEAD.pop(folder)
+        with begun.process:
+            children.end(begun.process)
+        shutil.rmtree(begun.build, ignore_errors=True)
 
 
 def _digest(library: Path) -> str:
@@ -298,35 +381,52 @@ def _found(folder: Path, suffix: str) -> Path | None:
     return None
 
 
-def _compile(
-    command: Sequence[str], flags: Sequence[str], source: str, folder: Path, suffix: str
-) -> Path:
+MADE = "library"
+"""File that the compiler makes."""
+
+
+def _command(order: _Order, flags: Sequence[str], build: Path) -> list[str]:
+    """Write the source into a folder, and return the command that compiles it there."""
+    text = build / "source.c"
+    text.write_text(order.source, encoding="ascii")
+    return [*order.command, *flags, "-o", str(build / MADE), str(text), "-lm"]
+
+
+def _kept(made: Path, order: _Order) -> Path:
+    """Move a library into its folder of the cache."""
+    order.folder.mkdir(mode=0o700, exist_ok=True)
+    return made.replace(order.folder / f"{_digest(made)}{order.suffix}")
+
+
+def _compile(order: _Order) -> Path:
     """Return the library that the compiler makes, in its folder of the cache. Raises `CompilerError`."""
-    with tempfile.TemporaryDirectory(prefix="build-", dir=folder.parent) as build:
-        text, made = Path(build) / "source.c", Path(build) / "library"
-        text.write_text(source, encoding="ascii")
-        attempts = [flags, [f for f in flags if f not in NATIVE_FLAGS]]
+    with tempfile.TemporaryDirectory(prefix="build-", dir=order.folder.parent) as build:
+        attempts = [order.flags, [f for f in order.flags if f not in NATIVE_FLAGS]]
         for attempt in attempts:
-            run = [*command, *attempt, "-o", str(made), str(text), "-lm"]
+            run = _command(order, attempt, Path(build))
             failure = _run(run, build)
-            if failure is None and made.exists():
-                folder.mkdir(mode=0o700, exist_ok=True)
-                return made.replace(folder / f"{_digest(made)}{suffix}")
+            if failure is None and (Path(build) / MADE).exists():
+                return _kept(Path(build) / MADE, order)
+        _give_up()
         raise CompilerError(
             "the C compiler failed",
             where=" ".join(run),
             got=(failure or "it made no file")[:2000],
-            hint="set CC to another compiler, or use the target numpy",
+            hint=f"set CC to another compiler{OR_NUMPY}",
         )
 
 
-def _run(command: Sequence[str], folder: str) -> str | None:
-    """Run a command; return what it printed if it failed, None if it succeeded.
+def _environment(folder: str) -> dict[str, str]:
+    """Return what the compiler sees: its temporary files go into ``folder``.
 
-    Its temporary files go into ``folder``, as it cannot remove them itself where it is ended.
+    It cannot remove them itself where it is ended.
     """
-    temporary = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), folder)
-    environment = {**os.environ, "LC_ALL": "C", **temporary}
+    return {**os.environ, "LC_ALL": "C", **dict.fromkeys(("TMPDIR", "TMP", "TEMP"), folder)}
+
+
+def _run(command: Sequence[str], folder: str) -> str | None:
+    """Run a command; return what it printed if it failed, None if it succeeded."""
+    environment = _environment(folder)
     try:
         done = children.finished(command, seconds=TIMEOUT_SECONDS, environment=environment)
     except OSError as error:
@@ -391,7 +491,7 @@ def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.
             "the C compiler made a library that cannot be loaded",
             where=str(made),
             got=str(error),
-            hint="set CC to another compiler, or use the target numpy",
+            hint=f"set CC to another compiler{OR_NUMPY}",
         ) from None
 
 
@@ -402,7 +502,8 @@ def python_headers() -> Path | None:
 
 
 @cache
-def _extension() -> Any | None:
+def _extension_text() -> tuple[str, tuple[str, ...]] | None:
+    """Return source and flags of the module of quick calls, None without the headers of Python."""
     headers = python_headers()
     if headers is None:
         return None
@@ -410,9 +511,24 @@ def _extension() -> Any | None:
         resources.files("codegen.native").joinpath(f"{name}.c").read_text(encoding="ascii")
         for name in ("fastcall", "runs")
     )
-    source = calls.replace("/* @RUNS@ */", runs)
+    return calls.replace("/* @RUNS@ */", runs), (QUICKEST, f"-I{headers}")
+
+
+@cache
+def begin_extension() -> None:
+    """Begin to compile the module of quick calls where the cache does not have it; see `ahead`."""
+    text = _extension_text()
+    if text is not None:
+        ahead(*text)
+
+
+@cache
+def _extension() -> Any | None:
+    text = _extension_text()
+    if text is None:
+        return None
     try:
-        library = compile_library(source, (QUICKEST, f"-I{headers}"))
+        library = compile_library(*text)
         loader = importlib.machinery.ExtensionFileLoader("eom_fastcall", str(library))
         spec = importlib.util.spec_from_loader("eom_fastcall", loader)
         assert spec is not None

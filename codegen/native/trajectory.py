@@ -251,3 +251,15 @@ class Stepwise(ABC):
     @abstractmethod
     def _within(self, k: NDArray[np.intp], since: Array) -> Array:
         """Return the states (len(k), n) in the steps ``k``, at times ``since`` their starts."""
+
+
+def pointer(array: Array) -> int | None:
+    """Return where C finds the numbers of an array, None where there are none."""
+    return array.ctypes.data if array.size else None
+
+
+def doubled(array: Array) -> Array:
+    """Return an array with the same rows, and room for as many more."""
+    larger = np.empty((2 * len(array), *array.shape[1:]))
+    larger[: len(array)] = array
+    return larger

@@ -21,7 +21,7 @@ import numpy as np
 
 from codegen.compiling.checked import Array, Function
 from codegen.compiling.compiled import TARGETS as BUILDERS
-from codegen.compiling.compiled import Compiled, compiled_jacobian
+from codegen.compiling.compiled import Compiled, compiled_jacobian, compiled_of
 from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.layout import Layout
 from codegen.ir.interpret import interpret_exactly, interpret_with_bound
@@ -53,6 +53,7 @@ from codegen.precision.domain import (
     places,
 )
 from eom.errors import InputError, typed
+from eom.system import System
 
 SAMPLES = 200
 MOST_SAMPLES = 10**7
@@ -67,7 +68,7 @@ HALF = math.sqrt(ALL_DIGITS)
 
 @typed
 def accuracy(
-    compiled: Compiled,
+    compiled: Compiled | System,
     domain: Mapping[str, Range | float] | None = None,
     samples: int = SAMPLES,
     seed: int = 0,
@@ -80,8 +81,8 @@ def accuracy(
 
     Parameters
     ----------
-    compiled : Compiled
-        The system.
+    compiled : Compiled or System
+        The system, compiled at the first call unless it is.
     domain : mapping, optional
         (low, high), or a number to hold, by name of state, parameter, input or ``t``.
     samples : int, default 200
@@ -126,6 +127,7 @@ def accuracy(
         raise InputError(
             "unusable number of samples", got=samples, expected=f"1 to {MOST_SAMPLES:,}"
         )
+    compiled = compiled_of(compiled)
     chosen = domain_of(compiled.program, compiled.layout, domain or {}, around or {})
     drawn = tuple(places(compiled.program, compiled.layout, chosen, samples, seed))
     parts = [_own(compiled, drawn), *(_jacobian(compiled, by, drawn) for by in jacobians)]

@@ -1,9 +1,12 @@
-"""The arguments of runs, checked: one clear error each."""
+"""The arguments of runs, checked: one clear error each; and what is said of them, written once."""
 
 from __future__ import annotations
 
+import inspect
 import math
-from typing import Any
+import re
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -107,3 +110,36 @@ def grid(t_eval: ArrayLike, span: tuple[float, float]) -> Array:
             expected="times inside t_span, each later than the one before (earlier, if backwards)",
         )
     return grid
+
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def arguments_of(other: Callable[..., Any]) -> Callable[[F], F]:
+    """Let a function's docstring say of arguments that it takes too what another one's says of them.
+
+    What its own section of parameters says stands; all are in the order of its signature.
+    """
+
+    def with_arguments(function: F) -> F:
+        if function.__doc__ and other.__doc__:
+            head, own, tail = _parameters(function.__doc__)
+            said = {**_entries(_parameters(other.__doc__)[1]), **_entries(own)}
+            listed = "".join(said[n] for n in inspect.signature(function).parameters if n in said)
+            function.__doc__ = f"{head}{listed}\n{tail}"
+        return function
+
+    return with_arguments
+
+
+def _parameters(words: str) -> tuple[str, str, str]:
+    """Return what stands before the entries of the section of parameters, these, and the next section."""
+    head, rule, rest = words.partition("Parameters\n    ----------\n")
+    own, tail = rest.split("\n\n", 1)
+    return head + rule, own + "\n", tail
+
+
+def _entries(section: str) -> dict[str, str]:
+    """Return the entries of a section by the name of their argument."""
+    found = re.findall(r"^    (\w+) : .*\n(?:        .*\n)*", section, re.MULTILINE)
+    return dict(zip(found, re.split(r"(?m)^(?=    \w+ : )", section)[1:], strict=True))

@@ -1,7 +1,8 @@
 """Results as files and tables: NumPy archives, CSV, pandas, xarray; each file appears whole or not at all.
 
-An archive has time, states and outputs by name; the rest stands in arrays whose names begin with
-`PREFIX`, and in one text in JSON among them. Nothing in it is pickled, and nothing is unpickled.
+An archive has time, states and outputs by name, states that kept their initial values among them; the
+rest stands in arrays whose names begin with `PREFIX`, and in one text in JSON among them. Nothing in it
+is pickled, and nothing is unpickled.
 """
 
 from __future__ import annotations
@@ -62,6 +63,11 @@ class Run(Protocol):
         ...
 
     @property
+    def held(self) -> Mapping[str, float]:
+        """States that kept their initial values, by name."""
+        ...
+
+    @property
     def outputs(self) -> Mapping[str, Array]:
         """Outputs by name."""
         ...
@@ -83,9 +89,10 @@ class Run(Protocol):
 
 
 def columns(result: Run) -> dict[str, Array]:
-    """Return time, states and outputs by name, each of shape (N,)."""
+    """Return time, states, those that kept their first values too, and outputs, by name, each (N,)."""
     states = dict(zip(result.names, result.y, strict=True))
-    return {"t": result.t, **states, **result.outputs}
+    held = {n: np.full(len(result.t), v) for n, v in result.held.items()}
+    return {"t": result.t, **states, **held, **result.outputs}
 
 
 def check_kind(table: Path) -> None:
@@ -99,7 +106,7 @@ def check_kind(table: Path) -> None:
 
 
 def save(result: Run, path: str | Path) -> Path:
-    """Write time, states and outputs to ``path``: a NumPy archive (.npz) or a table (.csv).
+    """Write the columns of a result to ``path``: a NumPy archive (.npz) or a table (.csv).
 
     Raises `InputError` for other endings and where the file cannot be written.
     """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,17 +11,14 @@ from numpy.typing import ArrayLike
 from codegen.compiling import events as looked_for
 from codegen.compiling import sampled
 from codegen.compiling.compiled import Compiled
-from codegen.compiling.compiled import compile as compile_system
 from codegen.compiling.events import Event
 from codegen.compiling.sampled import Sampled
 from codegen.compiling.signals import Inputs, reads_state
 from codegen.frontend.layout import completed, in_si, names_of, settled, to_array
 from codegen.integrate import scales as sizes_of
-from codegen.ir.program import SameObject
 from codegen.native.trajectory import Array, Law
 from codegen.runs import arguments, pruning
 from eom.errors import InputError
-from eom.system import System
 
 Values = Mapping[str, float | str] | Sequence[float] | Array | None
 InputValue = float | str | Callable[..., float] | Sampled
@@ -117,17 +113,6 @@ def _numbers(
     held, signals = _inputs(part.compiled, inputs)
     x0 = _start(part.compiled, part.start(initial))
     return x0, _parameters(part.compiled, parameters, x0, held, time), held, signals
-
-
-def compiled_of(system: System | Compiled) -> Compiled:
-    """Return a system compiled, the same again for the same object."""
-    return system if isinstance(system, Compiled) else compile_once(SameObject(system))
-
-
-@lru_cache(maxsize=64)
-def compile_once(key: SameObject[System]) -> Compiled:
-    """Return a system compiled, the same again for the same object."""
-    return compile_system(key.value)
 
 
 def _start(compiled: Compiled, initial: Values) -> Array:

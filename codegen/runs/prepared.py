@@ -9,7 +9,6 @@ again while these stay the same, bit for bit.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,26 +17,25 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen.compiling import events as looked_for
-from codegen.compiling.compiled import Compiled
+from codegen.compiling.compiled import Compiled, compiled_of
 from codegen.compiling.events import Event
 from codegen.compiling.events import Given as EventsGiven
-from codegen.frontend.layout import names_of
-from codegen.integrate.choice import Task
-from codegen.integrate.methods import METHODS, Native, can_project, integrator_of
+from codegen.frontend.layout import Layout, names_of
+from codegen.integrate.choice import Decided, Task
+from codegen.integrate.methods import METHODS, Native, begin, can_project, decided, integrator_of
 from codegen.integrate.methods import Integrator as Loop
 from codegen.integrate.scales import quickly
-from codegen.ir.program import INVARIANTS, SINGULARITIES
+from codegen.ir.program import INVARIANTS, SINGULARITIES, Program
 from codegen.loops.projection import chosen
 from codegen.loops.runge_kutta import Quick
 from codegen.native import native
-from codegen.native.trajectory import MAX_STEPS, Array, Problem, varied
+from codegen.native.trajectory import Array, Problem, varied
 from codegen.runs import arguments, pruning
 from codegen.runs.clock import clock_of
 from codegen.runs.given import (
     Given,
     InputsGiven,
     Values,
-    compiled_of,
     given_of,
     part_of,
     smallest,
@@ -108,8 +106,14 @@ class _Ready:
         self.names = names_of(compiled.layout.states)
         self.winding = any(a.winding for a in compiled.system.angles)
         self.fixed = self.clock is None and asked.method != AUTO and not compiled.system.sampled
+        self.chooses = (
+            self.clock is None
+            and asked.method == AUTO
+            and not (compiled.system.sampled or self.winding)
+        )
         self._loop: tuple[Loop, str] | None = None
         self._quick: Quick | None = None
+        self._decided: tuple[bytes, Decided | None] = b"", None
 
     def loop(self, task: Task) -> tuple[Loop, str]:
         """Return what integrates a task, and its name; the same again where values do not matter."""
@@ -128,20 +132,39 @@ class _Ready:
 
     def run(self, given: Given, atol: tuple[Array, str], progress: Progress | None) -> Result:
         """Integrate from what is given; ``atol``: tolerances, and what is to be said of them."""
-        quick = self._quick
-        if quick is None or given.signals is not None or given.laws or progress is not None:
+        if given.signals is not None or given.laws or progress is not None:
             return self._in_general(given, atol, progress)
-        made = quick.integrate(self.problem, given.x0, given.values, given.held, atol[0])
+        quick, made, used = self._quick, None, ""
+        began = time.perf_counter()
+        if quick is not None:
+            made = quick.integrate(self.problem, given.x0, given.values, given.held, atol[0])
+            used = self.own_loop()[1]
+        elif self.chooses and (decided := self._decision(given, atol[0])) is not None:
+            run, used = decided
+            made = run(self._problem(given, atol[0]))
+        if made is None:
+            return self._in_general(given, atol, progress)
+        seconds = time.perf_counter() - began if made.seconds is None else made.seconds
         found = Found(self._task, made, self.asked.method, None, ("", atol[1]), (given, atol[0]))
-        return result_of(
-            found, self.own_loop()[1], made.seconds or 0.0, self.names, self.part.left_out
-        )
+        return result_of(found, used, seconds, self.names, self.part.left_out)
 
-    def _task(self, given: Given, atol: Array, progress: Progress | None = None) -> Task:
-        problem = varied(
+    def _decision(self, given: Given, atol: Array) -> Decided | None:
+        """Return what `auto` decides whatever the initial state, anew where other values are given."""
+        values = given.values.tobytes() + given.held.tobytes()
+        known, decision = self._decided
+        if known != values:
+            decision = decided(self._task(given, atol))
+            self._decided = values, decision
+        return decision
+
+    def _problem(self, given: Given, atol: Array, progress: Progress | None = None) -> Problem:
+        return varied(
             self.problem, x0=given.x0, parameters=given.values, inputs=given.held, atol=atol,
             laws=given.laws, progress=progress,
         )  # fmt: skip
+
+    def _task(self, given: Given, atol: Array, progress: Progress | None = None) -> Task:
+        problem = self._problem(given, atol, progress)
         return varied(self.task, problem=problem, signals=given.signals)
 
     def _in_general(
@@ -308,6 +331,11 @@ def run_of(
     return prepared._run(initial, parameters, inputs, progress)
 
 
+def prepared(asked: Asked, inputs: InputsGiven | None) -> Integrator:
+    """Return an integrator whose loop is compiled, if the method says which it is."""
+    return Integrator(asked, {} if inputs is None else inputs)._prepare()
+
+
 _CHECKED = _Checked()
 
 
@@ -330,14 +358,20 @@ def asked_of(
 ) -> Asked:
     """Return how to integrate. Raises `InputError` for what does not fit, whatever the values of a run."""
     found = looked_for.checked(events)
-    span = _span(t_span, t_eval)
+    span, relative, name = _span(t_span, t_eval), arguments.relative(rtol), spelt(method, METHODS)
+    beside = None if outputs or found or project or epoch else loop_of(name, relative)
     return Asked(
-        compiled_of(system), span, spelt(method, METHODS), arguments.relative(rtol), atol,
+        compiled_of(system, beside), span, name, relative, atol,
         None if t_eval is None else arguments.grid(t_eval, span), outputs, dense_output,
         arguments.optional(first_step, "first_step"), arguments.positive(max_step, "max_step"),
         arguments.count(max_steps), arguments.positive(margin, "margin"), project, found,
         arguments.finite(epoch, "epoch"),
     )  # fmt: skip
+
+
+def loop_of(method: str, rtol: float) -> Callable[[Program, Layout], None]:
+    """Return what begins to compile the loop of a method, for `codegen.ir.compile_progress.beside`."""
+    return lambda program, layout: begin(program, layout, method, rtol)
 
 
 def _span(t_span: tuple[float, float] | None, t_eval: ArrayLike | None) -> tuple[float, float]:
@@ -352,98 +386,3 @@ def _span(t_span: tuple[float, float] | None, t_eval: ArrayLike | None) -> tuple
             expected="t_span, start and end, or t_eval, times to store from the start on",
         )
     return arguments.span((float(times.flat[0]), float(times.flat[-1])))
-
-
-@typed
-def integrator(
-    system: System | Compiled,
-    t_span: tuple[float, float] | None = None,
-    method: str = AUTO,
-    rtol: float = 1e-9,
-    atol: ArrayLike | None = None,
-    t_eval: ArrayLike | None = None,
-    *,
-    inputs: InputsGiven | None = None,
-    outputs: Sequence[str] | None = None,
-    dense_output: bool = False,
-    first_step: float | None = None,
-    max_step: float = math.inf,
-    max_steps: int = MAX_STEPS,
-    margin: float = DEFAULT_MARGIN,
-    project: bool | str | Sequence[str] | None = None,
-    events: EventsGiven = None,
-    epoch: float = 0.0,
-) -> Integrator:
-    """Prepare runs of ``system`` once, to make many with other values: ``run(initial, parameters)``.
-
-    A run gives what `codegen.simulate` gives, to the last bit.
-
-    Parameters
-    ----------
-    system : System or Compiled
-        What to integrate.
-    t_span : (float, float), optional
-        Start and end (s). May be left out where ``t_eval`` is given: then it is from its first to its
-        last time.
-    method : str, default "auto"
-        One of `METHODS`. One that is named is compiled here; what ``auto`` chooses, which depends on
-        the values, at the first run that needs it, and closed forms are found for each run.
-    rtol : float, default 1e-9
-        Relative tolerance of a step.
-    atol : float or array, optional
-        Absolute tolerance, a number or (n,).
-    t_eval : array, optional
-        Times to store (s); every step unless given.
-    inputs : mapping or callable, optional
-        For runs that are given none.
-    outputs : sequence of str, optional
-        Names of outputs and states that are wanted; all unless given.
-    dense_output : bool, default False
-        Whether results have ``sol``, a function of time.
-    first_step, max_step : float, optional
-        Length of the first step, and of the longest (s).
-    max_steps : int
-        Most steps to try.
-    margin : float, default 1e-6
-        Runs stop where a singularity's expression gets below it.
-    project : bool, str or sequence of str, optional
-        Invariants onto which the state is brought back after each step.
-    events : Event, expression, or several, optional
-        Zeros of expressions to find.
-    epoch : float, default 0
-        Time (s) of the system at which t is zero.
-
-    Returns
-    -------
-    Integrator
-        What `Integrator.run` calls with values.
-
-    Raises
-    ------
-    InputError
-        For unusable arguments.
-    CompilerError
-        Where the method needs C and there is no compiler.
-
-    Notes
-    -----
-    `codegen.simulate` says more of each argument; they are the same. A run that ends within some
-    hundred steps costs a few microseconds beside its loop where values are numbers by name or in order,
-    the method runs in generated C, and nothing is looked for on the way; with units in texts,
-    functions, laws, events, projection, dense output or fewer ``outputs`` it costs more. Units are
-    those of the system.
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> y, v, k = sp.symbols("y v k", real=True)
-    >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y})
-    >>> swing = integrator(oscillator, t_eval=[0, sp.pi], method="scipy:DOP853")
-    >>> [round(float(swing.run({"y": 1, "v": 0}, {"k": k})["y"][-1]), 6) for k in (1, 4)]
-    [-1.0, 1.0]
-    """
-    asked = asked_of(
-        system, t_span, method, rtol, atol, t_eval, outputs, dense_output, first_step, max_step,
-        max_steps, margin, project, events, epoch,
-    )  # fmt: skip
-    return Integrator(asked, {} if inputs is None else inputs)._prepare()

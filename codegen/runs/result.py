@@ -162,7 +162,7 @@ class Result:
     estimate: Accuracy | None = field(default=None, repr=False, compare=False)
     """What `with_accuracy` found."""
     units: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
-    """Unit of time (under ``t``), and of each state and output, by name."""
+    """Unit of time (under ``t``), and of each state, held or not, and output, by name."""
 
     @typed
     def accuracy(self, limit: float | None = None) -> Accuracy:
@@ -292,8 +292,8 @@ class Result:
     def to_pandas(self) -> Any:
         """Return a data frame of pandas: states and outputs in columns, by the time in its index.
 
-        Their units stand in ``attrs["units"]``. Raises `InputError` where pandas is not installed (extra
-        ``tables``).
+        States that kept their initial values have columns, too. Their units stand in ``attrs["units"]``.
+        Raises `InputError` where pandas is not installed (extra ``tables``).
         """
         return frame(self)
 
@@ -312,7 +312,8 @@ class Result:
         ----------
         path : str or path
             A NumPy archive (.npz), which `load` reads, with time, states and outputs by name, units
-            and the rest beside them; or a table (.csv) of time, states and outputs alone.
+            and the rest beside them; or a table (.csv) of time, states and outputs alone. States that
+            kept their initial values are among them.
 
         Returns
         -------
@@ -362,7 +363,9 @@ class Result:
         -------
         Picture
             Quantities of one unit are drawn together, the drift of constants of the motion below
-            (`eom.views.time.histories`). Units are those of the system; angles in rad.
+            (`eom.views.time.histories`). Units are those of the system; angles in rad. Its
+            ``save(path)`` writes a file .png, .svg, .pdf or .html, and its ``figure()`` is one of
+            Matplotlib.
 
         Raises
         ------
@@ -541,10 +544,10 @@ class Found:
 
     @property
     def units(self) -> dict[str, str]:
-        """The unit of time, and of each state and output."""
+        """The unit of time, and of each state, held or not, and output."""
         layout = self.task.compiled.layout
         known = {q.name: q.unit for q in layout.known}
-        names = (*names_of(layout.states), *self.outputs)
+        names = (*names_of(layout.states), *self.held, *self.outputs)
         return {"t": "s", **{n: known.get(n, "") for n in names}}
 
     @property

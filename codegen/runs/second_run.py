@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.signals import Followed, Inputs
-from codegen.integrate import choice
+from codegen.integrate import choice, methods
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
 from codegen.ir.program import SameObject
@@ -147,15 +147,36 @@ class Second:
 Runner = Callable[[Origin, Problem, Candidate, Array], Second]
 
 
+def begin(origin: object) -> None:
+    """Begin to compile the loop of the second run, beside all that is done before `second_run`.
+
+    ``origin``: that of a result; nothing is begun where it is none.
+    """
+    if not isinstance(origin, Origin) or origin.problem.laws or origin.compiled.target != "c":
+        return
+    compiled = origin.compiled
+    for first in _candidates(origin):
+        if first.method != "taylor" or _has_series(origin):
+            rtol = max(first.finer * origin.problem.rtol, first.least)
+            methods.begin(compiled.program, compiled.layout, first.method, rtol)
+            return
+
+
+def _candidates(origin: Origin) -> list[Candidate]:
+    """Return what may make the second run, in order: methods of other families than the first."""
+    used = {FAMILIES.get(m, m) for m in origin.methods}
+    found = [c for c in CANDIDATES if FAMILIES.get(c.method, c.method) not in used]
+    if any(m in IMPLICIT for m in origin.methods):
+        return [c for c in found if c.method != "taylor"]
+    return found
+
+
 def second_run(origin: Origin, track: Track, limit: float) -> Second | str:
     """Return the second run over the times of a track, or why there is none.
 
     ``limit``: seconds of processor time for all that is tried.
     """
-    used = {FAMILIES.get(m, m) for m in origin.methods}
-    candidates = [c for c in CANDIDATES if FAMILIES.get(c.method, c.method) not in used]
-    if any(m in IMPLICIT for m in origin.methods):
-        candidates = [c for c in candidates if c.method != "taylor"]
+    candidates = _candidates(origin)
     reasons: list[str] = []
     partial: list[Second] = []
     end = time.process_time() + limit

@@ -1,4 +1,7 @@
-"""Simulate a system: one run of an integrator that is prepared, and kept for the next one."""
+"""Simulate a system: one run of an integrator that is prepared, and kept for the next one.
+
+Integrators that are kept by whoever makes many runs; what both take is said once, with `simulate`.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,9 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.events import Given
 from codegen.ir.program import SameObject
 from codegen.native.trajectory import MAX_STEPS
+from codegen.runs.arguments import arguments_of
 from codegen.runs.given import InputsGiven, Values
-from codegen.runs.prepared import AUTO, DEFAULT_MARGIN, Integrator, asked_of, run_of
+from codegen.runs.prepared import AUTO, DEFAULT_MARGIN, Integrator, asked_of, prepared, run_of
 from codegen.runs.result import Result
 from eom.errors import typed
 from eom.system import System
@@ -154,6 +158,79 @@ def simulate(
     )  # fmt: skip
     run = run_of(_prepared(arguments), initial, parameters, inputs, progress)
     return run.with_accuracy() if accuracy else run
+
+
+@typed
+@arguments_of(simulate)
+def integrator(  # noqa: D417 - what `simulate` says of its arguments is put in
+    system: System | Compiled,
+    t_span: tuple[float, float] | None = None,
+    method: str = AUTO,
+    rtol: float = 1e-9,
+    atol: ArrayLike | None = None,
+    t_eval: ArrayLike | None = None,
+    *,
+    inputs: InputsGiven | None = None,
+    outputs: Sequence[str] | None = None,
+    dense_output: bool = False,
+    first_step: float | None = None,
+    max_step: float = math.inf,
+    max_steps: int = MAX_STEPS,
+    margin: float = DEFAULT_MARGIN,
+    project: bool | str | Sequence[str] | None = None,
+    events: Given = None,
+    epoch: float = 0.0,
+) -> Integrator:
+    """Prepare runs of ``system`` once, to make many with other values: ``run(initial, parameters)``.
+
+    A run gives what `codegen.simulate` gives, to the last bit.
+
+    Parameters
+    ----------
+    system : System or Compiled
+        What to integrate.
+    t_span : (float, float), optional
+        Start and end (s). May be left out where ``t_eval`` is given: then it is from its first to its
+        last time.
+    method : str, default "auto"
+        One of `METHODS`. One that is named is compiled here; what ``auto`` chooses, which depends on
+        the values, at the first run that needs it, and closed forms are found for each run.
+    inputs : mapping or callable, optional
+        For runs that are given none.
+
+    Returns
+    -------
+    Integrator
+        What `Integrator.run` calls with values.
+
+    Raises
+    ------
+    InputError
+        For unusable arguments.
+    CompilerError
+        Where the method needs C and there is no compiler.
+
+    Notes
+    -----
+    A run that ends within some hundred steps costs a few microseconds beside its loop where values are
+    numbers by name or in order, the method runs in generated C, and nothing is looked for on the way;
+    with units in texts, functions, laws, events, projection, dense output or fewer ``outputs`` it costs
+    more. Units are those of the system.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y})
+    >>> swing = integrator(oscillator, t_eval=[0, sp.pi], method="scipy:DOP853")
+    >>> [round(float(swing.run({"y": 1, "v": 0}, {"k": k})["y"][-1]), 6) for k in (1, 4)]
+    [-1.0, 1.0]
+    """
+    asked = asked_of(
+        system, t_span, method, rtol, atol, t_eval, outputs, dense_output, first_step, max_step,
+        max_steps, margin, project, events, epoch,
+    )  # fmt: skip
+    return prepared(asked, inputs)
 
 
 Arguments = tuple[Any, ...]

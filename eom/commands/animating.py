@@ -64,9 +64,10 @@ def animate(
 ) -> None:
     """Simulate SCENE and write its motion in space as one HTML page, or as an animated picture.
 
-    The page is below 3 MB, asks nothing from the network, and has play, pause, speed, a time slider,
-    trails, frames and vectors of omega, H and torque. An animated picture is at most 20 MB. Bodies
-    without a shape are drawn as uniform bodies of equal inertia; the page says which.
+    The page is below 2 MB, asks nothing from the network, and has play, pause, speed, a time slider,
+    trails, frames, vectors of omega and H, and forces and torques with their numbers. An animated
+    picture is at most 20 MB. Bodies without a shape are drawn as uniform bodies of equal inertia; the
+    page says which.
     """
     from codegen.runs.export import whole
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +26,8 @@ END = "q"
 def lexicon_asked(notes: Sequence[Note], settings: Settings) -> Settings:
     """Ask what the symbols of a note mean, write its lexicon, and return settings that name it.
 
-    Raises `InputError` for more than one note, for what is no file, and where there is a lexicon already.
+    What was left open stays so: a guess is no answer. Where nothing is said nothing is written. Raises
+    `InputError` for more than one note, for what is no file, and where there is a lexicon already.
     """
     from codegen.compiling.compiled import write_files
     from eom.checker.infer.draft import proposed
@@ -44,15 +46,32 @@ def lexicon_asked(notes: Sequence[Note], settings: Settings) -> Settings:
             "this note has a lexicon", where="--ask", got=printable(report.lexicon),
             hint="change that file, or move it away",
         )  # fmt: skip
-    draft = proposed(document_of(note, settings.kind))
-    for question in report.questions[:MAX_QUESTIONS]:
-        answer = _asked(question, draft)
-        if answer is None:
-            break
-        draft = answer
+    first = proposed(document_of(note, settings.kind))
+    draft = _interview(report.questions[:MAX_QUESTIONS], first)
+    if draft is first:
+        click.echo("nothing was said: no lexicon is written", err=True)
+        return settings
     write_files({target.name: draft.toml}, target.parent)
     click.echo(f"wrote {printable(target)}", err=True)
     return replace(settings, lexicon=str(target))
+
+
+def _interview(questions: Sequence[Question], draft: Proposal) -> Proposal:
+    """Return the draft with what was said; of symbols left open, without their guesses.
+
+    It is the same draft where nothing was said.
+    """
+    from eom.checker.infer.asking import left_open
+
+    said, silent = draft, list(questions)
+    for question in questions:
+        answer = _asked(question, said)
+        if answer is None:
+            break
+        if answer is not said:
+            silent.remove(question)
+        said = answer
+    return draft if said is draft else reduce(left_open, silent, said)
 
 
 def _asked(question: Question, draft: Proposal) -> Proposal | None:

@@ -129,6 +129,7 @@ def _write_fmu(
 ) -> None:
     """Write a scene as a functional mock-up unit. Raises `InputError` for options of other targets."""
     import codegen
+    from codegen.native import native
 
     _refuse_options(options, "--target fmu", but=("target", "rtol"))
     assert folder is not None
@@ -140,6 +141,11 @@ def _write_fmu(
             compiling(show),
         )  # fmt: skip
     report_files([path])
+    if not platform and not native.compiler():
+        click.echo(
+            "note: no C compiler found: sources alone are in it, which not every tool compiles; "
+            f"for a library {native.GET_COMPILER}", err=True,
+        )  # fmt: skip
 
 
 def _refuse_options(options: Mapping[str, Any], what: str, but: Sequence[str] = ()) -> None:

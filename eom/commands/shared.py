@@ -9,7 +9,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -130,11 +130,20 @@ def news(notice: str, noted: str) -> str:
     return notice.replace(noted, "", 1).removeprefix("; ") if noted else notice
 
 
-def compiled_of(scene: AnyScene, target: str, stable: bool = False) -> Compiled:
-    """Return a scene compiled; what the user should know about it goes to standard error."""
-    import codegen
+def compiled_of(
+    scene: AnyScene, target: str, stable: bool = False, *, runs: bool = False
+) -> Compiled:
+    """Return a scene compiled; what the user should know about it goes to standard error.
 
-    with waiting_for("deriving") as show:
+    ``runs``: whether it is integrated as the scene says; its loop is then compiled meanwhile.
+    """
+    import codegen
+    from codegen.ir import compile_progress
+    from codegen.runs.prepared import loop_of
+
+    plan = scene.integration
+    beside = compile_progress.beside(loop_of(plan.method, plan.rtol)) if runs else nullcontext()
+    with waiting_for("deriving") as show, beside:
         compiled = codegen.compile(scene.derive(), target, stable=stable, progress=compiling(show))
     if compiled.notice:
         click.echo(f"note: {compiled.notice}", err=True)

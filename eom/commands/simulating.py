@@ -80,7 +80,7 @@ def job_of(
     """Return the job of a scene. Raises `InputError` for what does not go together."""
     import codegen
 
-    compiled = compiled_of(scene, target)
+    compiled = compiled_of(scene, target, runs=not (project or events))
     plan = scene.integration
     found = events_of(events, compiled.system)
 
@@ -139,7 +139,7 @@ def simulate(
     unit. A run that ends at an event of the kind stop ends as it should, with exit status 0. With
     --out, events are saved to FILE.events.csv: number of the event, direction, time and states.
     """
-    from codegen.runs import export
+    from codegen.runs import export, second_run
 
     if file is not None:
         export.check_kind(file)
@@ -148,6 +148,8 @@ def simulate(
     chosen = scene_of(scene, **plan)
     job = job_of(chosen, target, project, events)
     result = _simulate(job)
+    if estimated and result.seconds <= LONGEST:
+        second_run.begin(result.origin)
     _save(job, result, file, plot, err=as_json)
     result, accuracy = _estimated(result, estimated)
     if as_json:
@@ -172,6 +174,7 @@ def run(
 ) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
     from codegen.compiling.compiled import write_files
+    from codegen.runs import second_run
     from eom.views.draw.saving import can_write
 
     chosen = scene_of(scene, **plan)
@@ -180,6 +183,8 @@ def run(
     click.echo()
     report_files(write_files(job.files, folder))
     result = _simulate(job)
+    if estimated and result.seconds <= LONGEST:
+        second_run.begin(result.origin)
     picture = folder / "trajectory.png"
     drawn = can_write(picture)
     _save(job, result, folder / "trajectory.npz", picture if drawn else None)
@@ -314,6 +319,7 @@ def data(job: Job, result: Result, accuracy: Accuracy | str = "") -> dict[str, A
         "events": {n: finite(e.t.tolist()) for n, e in result.events.items()},
         "t": finite(result.t.tolist()),
         "states": {n: finite(row) for n, row in rows},
+        "held": {n: finite(value) for n, value in result.held.items()},
         "outputs": {n: finite(row.tolist()) for n, row in result.outputs.items()},
     }
 

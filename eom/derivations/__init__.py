@@ -13,7 +13,7 @@ import importlib
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from eom.errors import typed, unknown_name
+from eom.errors import InputError, near_matches, typed
 
 if TYPE_CHECKING:
     from eom.derivations.derived import Derived
@@ -189,7 +189,8 @@ def _made(name: str) -> Derived:
         made: Derived = module.solid_inertia(solids[name])
         return made
     if name not in _MAKERS:
-        raise unknown_name("derivation", name, names())
+        hint = near_matches(name, names()) or "eom list names them"
+        raise InputError(f"unknown derivation {name!r}", hint=hint)
     module_name, function, _, _ = _MAKERS[name]
     module = importlib.import_module(f"eom.derivations.chapters.{module_name}")
     result: Derived = getattr(module, function)()

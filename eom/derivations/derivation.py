@@ -59,7 +59,14 @@ from eom.terms.terms import (
     nodes,
     zero,
 )
-from eom.terms.vocabulary import definition, omega, position, quantity, velocity
+from eom.terms.vocabulary import (
+    definition,
+    label_words,
+    omega,
+    position,
+    quantity,
+    velocity,
+)
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.own import Furnished
 from eom.worlds.worlds import closure
@@ -449,7 +456,7 @@ class Derivation:
         if place.kind != VECTOR:
             raise DerivationError("the place of a point is a vector", where=name, got=place.kind)
         self.own.points[name] = place
-        self._defined(position(name), f"where {name} is")
+        self._defined(position(name), f"where {label_words(name)} is")
 
     def _defined(self, named: Term, words: str) -> None:
         """State what a new quantity is; nothing of it is kept where it has no value."""
@@ -500,7 +507,7 @@ class Derivation:
         self.point(name, place)
         row = OwnBody(name, as_term(mass), frame, tuple(map(as_term, moments)))
         self.own.bodies[name] = row
-        self.define(quantity("mass", name), f"mass of {name}")
+        self.define(quantity("mass", name), f"mass of {label_words(name)}")
 
     def _new(self, name: str, taken: Collection[str]) -> None:
         if name in taken or name in INDICES or not name.isidentifier():

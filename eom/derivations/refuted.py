@@ -153,6 +153,7 @@ def _left_over(equation: Equation, kit: Written) -> Value | None:
 
 
 def entries(value: Value) -> list[Any]:
+    """Return the components of a value, one of a scalar."""
     return list(value) if isinstance(value, sp.MatrixBase) else [sp.sympify(value, strict=True)]
 
 

@@ -445,7 +445,9 @@ class _Notes:
         told = f"Assumed: {assumed}." if assumed else ""
         words = capitalised(step.reason, self.known)
         said, before = (phrases(w, self.known) for w in (words, told))
-        return Note(self.numbers[step.label], said, phrases(remarks, self.known | FACTORS), before)
+        return Note(
+            self.numbers[step.label], said, phrases(remarks, {**self.known, **FACTORS}), before
+        )
 
     def _stated(self, label: str) -> str:
         """Return the label of a display or claim, at its first mention with what was corrected in it."""

@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
 
+from eom.derivations.deciding import Deciding
 from eom.derivations.refuted import Written, entries
-from eom.derivations.verification import FALSE, DerivationError, verify
+from eom.derivations.verification import FALSE, DerivationError
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.terms.own import Own
-from eom.terms.rules import slopes, spelt_out
 from eom.terms.terms import Equation, Term, expr, nodes
 from eom.worlds.evaluate import Evaluator, flat
-from eom.worlds.own import Furnished, furnished, highest_rates
+from eom.worlds.own import furnished, highest_rates
 from eom.worlds.small import small_world
 
 Expr = Any
@@ -37,7 +37,10 @@ DIFFERENT = 1e-9
 
 @dataclass(frozen=True)
 class Numbers:
-    """What the symbols are, with sines and cosines, and what both sides of a line then are."""
+    """Numbers for which a line fails.
+
+    ``values``: of symbols, sines and cosines; ``sides``: what both sides then are, by components in I.
+    """
 
     values: Mapping[Expr, Expr]
     sides: tuple[tuple[Expr, ...], tuple[Expr, ...]]
@@ -47,28 +50,24 @@ class Numbers:
 class Judge:
     """A finished derivation, asked about other lines: whether they are false, and for which numbers.
 
-    ``scalars``: what symbols stand for; ``own``: frames, points, bodies and laws of the derivation.
+    ``scalars``: what symbols stand for; ``own``: frames, points, bodies and laws of the derivation;
+    ``lines``: what decides them, made of both.
     """
 
     scalars: Mapping[Any, Term]
     own: Own
-    drawn: Furnished = field(init=False, repr=False)
+    lines: Deciding = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        known = {s: self._carry(t) for s, t in self.scalars.items()}
-        object.__setattr__(self, "drawn", Furnished(self.own, known))
-
-    def _carry(self, term: Term) -> Term:
-        return slopes(dict(self.scalars), self.own)(spelt_out(self.own)(term))
-
-    def carried(self, equation: Equation) -> Equation:
-        """Return an equation with partial derivatives carried out."""
-        return Equation(self._carry(equation.left), self._carry(equation.right))
+        object.__setattr__(self, "lines", Deciding(self.own, self.scalars))
 
     def refutes(self, equation: Equation, assumptions: Iterable[str]) -> bool:
-        """Return whether an equation is false in a world in which all laws hold; undecided ones are not."""
+        """Return whether an ``equation`` is false in a world in which all laws hold.
+
+        ``assumptions``: under which it is claimed. False of what is undecided.
+        """
         try:
-            verify(self.carried(equation), assumptions, self.drawn.scalars, drawn=self.drawn)
+            self.lines.decided(replace(equation, relation="="), assumptions)
         except DerivationError as error:
             return error.what == FALSE
         except InputError:
@@ -80,16 +79,18 @@ class Judge:
     ) -> Numbers | None:
         """Return small numbers for which both sides of ``wrong`` differ, and those of ``right`` do not.
 
-        None where none are found. What is not written by coordinates and constants has those of a world.
+        ``assumptions``: under which both are claimed. None where none are found. What is not written by
+        coordinates and constants has those of a world.
         """
         try:
-            lines = self.carried(wrong), self.carried(right)
+            lines = self.lines.carried(wrong), self.lines.carried(right)
+            scalars = self.lines.worlds().scalars
         except InputError:
             return None
         try:
-            return _by_symbols(*lines, self.drawn.scalars, self.own)
+            return _by_symbols(*lines, scalars, self.own)
         except InputError:
-            return _in_a_world(*lines, self.drawn.scalars, self.own, tuple(assumptions))
+            return _in_a_world(*lines, scalars, self.own, tuple(assumptions))
 
 
 def _by_symbols(

@@ -148,7 +148,13 @@ def _is_identity(equation: Equation, scalars: Scalars) -> bool:
 
 
 def in_full(e: Any, known: Mapping[Any, Any]) -> Any:
-    """Return an expression with what its symbols stand for put in, and what stands in that."""
+    """Return an expression with what its symbols stand for put in, and what stands in that.
+
+    Raises `InputError` for a derivative by a symbol that stands for something.
+    """
+    given = {v for n in e.atoms(sp.Derivative) for v in n.variables} & known.keys()
+    if given:
+        raise InputError("a derivative by what is no variable", got=", ".join(map(str, given)))
     while e.free_symbols & known.keys():
         e = e.xreplace(known)
     return e

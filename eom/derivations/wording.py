@@ -62,12 +62,11 @@ def notation_of(derivation: Any, notation: Notation) -> Notation:
 
 
 def spelt(derivation: Any, notation: Notation) -> Any:
-    """Return a derivation whose scalars are called as the notation calls the quantities they stand for."""
+    """Return a derivation whose whole mass has the letter that it has in the notation: one, not two."""
     names = {}
     for s, meaning in derivation.scalars.items():
-        letter = write(meaning, notation, "ascii") if meaning.head == "atom" else s.name
-        if letter != s.name and letter.isalpha() and meaning.data[0] in notation.letters:
-            names[s] = type(s)(letter, **s.assumptions0)
+        if meaning.head == "atom" and meaning.data[0] == "total_mass":
+            names[s] = type(s)(write(meaning, notation, "ascii"), **s.assumptions0)
     if not names:
         return derivation
     renamed = entrywise(lambda e: e.xreplace(names))

@@ -307,7 +307,7 @@ def inverse(m: Matrix) -> Matrix:
 def cayley(s: Vector) -> Matrix:
     """Return the rotation with Gibbs vector ``s``, the axis times tan(angle / 2).
 
-    C = ((1 - s.s) 1 + 2 s s^T - 2 skew(s)) / (1 + s.s) (Hughes, 1986, eq. 2.2-27).
+    C = ((1 - s.s) 1 + 2 s s^T - 2 skew(s)) / (1 + s.s) (Hughes, 1986, sect. 2.2).
     """
     one = constant(s[0].field, 1, len(s[0].coefficients))
     square = dot(s, s)

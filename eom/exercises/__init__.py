@@ -4,8 +4,8 @@ A slip that people make is planted in a line of one of the derivations of this p
 hand derivations proves that it finds fault with that line and with no other, and gives a state in small
 numbers at which the line fails. The same topic and seed give the same bytes.
 
-Imports: `eom.checker.mean`, `eom.checker.note`, `eom.checker.report`, `eom.derivations`, `eom.errors`,
-`eom.mass`, `eom.terms`, `eom.typeset`.
+Imports: `eom.checker.mean`, `eom.checker.note`, `eom.checker.read`, `eom.checker.report`,
+`eom.derivations`, `eom.errors`, `eom.mass`, `eom.terms`, `eom.typeset`.
 
 >>> made = exercise("point-mass", seed=1)
 >>> made.number, made.planted.slip.name

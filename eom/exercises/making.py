@@ -2,8 +2,9 @@
 
 A line and a slip are drawn by the seed; the slip counts if the checker finds fault with that line and
 with no other. In a derivation with frames, bodies or laws of its own, of which a note can tell little, the
-line is proved false in the derivation's own worlds; there all others were verified. Lines after it stay as they were: each of them is right by itself, whatever the line
-before it, so that exactly one line of the page is false.
+line is proved false in the derivation's own worlds; there all others were verified. Lines after it stay as
+they were: each of them is right by itself, whatever the line before it, so that exactly one line of the
+page is false.
 """
 
 from __future__ import annotations

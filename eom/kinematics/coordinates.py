@@ -53,7 +53,7 @@ def elementary(axis: int, angle: Expr) -> Expr:
 
     References
     ----------
-    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10.
+    Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2.
 
     Examples
     --------
@@ -264,7 +264,7 @@ class UnitQuaternion:
 
     @property
     def matrix(self) -> Expr:
-        """``C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q)`` (Hughes, eq. 2.2-27)."""
+        """``C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q)`` (Hughes, sect. 2.2)."""
         return sp.ImmutableMatrix(cosines(self.symbols))
 
     def rates(self, omega: Vector) -> tuple[Expr, ...]:

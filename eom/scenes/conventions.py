@@ -289,7 +289,7 @@ def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -
 
     References
     ----------
-    Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27; Shuster, J. Astronaut. Sci. 41 (1993)
+    Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.2; Shuster, J. Astronaut. Sci. 41 (1993)
     439.
 
     Examples

@@ -238,6 +238,15 @@ def _as_value(value: Any) -> Any:
 Values = dict[str, Annotated[Value, pydantic.BeforeValidator(_as_value)]]
 
 
+def _coherent(unit: str) -> str:
+    """Refuse unknown units, and those with a factor."""
+    coherent(unit)
+    return unit
+
+
+Coherent = Annotated[str, pydantic.AfterValidator(_coherent)]
+
+
 def _as_rate(value: Any) -> Any:
     return value if isinstance(value, dict | StateOfControl) else {"rate": value}
 
@@ -250,18 +259,26 @@ class StateOfControl(Part):
 
     rate: Formula | None = None
     next: Formula | None = None
-    unit: str = ""
+    unit: Coherent = ""
     meaning: str = ""
 
-    @pydantic.field_validator("unit")
-    @classmethod
-    def _known(cls, unit: str) -> str:
-        """Refuse unknown units, and those with a factor."""
-        coherent(unit)
-        return unit
+
+def _as_formula(value: Any) -> Any:
+    return value if isinstance(value, dict | DefinitionOfControl) else {"formula": value}
+
+
+class DefinitionOfControl(Part):
+    """A ``formula`` that others share, with ``unit`` of SI and ``meaning``, a text for pages."""
+
+    formula: Formula
+    unit: Coherent = ""
+    meaning: str = ""
 
 
 Rates = dict[str, Annotated[StateOfControl, pydantic.BeforeValidator(_as_rate)]]
+
+
+Shared = dict[str, Annotated[DefinitionOfControl, pydantic.BeforeValidator(_as_formula)]]
 
 
 class Control(Part):
@@ -270,8 +287,9 @@ class Control(Part):
     ``laws``: a formula for each input that is controlled, in its unit; such an input need not stand in
     ``inputs``. ``states``: of the control itself (an integrator, observer or filter), each by the formula
     of its rate; they start at zero unless ``initial`` says otherwise. ``definitions``: formulas that others
-    share, by name. All are over parameters, inputs, states, outputs, t, what the scene defines, and each
-    other, in any order. Laws and definitions can be asked for as outputs.
+    share, by name, or tables with a unit and a meaning. All are over parameters, inputs, states, outputs,
+    t, what the scene defines, and each other, in any order. Laws and definitions can be asked for as
+    outputs.
 
     With a ``period`` (s) the laws are sampled, the first time at t = 0, and their inputs held in between;
     values take effect ``delay`` (s) later. States with a ``next`` value then change at the samples.
@@ -281,7 +299,7 @@ class Control(Part):
     delay: Delay = 0.0
     laws: dict[str, Formula] = Field(default_factory=dict)
     states: Rates = Field(default_factory=dict)
-    definitions: dict[str, Formula] = Field(default_factory=dict)
+    definitions: Shared = Field(default_factory=dict)
 
     @pydantic.model_validator(mode="after")
     def _check(self) -> Control:
@@ -310,7 +328,8 @@ class Control(Part):
         """All formulas, by section and name."""
         states = {n: s.rate if s.next is None else s.next for n, s in self.states.items()}
         known = {n: e for n, e in states.items() if e is not None}
-        return {"laws": self.laws, "states": known, "definitions": self.definitions}
+        shared = {n: d.formula for n, d in self.definitions.items()}
+        return {"laws": self.laws, "states": known, "definitions": shared}
 
     @property
     def words(self) -> set[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from functools import cached_property
@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self, get_args
 
 import pydantic
 import sympy as sp
+from pydantic_core import ErrorDetails
 
 from eom.displays import display
 from eom.errors import InputError, entries, near_matches, quoted
@@ -46,8 +47,12 @@ def data_of(file: Path) -> dict[str, Any]:
 def text_of(file: Path, pattern: str) -> str:
     """Return the text of a file; ``pattern``: files whose names are near matches."""
     if not file.is_file():
-        known = [p.name for p in file.parent.glob(pattern)] if file.parent.is_dir() else []
-        raise InputError("no such scene file", where=str(file), hint=near_matches(file.name, known))
+        folder, name = (file, "") if file.is_dir() else (file.parent, file.name)
+        known = [p.name for p in folder.glob(pattern)] if folder.is_dir() else []
+        raise InputError(
+            "no such scene file", where=str(file), got="" if name else "a folder",
+            hint=near_matches(name, known) or "eom list names the scenes that are ready",
+        )  # fmt: skip
     if file.stat().st_size > MAX_FILE_BYTES:
         raise InputError(
             "scene file is too large", where=str(file), expected=f"at most {MAX_FILE_BYTES} bytes"
@@ -293,10 +298,10 @@ class BaseScene(Request):
         read = self._control_over(names)
         if system.numbers == "values" and parse.has_decimals(self.control.formulas):
             system = replace(system, numbers="decimals")
-        own = {
-            n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning)
-            for n, s in self.control.states.items()
-        }
+        own, shared = (
+            {n: Quantity(sp.Symbol(n, real=True), s.unit, s.meaning) for n, s in group.items()}
+            for group in (self.control.states, self.control.definitions)
+        )
         gains = (
             Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the control")
             for n, v in self.parameters.items()
@@ -305,7 +310,7 @@ class BaseScene(Request):
         return system.closed_loop(
             read["laws"],
             {own[n]: e for n, e in read["states"].items() if n in stepped},
-            definitions=read["definitions"],
+            definitions={shared[n]: e for n, e in read["definitions"].items()},
             parameters=gains,
             period=self.control.period,
             delay=self.control.delay,
@@ -331,6 +336,8 @@ class BaseScene(Request):
 
     def _unit_of(self, section: str, name: str) -> str:
         """Return the unit of a formula of the control, as far as it is known here."""
+        if section == "definitions":
+            return self.control.definitions[name].unit
         unit = self.control.states[name].unit if section == "states" else ""
         return f"({unit})/s" if unit and name not in self.control.stepped else unit
 
@@ -340,7 +347,7 @@ class BaseScene(Request):
         units = {
             q.name: q.unit for q in (*(q for g in groups for q in g), *system.output_quantities)
         }
-        units |= dict.fromkeys(self.control.definitions, "") | {"t": "s"}
+        units |= {n: d.unit for n, d in self.control.definitions.items()} | {"t": "s"}
         units |= {n: s.unit for n, s in self.control.states.items()}
         own = {n: v.unit for n, v in {**self.parameters, **self.inputs}.items()}
         stated = Stated(units, own)
@@ -492,7 +499,7 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
         return own if own.where else own.at(".".join(map(str, ours[0][0]["loc"])))
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"])
-    more = f" (and {len(others)} more)" if others else ""
+    more = f" (and {len(others)} more: {_places(others)})" if others else ""
     if first["type"] == "extra_forbidden":
         key = str(first["loc"][-1])
         return InputError(
@@ -501,18 +508,45 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
             hint=near_matches(key, _keys_at(model, first["loc"][:-1])),
         )
     if first["type"] == "missing":
-        last = first["loc"][-1]
-        what = f"missing key {last!r}" if isinstance(last, str) else "too few values"
-        return InputError(f"{what}{more}", where=place)
+        return _missing(first, findings)
     said = _EXPECTED.get(first["type"], "")
     expected = said.format(place=place, **first.get("ctx", {})) or re.sub(
         "^(Input should be|Value error, expected) ", "", first["msg"]
     )
+    keys = ", ".join(_keys_at(model, first["loc"])) if first["type"].startswith("model_") else ""
     return InputError(
-        f"unusable value{more}", where=place, got=quoted(first["input"]), expected=expected
-    )
+        f"unusable value{more}", where=place, got=quoted(first["input"]), expected=expected,
+        hint=f"its keys: {keys}" if keys else "",
+    )  # fmt: skip
 
 
+def _place(finding: ErrorDetails) -> str:
+    return ".".join(str(part) for part in finding["loc"])
+
+
+def _places(findings: Sequence[ErrorDetails]) -> str:
+    """Return where findings are, as far as they are few."""
+    places = list(dict.fromkeys(map(_place, findings)))
+    return ", ".join(places[:FEW]) + ", ..." * (len(places) > FEW)
+
+
+def _missing(first: ErrorDetails, findings: Sequence[ErrorDetails]) -> InputError:
+    """Return the error for a key that is missing, or for a list that is too short."""
+    *place, last = first["loc"]
+    lacking = [f for f in findings if f["type"] == "missing" and f["loc"][:-1] == first["loc"][:-1]]
+    others = [f for f in findings if f not in lacking]
+    more = f" (and {len(others)} more: {_places(others)})" if others else ""
+    if isinstance(last, int):
+        return InputError(
+            f"too few values{more}", where=".".join(map(str, place)), got=quoted(first["input"]),
+            expected=f"{last + len(lacking)} values",
+        )  # fmt: skip
+    names = " and ".join(repr(f["loc"][-1]) for f in lacking)
+    return InputError(f"missing key {names}{more}", where=_place(first))
+
+
+FEW = 4
+"""Places of further findings that are named."""
 _TABLE = "a table: keys with values, as [{place}] or {{ key = value }}"
 _EXPECTED: Mapping[str, str] = {
     **dict.fromkeys(("dict_type", "model_type", "model_attributes_type"), _TABLE),

@@ -90,10 +90,24 @@ def definition(term: Term) -> Term | None:
 
 def words(term: Term) -> str:
     """Return the meaning of an atom in words."""
-    said, labels = QUANTITIES[term.data[0]].words, [_LABEL_WORDS.get(n, n) for n in term.data[1:]]
+    name, *labels = term.data
+    said = QUANTITIES[name].words
+    labels = [label_words(n) if name in _OF_BODIES else _LABEL_WORDS.get(n, n) for n in labels]
     if "about {1}" in said and labels[0] == labels[1]:
         labels[1] = "its centre of mass"
     return said.format(*labels)
+
+
+_OF_BODIES = frozenset(
+    "mass position linear_momentum angular_momentum absolute_angular_momentum kinetic_energy "
+    "rotational_energy external_force torque".split()
+)
+
+
+def label_words(label: str) -> str:
+    """Return what a point or body is in words: one that has a name has an article."""
+    named = label.isalpha() and label.islower() and len(label) > 2
+    return _LABEL_WORDS.get(label, f"the {label}" if named else label)
 
 
 _HEAD_WORDS = {

@@ -77,9 +77,9 @@ def _opened_fraction(box: Fraction) -> tuple[Box, ...]:
         above = expression_box(above.value, above.names)
     if len(opened(above)) < 2:
         return (box,)
-    if _is_sum(above) or not isinstance(above, Row):
-        before, behind = (), (Fence(above) if _is_sum(above) else above,)
-    else:
+    before: tuple[Box, ...] = ()
+    behind: tuple[Box, ...] = (Fence(above) if _is_sum(above) else above,)
+    if isinstance(above, Row) and not _is_sum(above):
         place = next((k for k, item in enumerate(above.items) if _is_fenced(item)), 0)
         before, behind = above.items[:place], above.items[place:]
     while before and isinstance(before[-1], Operator):

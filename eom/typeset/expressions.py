@@ -1,9 +1,9 @@
 r"""SymPy expressions as boxes, in the order of the field: ``(I_3 - I_2)\,\omega_2\omega_3``.
 
 A product has its number first, then sizes (symbols that are positive), sums of these, letters of either
-sign, functions, integrals; of letters Latin ones, then other sums, Greek letters, numbered ones, time. A sum
-begins with what is added; a polynomial with its highest power, an equation of motion with its highest rates,
-what is neither with its number. A minus before a difference is taken up by it.
+sign, functions, integrals; of letters Latin ones, then other sums, Greek letters, u to z, numbered ones,
+time. A sum begins with what is added; a polynomial with its highest power, an equation of motion with its
+highest rates, what is neither with its number. A minus before a difference is taken up by it.
 What is no sum, product, power, known function, integral, derivative or matrix stays a formula for SymPy's
 own printers.
 """
@@ -111,18 +111,39 @@ def in_order(value: Expr) -> list[Expr]:
     powers = _rates_in(terms) or _powers_of(_variable(terms), terms)
     if powers:
         terms = [t for _, t in sorted(zip(powers, terms, strict=True), key=lambda pair: -pair[0])]
-    elif any(t.is_Number for t in terms):
+    elif any(t.is_Number and t.is_positive for t in terms):
         terms.sort(key=_degree)
     else:
         terms.sort(key=lambda t: not (t.is_Pow and t.base.is_Add and t.exp.is_Integer))
-    return _added_first(terms)
+    return _added_first(_numbered(terms))
 
 
+def _numbered(terms: list[Expr]) -> list[Expr]:
+    """Return terms of which those that differ by the numbers of their letters follow these."""
+    shapes = [_shape(t) for t in terms]
+    found = list(terms)
+    for shape in {s for s, numbers in shapes if numbers}:
+        places = [k for k, (s, _) in enumerate(shapes) if s == shape]
+        for place, k in zip(places, sorted(places, key=lambda k: shapes[k][1]), strict=True):
+            found[place] = terms[k]
+    return found
+
+
+def _shape(term: Expr) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the letters of a term without numbers, with their powers, and the numbers."""
+    factors = (f.as_base_exp() for f in sp.Mul.make_args(term))
+    letters = [(b.name, n) for b, n in factors if b.is_Symbol and _rank(b) == _LETTER]
+    found = sorted((_DIGIT.sub("", name), str(n), _DIGIT.findall(name)) for name, n in letters)
+    shape = tuple(f"{name}^{n}" for name, n, _ in found)
+    return shape, tuple("".join(digits) for _, _, digits in found)
+
+
+_DIGIT = re.compile(r"\d")
 _RATE = re.compile(r"(.*?)(_\d+)?_(d+)ot")
 
 
 def _rates_in(terms: Sequence[Expr]) -> list[int]:
-    """Return which rate stands in each term, 2 for a second one; none unless they are rates of others."""
+    """Return whether the highest rate stands in each term; none unless they are rates of others."""
     names = {s.name for t in terms for s in t.free_symbols}
     found = {name: m for name in names if (m := _RATE.fullmatch(name))}
     highest = max((len(m[3]) for m in found.values()), default=0)
@@ -301,15 +322,18 @@ def _place(factor: Expr) -> tuple[int, bool, int]:
 
 
 def _place_of_letter(base: Expr) -> int:
-    """Return the place: Latin letters, sums, Greek letters; numbered rates of turning, others; time."""
+    """Return the place: Latin letters, sums, Greek ones, u to z, rates of turning, numbered ones, time."""
     if not base.is_Symbol:
         return 1
     if base.name == "t":
-        return 6
+        return 7
     stem = re.split(r"_|\d", base.name)[0]
     if not re.search(r"\d", base.name):
-        return 2 if stem in GREEK_NAMES else 0
-    return 3 if stem == "omega" else 5 if stem in GREEK_NAMES else 4
+        return 2 if stem in GREEK_NAMES else 3 if stem in _VARIABLES else 0
+    return 4 if stem == "omega" else 6 if stem in GREEK_NAMES else 5
+
+
+_VARIABLES = frozenset("uvwxyz")
 
 
 def _is_indexed(factor: Expr) -> bool:

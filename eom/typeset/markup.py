@@ -10,6 +10,7 @@ import html
 import re
 import unicodedata
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 from xml.dom.minidom import parseString
 
@@ -543,6 +544,9 @@ def _mathml_sign(box: Sign, _: Render) -> str:
 def _mathml_scripts(box: Scripts, inner: Render) -> str:
     sub, sup = (inner(b) if b else "" for b in (box.sub, box.sup))
     base = inner(box.base)
+    if box.left and not box.left_sub and (sub or sup):  # beside, as engines leave gaps in one
+        left = f"<msup><mrow/>{inner(box.left)}</msup>"
+        return f"<mrow>{left}{_mathml_scripts(replace(box, left=None), inner)}</mrow>"
     if box.left or box.left_sub:
         before = (inner(b) if b else "<mrow/>" for b in (box.left_sub, box.left))
         behind = f"{sub or '<mrow/>'}{sup or '<mrow/>'}"

@@ -316,7 +316,7 @@ def _latex_aligned(lines: Iterable[tuple[str, Line]]) -> list[str]:
 
 def _latex_display(block: Display) -> list[str]:
     described = [
-        (f"\\noindent {escape_latex(line.words)}:" if line.words else "", line)
+        (f"\\noindent {_latex_words(line.words)}:" if line.words else "", line)
         for line in block.lines
     ]
     return _latex_aligned(described)
@@ -439,7 +439,7 @@ def _numbered(line: Line, number: str) -> list[tuple[Line, str]]:
 def _markdown_display(block: Display) -> list[str]:
     found = []
     for line in block.lines:
-        found += [f"{line.words}:", ""] if line.words else []
+        found += [f"{sentence(line.words, _in_dollars)}:", ""] if line.words else []
         found += [_markdown_formula([(line, "")]), ""]
     return found
 
@@ -512,7 +512,7 @@ def _html_line(line: Line, indent: Box) -> str:
 def _html_display(block: Display) -> list[str]:
     found = []
     for line in block.lines:
-        words = f'<p class="why">{html.escape(line.words)}:</p>' if line.words else ""
+        words = f'<p class="why">{_html_words(line.words)}:</p>' if line.words else ""
         indent = Row(()) if line.left is None or is_wide(line.left) else line.left
         found.append(words + _html_line(line, indent))
     return found

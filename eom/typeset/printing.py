@@ -34,7 +34,7 @@ _OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
 def blocks(system: System, *, primes: bool = False) -> list[Block]:
     """Return what there is to print; empty sections are left out. ``primes``: write x' for dx/dt."""
     system = _as_decimals(system) if system.numbers == "decimals" else system
-    names = _latex_names(system)
+    names = _own_names(system)
     return [
         *_variables("States", system.states, names),
         *_variables("Parameters", system.parameters, names),
@@ -76,7 +76,14 @@ def _as_decimals(system: System) -> System:
     return replace(system, rates=rates, attitudes=(), angles=(), **changed)
 
 
-def _latex_names(system: System) -> Names:
+def _own_names(system: System) -> Names:
+    """Return the LaTeX names that are others than those of the symbols."""
+    names = latex_names(system)
+    return {s: latex for s, latex in names.items() if latex != symbol_latex(s.name)}
+
+
+def latex_names(system: System) -> Names:
+    """Return the letter of each symbol of a system, as LaTeX."""
     groups = (system.states, system.parameters, system.inputs)
     quantities = [q for group in groups for q in group]
     named = (*system.definitions, *system.multipliers, *system.outputs, *system.invariants)
@@ -223,13 +230,13 @@ def notebook(system: System, style: str) -> str:
     ``style``: html or latex. Of a system with very long equations names and meanings alone.
     """
     if not _is_short(system):
-        few = [*_page(system)[:1], *_variables("States", system.states, _latex_names(system))]
+        few = [*_page(system)[:1], *_variables("States", system.states, _own_names(system))]
         told = Bullets(
             ((None, "equations too long to show: eom.typeset.printing.show writes them"),)
         )
         return "" if style == "latex" else pages.html_body([*few, told])
     if style == "latex":
-        _, lines = _equations(system, _latex_names(system), primes=False)
+        _, lines = _equations(system, _own_names(system), primes=False)
         return f"$${pages.display_latex([(line, '') for line in lines])}$$"
     return pages.html_body(_page(system))
 

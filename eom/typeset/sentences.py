@@ -73,7 +73,7 @@ def phrases(words: str, known: Mapping[str, Box]) -> tuple[str | Box, ...]:
     return _joined(words, found)
 
 
-_FACTOR = re.compile(r"(?:(?<![\w'])[A-Za-z]\w?'*|\))$")
+_FACTOR = re.compile(r"(?:(?<![\w'])[A-Za-z](?:_\w+|\d)?'*|\))$")
 
 
 def _is_cross(words: str, m: re.Match[str], found: list[tuple[int, int, Box]]) -> bool:
@@ -92,6 +92,8 @@ def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
     if m["mass"]:
         return Row((Operator("d"), symbol("m")))
     name, marks, power = m["name"], m["marks"], m["power"]
+    if words.rfind("[", 0, m.start()) > words.rfind("]", 0, m.start()):  # a unit
+        return raised(Symbol(name, "roman"), _power(power)) if power else None
     if _is_word(words, m, known):
         return None
     lettered = "_" in name or name in GREEK_NAMES or _AXES.fullmatch(name) or power or marks
@@ -134,6 +136,7 @@ def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
     if m["name"] == "a" and not (m["power"] or m["marks"] or _is_beside_cross(words, m)):
         around = words[max(0, m.start() - 3) : m.start()], words[m.end() :]
         near = around[0].rstrip().endswith(("=", "(", "-", "+", "/"))
+        near = near or re.search(r"\w\.$", around[0]) is not None
         near = near or around[1][:1] in {".", ","} or around[1].startswith(" along ")
         return "a" not in known or not near
     begins = not m.start() and _NOUN.match(words, m.end()) is not None

@@ -97,7 +97,7 @@ def _turned(evaluator: Evaluator, frame: OwnFrame) -> Matrix:
 
 
 def highest_rates(own: Own, scalars: Scalars) -> dict[str, int]:
-    """Return the highest rate by which each coordinate stands in the law that determines it, by its name."""
+    """Return, by names, the highest rate by which each coordinate stands in the law that determines it."""
     world = next(worlds((), 1))
     names = [[str(scalars[s].data[1]) for s in law.unknowns] for law in own.laws]
     start = {n: world.primitive("coordinate", (n,)) for some in names for n in some}

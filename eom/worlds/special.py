@@ -336,7 +336,7 @@ def _attitude(omega: Vector) -> Turned:
 
 
 def _passive(a: Series, v: Vector) -> Matrix:
-    """Return (a^2 - v.v) 1 + 2 v v^T - 2 a skew(v) (Hughes, 1986, eq. 2.2-31)."""
+    """Return (a^2 - v.v) 1 + 2 v v^T - 2 a skew(v) (Hughes, 1986, sect. 2.2)."""
     skew = series.skew(v)
     lead = a * a - series.dot(v, v)
 

@@ -166,6 +166,20 @@ def test_a_scene_of_one_body_is_the_loop_that_python_makes():
     assert ends[0] == pytest.approx(ends[1], abs=1e-8)
 
 
+def test_what_laws_share_has_a_unit_and_a_meaning_where_it_says_so():
+    told = {"formula": ONE["control"]["definitions"]["raw"], "unit": "N m", "meaning": "asked for"}
+    scene = eom.Scene(**{**ONE, "control": {**ONE["control"], "definitions": {"raw": told}}})
+    (raw,) = (q for q in scene.derive().output_quantities if q.name == "raw")
+    assert (raw.unit, raw.meaning) == ("N m", "asked for")
+    plain = eom.Scene(**ONE).derive()
+    assert plain.rates == scene.derive().rates
+    units = {"M": {"value": 0.3, "unit": "N m"}, **{n: ONE["parameters"][n] for n in ("k", "d")}}
+    control = {**ONE["control"], "definitions": {"raw": {**told, "unit": "kg"}}}
+    heavy = eom.Scene(**{**ONE, "parameters": units, "control": control})
+    with pytest.raises(InputError, match="dimension"):
+        heavy.derive()
+
+
 def tree(**control):
     rod = {"mass": "m", "centre": (0, 0, "-l/2"), "moments": ("m*l**2/12", "m*l**2/12", 0)}
     hinge = {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x", "motor": True}

@@ -15,6 +15,7 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.native import native
 from eom.errors import InputError
+from eom.opening import load_scene
 
 pytestmark = pytest.mark.shipped_flags
 
@@ -110,6 +111,81 @@ def test_a_compiler_that_hangs_is_stopped(cache, tmp_path, monkeypatch):
     with pytest.raises(native.CompilerError, match="stopped after"):
         native.compile_library(SOURCE)
     assert libraries(cache) == []
+
+
+# --- compilers at work beside the process ------------------------------------------------------------
+
+
+def counting(tmp_path, then):
+    return script(tmp_path / "cc", f"echo x >> {tmp_path}/calls\n{then}")
+
+
+@needs_compiler
+def test_what_was_begun_ahead_is_waited_for_and_not_compiled_again(cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", counting(tmp_path, f'exec {" ".join(native.compiler())} "$@"'))
+    for _ in range(2):
+        native.ahead(SOURCE)
+    made = native.compile_library(SOURCE)
+    assert twice(native.load(made, SOURCE)) == 42.0
+    native.ahead(SOURCE)
+    assert native.compile_library(SOURCE) == made
+    assert (tmp_path / "calls").read_text() == "x\n"
+    assert libraries(cache) == [made.parent.name]
+    monkeypatch.delenv("CC")
+    other = native.compile_library(SOURCE)
+    assert other.read_bytes() == made.read_bytes()
+
+
+@pytest.mark.parametrize("then", ["exit 1", "exit 0", "kill -9 $$"])
+def test_what_fails_ahead_is_told_where_it_is_asked_for(cache, tmp_path, monkeypatch, then):
+    monkeypatch.setenv("CC", counting(tmp_path, then))
+    native.ahead(SOURCE)
+    native.ahead("int other;")
+    with pytest.raises(native.CompilerError):
+        native.compile_library(SOURCE)
+    assert libraries(cache) == []
+    monkeypatch.setenv("CC", "/nowhere/cc")
+    native.ahead(SOURCE)
+    assert libraries(cache) == []
+
+
+def test_what_nobody_asks_for_ends_with_the_process(cache, tmp_path):
+    compiler = script(tmp_path / "cc", f"echo $$ > {tmp_path}/number; exec sleep 300")
+    code = (
+        "import pathlib, time; from codegen.native import native; native.ahead('int a;')\n"
+        f"while not pathlib.Path({str(tmp_path / 'number')!r}).exists(): time.sleep(0.01)"
+    )
+    environment = {**os.environ, "CC": compiler}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True, timeout=100)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "number").read_text()), 0)
+    assert libraries(cache) == []
+
+
+@needs_compiler
+@pytest.mark.parametrize("method", ["taylor", "DOP853", "auto"])
+def test_a_first_run_begins_its_loop_beside_its_functions(cache, monkeypatch, method):
+    """One compiler after the other, or all at a time: the same numbers; nothing is compiled twice."""
+    begun, own = [], native.ahead
+
+    def ahead(source, *rest):
+        begun.append(source)
+        own(source, *rest)
+
+    monkeypatch.setattr(native, "ahead", ahead)
+    pendulum = load_scene("double-pendulum")
+    plan = pendulum.initial_values(), (0, 1), pendulum.parameter_values(), method
+    found = simulate(pendulum.derive(), *plan)
+    count = len(libraries(cache))
+    assert (
+        len([s for s in begun if f"_{'taylor' if method == 'auto' else method.lower()}_run" in s])
+        == 1
+    )
+    monkeypatch.setattr(native, "ahead", lambda *_: None)
+    compiled = compile_system(pendulum.derive())
+    again = simulate(compiled, *plan)
+    assert (again.t.tobytes(), again.y.tobytes()) == (found.t.tobytes(), found.y.tobytes())
+    assert len(libraries(cache)) == count
 
 
 def test_output_that_is_no_text_does_not_hide_the_failure(cache, tmp_path, monkeypatch):

@@ -1,7 +1,9 @@
 """Runs that are prepared once: the same numbers as ever, the same refusals, and what is read alone."""
 
 import copy
+import inspect
 import pickle
+import re
 import threading
 
 import numpy as np
@@ -66,6 +68,25 @@ def test_the_quick_way_gives_the_numbers_of_the_long_one(body, monkeypatch, meth
 
 
 @needs_compiler
+def test_what_auto_decided_once_holds_for_the_values_that_it_was_decided_for(monkeypatch):
+    """Stiff or not by the parameter and by the initial state, closed by the parameter, back again."""
+    rates = {Y: V, V: M * (1 - Y**2) * V - K * Y}
+    system = System.from_rates("relaxation", rates)
+    compiled = compile_system(system, "c")
+    runs = integrator(compiled, (0, 2000), rtol=1e-6, t_eval=[0, 2000.0])
+    cases = [((2.0, 0.0), (k, m)) for k, m in ((1.0, 1.0), (1.0, 1e3), (1.0, 0.0), (1.0, 1.0))]
+    cases += [((1e5, 0.0), (1.0, 1.0)), ((2.0, 0.1), (1.0, 1.0))]
+    names = [q.name for q in compiled.layout.parameters]
+    found = [runs.run(x, dict(zip(("k", "M"), p, strict=True))) for x, p in cases]
+    assert sorted(names) == ["M", "k"]
+    assert [f.method.split()[0] for f in found[:4]] == ["Taylor", "LSODA", "closed", "Taylor"]
+    monkeypatch.setattr(prepared, "decided", lambda task: None)
+    for (x, p), quick in zip(cases, found, strict=True):
+        values = dict(zip(("k", "M"), p, strict=True))
+        same(quick, simulate(compiled, x, (0, 2000), values, rtol=1e-6, t_eval=[0, 2000.0]))
+
+
+@needs_compiler
 @pytest.mark.parametrize("name", ["bicycle-wheel", "rolling-disc", "quadrotor", "four-bar-linkage"])
 def test_scenes_run_alike_in_any_order_of_values(name):
     """Projection, unknown scales, defaults and inputs among them; values by name, in order, as arrays."""
@@ -80,6 +101,25 @@ def test_scenes_run_alike_in_any_order_of_values(name):
     same(one, runs.run(np.array(orders[0]), tuple(orders[1])))
     same(one, simulate(p.system, p.start, (0, 0.1), p.parameters, t_eval=np.linspace(0, 0.1, 5),
                        inputs=p.inputs))  # fmt: skip
+
+
+def test_what_is_said_of_arguments_is_written_once():
+    """Of all that an integrator takes as `simulate` does its page says the same; of the rest its own."""
+    own, other = (inspect.getdoc(f) for f in (integrator, simulate))
+    named = re.findall(r"^(\w+) : .*\n(?:    .*\n)*", own, re.MULTILINE)
+    texts = dict(
+        zip(named, re.findall(r"^\w+ : .*\n(?:    .*\n)*", own, re.MULTILINE), strict=True)
+    )
+    assert named == list(inspect.signature(integrator).parameters)
+    assert {n for n, text in texts.items() if text not in other} == {
+        "system", "t_span", "method", "inputs",
+    }  # fmt: skip
+    assert (
+        own.index("Parameters")
+        < own.index("epoch :")
+        < own.index("Returns")
+        < own.index("Examples")
+    )
 
 
 @needs_compiler

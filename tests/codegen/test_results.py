@@ -68,6 +68,19 @@ def test_what_was_saved_is_read_to_the_last_bit(run, top, tmp_path):
         assert archive["tilt"].tobytes() == top["tilt"].tobytes()
 
 
+def test_states_that_kept_their_initial_values_have_columns(tmp_path):
+    """Whoever reads a table finds every state of the scene in it, those among the parameters, too."""
+    scene = load_scene("bicycle-wheel")
+    made = simulate(scene.derive(), scene.initial_values(), (0, 1), scene.parameter_values(),
+                    method="DOP853")  # fmt: skip
+    assert (made.held, made.units["C"]) == ({"C": scene.parameter_values()["C"]}, "rad/s")
+    table = np.genfromtxt(made.save(tmp_path / "run.csv"), delimiter=",", names=True)
+    assert table.dtype.names == ("t", *made.names, "C", *made.outputs)
+    np.testing.assert_array_equal(table["C"], made["C"])
+    again = Result.load(made.save(tmp_path / "run.npz"))
+    np.testing.assert_array_equal(again["C"], made["C"])
+
+
 def test_a_file_never_runs_anything(run, tmp_path):
     """A pickled object, other texts, missing and misshapen arrays, no archive: one clear error each."""
 
@@ -117,7 +130,7 @@ def test_tables_hold_the_same_numbers_with_units(top, monkeypatch):
     frame, data = top.to_pandas(), top.to_xarray()
     assert isinstance(frame, pandas.DataFrame)
     assert isinstance(data, xarray.Dataset)
-    assert list(frame.columns) == [*top.names, *top.outputs]
+    assert list(frame.columns) == [*top.names, *top.held, *top.outputs]
     assert (frame.index.name, frame.index.to_numpy().tobytes()) == ("t", top.t.tobytes())
     for name in frame.columns:
         assert frame[name].to_numpy().tobytes() == top[name].tobytes()
@@ -154,6 +167,18 @@ def test_a_result_is_drawn_by_itself_and_when_it_was_read(top, tmp_path):
             one.plot("tlt")
 
 
+def test_a_picture_is_saved_and_goes_on_as_a_figure(run, tmp_path):
+    picture = run.plot()
+    for name, start in (("run.png", b"\x89PNG"), ("run.svg", b"<?xml"), ("run.pdf", b"%PDF")):
+        assert picture.save(tmp_path / name, (5, 4), 60).read_bytes().startswith(start)
+    assert "<html" in picture.save(tmp_path / "run.html").read_text("utf-8")
+    figure = picture.figure((6, 5))
+    assert figure.get_size_inches().tolist() == [6, 5]
+    assert any(axes.get_lines() for axes in figure.axes)
+    with pytest.raises(InputError, match="unknown kind of picture"):
+        picture.save(tmp_path / "run.jpg")
+
+
 def test_the_motion_of_the_body_among_the_states_is_animated(top, tmp_path):
     made = top.animate(speed=0.5)
     track = made.animation.tracks.bodies[0]
@@ -182,6 +207,75 @@ def test_a_motion_is_animated_with_its_scene_from_where_it_started():
     for wrong in ("t-handle", 3):
         with pytest.raises(InputError, match="not a scene"):
             one.animate(wrong)
+
+
+GAINS = {"q_arm": -0.3162, "q_pin": 2.8154, "u_arm": -0.1822, "u_pin": 0.3646}
+
+
+@pytest.mark.parametrize("how", ["law", "sampled law", "function"])
+def test_a_closed_loop_is_animated_as_it_moved_and_not_as_its_scene_would(how):
+    scene = load_scene("rotary-pendulum")
+    system, inputs = scene.derive(), None
+    law = -sum(k * sp.Symbol(n) for n, k in GAINS.items())
+    if how == "function":
+        inputs = {"tau_arm": lambda t, x: -sum(k * x[n] for n, k in GAINS.items())}
+    else:
+        period = 0.02 if how == "sampled law" else None
+        system = system.with_control({"tau_arm": law}, period=period)
+    start = {"q_arm": 0, "q_pin": 0.2, "u_arm": 0, "u_pin": 0}
+    run = simulate(
+        system, start, (1, 3), scene.parameter_values(), inputs=inputs, dense_output=True
+    )
+    made = run.animate(scene).animation
+    states = run.at(made.times + 1)
+    arm, rod = (body.quaternions for body in made.tracks.bodies)
+    assert np.abs(states["q_pin"]).max() < 0.25
+    assert np.abs(2 * np.arctan2(arm[:, 3], arm[:, 0]) - states["q_arm"]).max() < 1e-8
+    up = 1 - 2 * (rod[:, 1] ** 2 + rod[:, 2] ** 2)
+    assert np.abs(up - np.cos(states["q_pin"])).max() < 1e-8
+    (torque,) = (a for a in made.tracks.acting if a.name == "joint on arm")
+    size = np.linalg.norm(torque.values, axis=1)
+    motor = -sum(k * states[n] for n, k in GAINS.items())
+    if how == "sampled law":  # at 10 of 11 times between samples
+        motor = motor[np.floor(np.arange(len(motor)) / 3 + 1e-9).astype(int) * 3]
+    damper = scene.parameter_values()["b"] * states["u_arm"]
+    agree = np.abs(size - np.abs(motor - damper)) < 1e-9
+    assert agree.mean() > (0.6 if how == "sampled law" else 0.999)
+
+
+def test_wheels_of_a_closed_loop_turn_by_their_speeds():
+    scene = load_scene("reaction-wheels")
+    system = scene.derive().with_control({"tau_wheel1": sp.sin(sp.Symbol("t")) / 100})
+    start, values = scene.initial_values(), scene.parameter_values()
+    run = simulate(system, start, (0, 5), values, inputs={
+        n: v for n, v in scene.input_values().items() if n in system.input_names
+    })  # fmt: skip
+    tracks = {b.name: b for b in run.animate(scene).animation.tracks.bodies}
+    within = np.linalg.norm(tracks["wheel1"].omega - tracks["hub"].omega, axis=1)
+    assert within[-1] == pytest.approx(run["Omega_wheel1"][-1], rel=0.01)
+    mount, turning = (tracks[n].quaternions for n in ("mount1", "wheel1"))
+    dots = np.sum(mount * turning, axis=1)
+    assert dots.min() < -0.9  # more than half a turn on its mount
+    assert dots.max() > 0.9
+
+
+def test_the_lengths_of_an_animation_are_those_of_the_run():
+    scene = load_scene("double-pendulum")
+    numbers = {**scene.parameter_values(), "l1": 3.0}
+    run = simulate(scene.derive(), scene.initial_values(), (0, 1), numbers)
+    lower = run.animate(scene).animation.tracks.bodies[1]
+    assert np.linalg.norm(lower.positions, axis=1) == pytest.approx(3.0)
+
+
+def test_a_law_whose_states_do_not_say_where_bodies_are_is_refused():
+    scene = eom.Scene(
+        body={"moments": [2, 3, 4]}, torque={"components": ["u", 0, 0]}, inputs={"u": 0},
+        outputs=["omega_1", "omega_2", "omega_3"], initial={"omega_1": 0, "omega_2": 1, "omega_3": 0},
+    )  # fmt: skip
+    numbers = scene.initial_values(), (0, 1), scene.parameter_values()
+    run = simulate(scene.derive(), *numbers, inputs={"u": np.sin})
+    with pytest.raises(InputError, match="where bodies are"):
+        run.animate(scene)
 
 
 # --- what notebooks display ------------------------------------------------------------------------
@@ -251,10 +345,24 @@ def test_a_line_over_no_time_is_none():
     assert notebook.sparkline(np.array([1.0, 2.0]), np.array([np.nan, 2.0])) == ""
 
 
+def test_a_system_does_wherever_a_compiled_one_does():
+    point = eom.equilibrium(OSCILLATOR)
+    (only,) = eom.equilibria(OSCILLATOR)
+    assert only.states == point.states
+    near = eom.linearise_about(OSCILLATOR, point)
+    assert near.A.tolist() == eom.linearise(OSCILLATOR, [0, 0]).A.tolist()
+    assert eom.compiled_jacobian(OSCILLATOR).dense(0, [0, 0], []).tolist() == near.A.tolist()
+    assert isinstance(eom.accuracy(OSCILLATOR, samples=3), eom.AccuracyReport)
+    with pytest.raises(InputError, match="compiled is of the wrong type"):
+        eom.linearise("oscillator", [0, 0])
+
+
 def test_one_import_is_enough(tmp_path):
     assert eom.simulate is codegen.simulate
     assert eom.Result is Result
     files = eom.generate(OSCILLATOR, tmp_path, target="python", jacobian=["states"])
     assert {p.name for p in tmp_path.iterdir()} == set(files)
+    with pytest.raises(InputError, match="write_fmu"):
+        eom.generate(OSCILLATOR, tmp_path, "fmu")
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = eom.simulat

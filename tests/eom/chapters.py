@@ -13,7 +13,7 @@ from eom.derivations.derivation import SIGNS
 from eom.derivations.verification import DerivationError
 from eom.errors import InputError
 from eom.terms.terms import nodes
-from tests.eom import configured_oracle, oracle
+from tests.eom import configured_oracle, oracle, own_derivations
 from tests.eom.own_oracle import Mechanics
 
 
@@ -106,7 +106,8 @@ GENERAL = {"gravity_torque", "linear_momentum", "external_force", "angular_momen
 
 @cache
 def mechanics(name, d):
-    return Mechanics(d, MOTIONS[name]())
+    """What the lines of a chapter, or of a derivation of one's own, are evaluated by."""
+    return Mechanics(d, MOTIONS[name]() if name in MOTIONS else own_derivations.MOTIONS[name])
 
 
 def is_general(d, equation):
@@ -118,11 +119,9 @@ def is_general(d, equation):
 
 def is_true(d, equation, assumptions):
     """Whether a line of a derivation is true. Raises `oracle.Undefined` where that is not known."""
-    if equation.relation == ">=" and d.own:
-        raise oracle.Undefined("a sign that holds under conditions")
     if d.own.configured:
         return configured_oracle.is_true(Held(d), equation, assumptions)
-    if d.name not in MOTIONS:
+    if d.name not in {*MOTIONS, *own_derivations.MOTIONS}:
         try:
             return oracle.is_true(equation, assumptions, d.scalars)
         except (
@@ -132,9 +131,20 @@ def is_true(d, equation, assumptions):
     try:
         if is_general(d, equation):
             return oracle.is_true(equation, assumptions, d.scalars)
-        return mechanics(d.name, Held(d)).is_true(equation)
+        known = mechanics(d.name, Held(d))
+        if equation.relation == ">=":
+            return _is_sign(known, equation)
+        return known.is_true(equation)
     except (AttributeError, KeyError, NotImplementedError) as error:
         raise oracle.Undefined(f"not known elsewhere: {error}") from None
+
+
+def _is_sign(known, equation):
+    """Whether a sign needs no condition."""
+    found = known.is_never_negative(equation)
+    if found is None:
+        raise oracle.Undefined("no state with a real value was drawn")
+    return found
 
 
 def is_conditional(step):

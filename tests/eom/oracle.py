@@ -711,6 +711,14 @@ class Values:
         C = self.scene.frames[term.data[0]].C
         return self._components(turned(C), rate(self._components(C, value)))
 
+    def _since(self, term, env):
+        """The integral from the middle of the span, where time is zero."""
+        return np.dot(*self._args(term, env), _calculus()[2])
+
+    def _start(self, term, env):
+        (value,) = self._args(term, env)
+        return np.repeat(value[..., NODES // 2, None], NODES, axis=-1)
+
     @staticmethod
     def _components(C, value):
         once = matrix_by_vector if value.ndim == 2 else matrix_by_matrix

@@ -1,6 +1,6 @@
 """Derivations as users write them, each in at most 30 lines: Lagrange, Kane, Newton-Euler, Hamilton."""
 
-from sympy import Rational, cos, pi, sin
+from sympy import Rational, cos, pi, sin, symbols
 
 import eom
 from eom.terms.rules import differentiate_under
@@ -159,3 +159,25 @@ OWN = {
     f.__name__: f
     for f in (disc, moving_point, bead_by_lagrange, bead_by_kane, foucault, pendulum_by_hamilton)
 }
+
+_SYMBOLS = "a W b k x y x_dot y_dot q m g R w"
+a, W, b, k, x, y, x_dot, y_dot, q, m, g, R, w = symbols(_SYMBOLS, real=True)
+BEAD = {("turn", 1): w, ("q", 2): w**2 * sin(q) * cos(q) - g / R * sin(q)}
+MOTIONS = {
+    "disc": {
+        ("q", 1): -x_dot / R, ("x", 2): Rational(2, 3) * g * sin(a),
+        ("n", 0): m * g * cos(a), ("f", 0): -m * g * sin(a) / 3,
+    },
+    "hoop-lagrange": BEAD,
+    "hoop-kane": BEAD,
+    "foucault": {
+        ("turn", 1): W, ("a", 1): -W * sin(b),
+        ("x", 2): -k * x + 2 * W * sin(b) * y_dot, ("y", 2): -k * y - 2 * W * sin(b) * x_dot,
+    },
+    "pendulum-hamilton": {("q", 2): -g / R * sin(q)},
+}  # fmt: skip
+"""Rates by name and order, of derivations by name, as textbooks have them.
+
+Source: Goldstein, Poole, Safko, Classical Mechanics (2002). Bead and disc: ch. 2; Foucault: sec. 4.10,
+with gravity that has the centrifugal part.
+"""

@@ -13,6 +13,9 @@ from sympy.physics.vector import Dyadic, ReferenceFrame, Vector, dynamicsymbols,
 
 DIGITS = 40
 TRUE, FALSE = 1e-25, 1e-8
+POSITIVE, ANY = (400, 1600), (-2500, 2500)
+"""Ends of the numbers that are drawn, and where signs are asked for, over 1009."""
+DRAWS = 80
 t = dynamicsymbols._t
 
 
@@ -189,7 +192,8 @@ class Mechanics:
         key = (what, seed)
         if key not in self.numbers:
             known = self._known(what)
-            drawn = sp.Rational(random.Random(f"{what} {seed}").randint(400, 1600), 1009)
+            ends = ANY if isinstance(seed, tuple) else POSITIVE
+            drawn = sp.Rational(random.Random(f"{what} {seed}").randint(*ends), 1009)
             self.numbers[key] = drawn.evalf(2 * DIGITS) if known is None else self.at(known, seed)
         return self.numbers[key]
 
@@ -204,6 +208,20 @@ class Mechanics:
         if found is not None:
             found = self.motions[what] = sp.diff(found, t).doit()
         return found
+
+    def is_never_negative(self, equation):
+        """Whether the left side is not below the right one at any random state with a real value.
+
+        None where there is no such state.
+        """
+        e, found = sp.sympify(self.value(equation.left) - self.value(equation.right)).doit(), []
+        for seed in range(DRAWS):
+            value = self.at(e, ("sign", seed))
+            if value.is_Float or value.is_Rational:
+                found.append(value >= -FALSE)
+            if found and not found[-1]:
+                return False
+        return True if found else None
 
     def is_true(self, equation):
         """Whether both sides agree at two random states; nothing may lie between true and false."""

@@ -519,7 +519,7 @@ def test_chapters_with_laws_of_their_own_are_judged_where_these_hold(topic, seed
     ("right", "wrong"),
     [
         ("m*w_dot = -c*m_dot - m*g", "m*w_dot = -c*m_dot + m*g"),
-        ("v_dot = -c*m_dot/m", "v_dot = -c*m_dot"),
+        ("v_dot = -c*m_dot/m", "v_dot = -c*m_dot/m**2"),
         ("v = c*log(m_0/m) + v_0", "v = c*log(m/m_0) + v_0"),
     ],
 )

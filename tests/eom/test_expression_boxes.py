@@ -46,8 +46,10 @@ ORDERED = [
     ("4*n**2*alpha_1 + I1*alpha_1_ddot", "I₁ α̈₁ + 4 n² α₁"),
     ("m*omega_2*x + I1*omega_1_dot", "I₁ ω̇₁ + m x ω₂"),
     ("Omega + psi_dot*sin(theta)", "Ω + ψ̇ sin(θ)"),
+    ("(I3 - m)*omega_3**2 + I1*omega_1**2 + I2*omega_2**2", "I₁ ω₁² + I₂ ω₂² + (I₃ − m) ω₃²"),
+    ("b*x - c*x*mu", "b x − c μ x"),
     ("p/(2*I1 + 2*I2)", "p/(2 (I₁ + I₂))"),
-    ("(2*k_1 - 2*k_3)*x/3", "2 x (k₁ − k₃)/3"),
+    ("(2*k_1 - 2*k_3)*x/3", "2 (k₁ − k₃) x/3"),
     ("(R_t*x - R_b*x - R_t)**3", "(Rₜ x − R_b x − Rₜ)³"),
     ("(R_t*x - R_b*x - R_t)**2", "(R_b x − Rₜ x + Rₜ)²"),
 ]
@@ -67,7 +69,7 @@ def test_the_terms_are_those_of_the_sum(words):
 
 def test_numbers_beside_decimals_stay_where_they_are():
     value = sp.Mul(sp.Float(1.5), of("x"), of("2*p - 2*q"), evaluate=False)
-    assert render(expression_box(value), "text") == "1.5 x (2 p − 2 q)"
+    assert render(expression_box(value), "text") == "1.5 (2 p − 2 q) x"
 
 
 def test_signs_between_terms_have_their_room_in_mathml():

@@ -15,10 +15,10 @@ from eom.terms.terms import Equation, add, cross, der, dot, expr, mul, partial
 from eom.terms.vocabulary import omega, position, quantity, unit, velocity
 from tests.eom import oracle
 from tests.eom.mutants import judged_steps, mutants
-from tests.eom.own_derivations import OWN
+from tests.eom.own_derivations import MOTIONS, OWN
 from tests.eom.own_oracle import Mechanics
 
-q, qd, qdd, m, g, R, w, L = sp.symbols("q q_d q_dd m g R w L", real=True)
+q, qd, qdd, m, g, R, w, L, W = sp.symbols("q q_d q_dd m g R w L W", real=True)
 
 
 def hoop():
@@ -67,31 +67,10 @@ def symbol(name):
     return sp.Symbol(name, real=True)
 
 
-a, W, b, k, x, y, x_dot, y_dot = map(symbol, "a W b k x y x_dot y_dot".split())
-BEAD = {("turn", 1): w, ("q", 2): w**2 * sp.sin(q) * sp.cos(q) - g / R * sp.sin(q)}
-MOTIONS = {
-    "disc": {
-        ("q", 1): -x_dot / R, ("x", 2): sp.Rational(2, 3) * g * sp.sin(a),
-        ("n", 0): m * g * sp.cos(a), ("f", 0): -m * g * sp.sin(a) / 3,
-    },
-    "bead_by_lagrange": BEAD,
-    "bead_by_kane": BEAD,
-    "foucault": {
-        ("turn", 1): W, ("a", 1): -W * sp.sin(b),
-        ("x", 2): -k * x + 2 * W * sp.sin(b) * y_dot, ("y", 2): -k * y - 2 * W * sp.sin(b) * x_dot,
-    },
-    "pendulum_by_hamilton": {("q", 2): -g / R * sp.sin(q)},
-}  # fmt: skip
-"""Rates by name and order, as textbooks have them: Goldstein, Poole, Safko, Classical Mechanics (2002).
-
-Bead and disc: ch. 2; Foucault: sec. 4.10, with gravity that has the centrifugal part.
-"""
-
-
-def truth(name, d):
+def truth(d):
     """What says whether a line is true: SymPy's vectors, or masses with smooth motions."""
-    if name in MOTIONS:
-        return Mechanics(d, MOTIONS[name]).is_true
+    if d.name in MOTIONS:
+        return Mechanics(d, MOTIONS[d.name]).is_true
     return lambda line: oracle.is_true(line, d.assumed, d.scalars)
 
 
@@ -114,7 +93,7 @@ def made(name):
 def own(request, monkeypatch):
     monkeypatch.setattr("eom.derivations.derivation.disagreement", lambda *_: "")  # takes longer
     d = made(request.param)
-    return d, truth(request.param, d)
+    return d, truth(d)
 
 
 def lines_of(d):

@@ -11,6 +11,7 @@ from eom.quantities import Definition, Quantity
 from eom.scenes import catalogue
 from eom.system import System
 from eom.typeset.printing import FORMATS, show
+from eom.typeset.sentences import phrases
 from tests.eom.rows import only
 
 SHORT = (("heavy-top", "text"), ("double-pendulum", "latex"), ("lecture-wheel", "markdown"))
@@ -24,7 +25,10 @@ def test_meanings_and_units_are_printed(name, style):
     system = load_scene(name).derive()
     shown = show(system, style).replace("\\^{}", "^").replace("\\_", "_")
     for d in (*system.definitions, *system.outputs, *system.invariants):
-        assert d.quantity.description in shown
+        words = (
+            phrases(d.quantity.description, {}) if style != "text" else (d.quantity.description,)
+        )
+        assert all(w in shown for w in words if isinstance(w, str))
 
 
 def test_words_are_not_products_of_letters():

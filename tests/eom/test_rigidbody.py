@@ -219,7 +219,7 @@ def test_symmetric_heavy_top_keeps_its_spin():
 
 
 def test_heavy_top_equations_are_lagrange_s():
-    """Goldstein, Poole, Safko (2002) eq. 5.52: T and V of the symmetric top in Euler's angles."""
+    """Goldstein, Poole, Safko (2002), sect. 5.7: T and V of the symmetric top in Euler's angles."""
     t = me.dynamicsymbols._t
     phi, theta, psi = me.dynamicsymbols("phi theta psi")
     m, g, r3 = sp.symbols("m g r3", positive=True)

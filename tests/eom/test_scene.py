@@ -782,8 +782,12 @@ def test_missing_file_offers_its_neighbours(tmp_path):
         with pytest.raises(InputError, match="no such scene file") as caught:
             Scene.from_toml(tmp_path / name)
         assert hint in caught.value.hint
-    with pytest.raises(InputError, match="no such scene file"):
+    with pytest.raises(InputError, match="no such scene file") as caught:
         Scene.from_toml(tmp_path)
+    assert (caught.value.got, caught.value.hint) == ("a folder", "known names: wheel.toml")
+    with pytest.raises(InputError, match="no such scene file") as caught:
+        Scene.from_toml(tmp_path / "no" / "folder.toml")
+    assert "eom list" in caught.value.hint
 
 
 def test_file_gives_its_name_to_scene_and_system(tmp_path):

@@ -17,6 +17,10 @@ def latex(words, known=None):
     ("words", "wanted"),
     [
         ("the spin omega_1 about b3", r"the spin $\omega_{1}$ about $b_{3}$"),
+        (
+            "the integral of x^2 dm by r_i x r_j",
+            "the integral of $x^{2}$ $\\mathrm{d}m$ by $r_{i}$ \u00d7 $r_{j}$",
+        ),
         ("f(t) is F_2' and r^-1", "f(t) is $\\dot{F}_{2}$ and $r^{-1}$"),
         ("where I_2 >= I_1 >= sqrt(I_3)", "where $I_{2}$ \u2265 $I_{1}$ \u2265 \u221a($I_{3}$)"),
         ("at mu = -1 and at nu - 4", "at $\\mu$ = \u22121 and at $\\nu$ \u2212 4"),
@@ -41,6 +45,7 @@ def test_letters_are_set_and_words_kept(words, wanted):
         ("omega x h is zero", "$\\omega$ \u00d7 $h$ is zero"),
         ("r x (x x r) = x (r.r)", "$r$ \u00d7 ($x$ \u00d7 $r$) = $x$ ($r$ \u00b7 $r$)"),
         ("with h = J.omega", "with $h$ = $J$ \u00b7 $\\omega$"),
+        ("the integral of x dm", "the integral of $x$ $\\mathrm{d}m$"),
         ("(a x q).x is zero", "($a$ \u00d7 $q$) \u00b7 $x$ is zero"),
         ("(a x b).c is zero", "($a$ \u00d7 $b$) \u00b7 $c$ is zero"),
         ("T' is -D, as r r^T - r", "$\\dot{T}$ is \u2212$D$, as $r$ $r^{\\mathrm{T}}$ \u2212 $r$"),

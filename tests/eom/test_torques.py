@@ -83,7 +83,7 @@ def test_torque_is_minus_the_slope_of_the_potential_numerically():
 
 
 def test_gravity_gradient_is_the_published_formula():
-    """Hughes (1986) eq. 8.1-20: 3 n^2 a1 x J a1, with a1 the first column of C."""
+    """Hughes (1986), sect. 8.1: 3 n^2 a1 x J a1, with a1 the first column of C."""
     chosen = attitude("dcm")
     J, _ = full_inertia()
     torque, potential = expanded(torques.gravity_gradient(chosen.matrix, J))

@@ -5,6 +5,7 @@ import random
 import pytest
 import sympy as sp
 
+import eom
 from eom.derivations.derivation import Derivation
 from eom.derivations.verification import DerivationError
 from eom.fields import LARGE_RESIDUES, RATIONALS, RESIDUES, Singular
@@ -98,6 +99,13 @@ def test_no_slope_is_told_of_what_is_no_function_of_it():
     for term in (partial(q, m), partial(partial(q * rate, q), rate)):
         with pytest.raises(NoSlope):
             values.value(term)
+
+
+def test_a_derivative_by_what_stands_for_something_is_refused():
+    d, _, (m, _) = one_coordinate()
+    K = d.let("K", m + 1, "a name")
+    with pytest.raises(eom.InputError, match="no variable"):
+        d.state(Equation(expr(sp.Derivative(K**2, K)), expr(2 * K)), "by a name")
 
 
 # -- places of masses that are functions of coordinates ----------------------------------------------

@@ -6,7 +6,7 @@ import numpy as np
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from eom import problems
+from eom import derive, problems
 from eom.mechanics.dissipation import (
     damped_stability,
     effective_inertia_rate,
@@ -139,6 +139,24 @@ def the_least_energy_is_in_spin_about_the_greatest_moment():
     for moments, signs in (((1.0, 1.5, 2.2), {1}), ((2.0, 1.5, 1.1), {1, -1})):
         put = {PARAMETERS[f"I{k}"]: v for k, v in enumerate(moments, 1)} | {PARAMETERS["J_s"]: 0.4}
         assert {int(sp.sign(f.subs(put))) for f, _ in pairs} == signs
+
+
+@says(
+    "derive energy-dissipation momentum-parts",
+    "momenta add: of the body, with its own inertia, and of the slug",
+)
+@says("derive energy-dissipation slug-momentum", "the slug turns with omega + sigma")
+def moments_are_those_of_the_body_and_the_slug_adds_its_own():
+    """The principal moments of this chapter are the body's: with the slug at rest in it each grows by J_s."""
+    energy, h = energy_and_momentum()
+    still = dict.fromkeys(STATES[3:], 0)
+    for k, rate in enumerate(STATES[:3], 1):
+        whole = PARAMETERS[f"I{k}"] + PARAMETERS["J_s"]
+        assert same(h[k - 1].subs(still), whole * rate)
+        assert same(energy.subs(still).diff(rate), whole * rate)
+    letters = derive("energy-dissipation").letters
+    for k in (1, 2, 3):
+        assert letters[PARAMETERS[f"I{k}"]].endswith("of the body without the slug")
 
 
 @says(

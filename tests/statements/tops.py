@@ -6,7 +6,10 @@ from scipy.integrate import solve_ivp
 
 import codegen
 import eom
+from eom import derive
+from eom.mass.solids import mass_properties
 from eom.mechanics.gyrostat import gyrostat
+from eom.terms.terms import nodes
 from tests.statements.table import same, says
 
 WHEEL = "notebooks/lecture-001-spinning-body.ipynb"
@@ -275,3 +278,21 @@ def rotors():
     assert same(sp.diff(rotor, u), 1)
     inertia = {q.name: q.symbol for q in system.parameters}
     assert same(sp.diff(body, u) * (inertia["I1"] - inertia["Js_1"]), -1)
+
+
+@says(
+    "derive heavy-symmetric-top T-angles",
+    "m l^2 and the moment about the centre of mass add up to I_1",
+)
+@says(
+    "derive heavy-symmetric-top omega-turns",
+    "precession about the vertical, nutation about the line of nodes, spin about the axis",
+)
+def a_cone_on_its_apex_has_the_moment_of_its_centre_and_more():
+    own, apex = mass_properties("cone"), mass_properties("cone", "apex")
+    l = sp.sqrt(sum((a - b) ** 2 for a, b in zip(own.centre, apex.centre, strict=True)))
+    assert same(apex.inertia[0, 0], own.inertia[0, 0] + own.mass * l**2)
+    assert same(apex.inertia[2, 2], own.inertia[2, 2])
+    rate = derive("heavy-symmetric-top")["omega-turns"].statement.right
+    axes = {n.data[1:] for n in nodes(rate) if n.head == "atom" and n.data[0] == "unit"}
+    assert axes == {("I", "3"), ("D", "1"), ("F", "3")}

@@ -13,7 +13,7 @@ from eom.checker.infer.draft import Proposal
 from eom.checker.infer.letters import GUESSED, Draft
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands_of
-from eom.checker.infer.systems import USUAL, Guess, Tie, rows
+from eom.checker.infer.systems import USUAL, Guess, Tie
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
@@ -38,7 +38,7 @@ def questions(
     """
     found: dict[Look, list[int]] = {}
     for formula, lexicon, unsure in lines:
-        for look in dict.fromkeys(operands_of(formula)):
+        for look in dict.fromkeys(operands_of(formula, lexicon)):
             guess = _guess(look, draft)
             entry = lexicon.find(look)
             is_open = bool(guess) if unsure else entry is None or bool(guess)
@@ -75,9 +75,8 @@ def _candidates(look: Look, draft: Proposal, lexicon: Lexicon) -> Iterator[Candi
         if other.latex == latex:
             yield Candidate(latex, other.meaning, f"line {other.line}: {other.words}")
     for one in draft.systems:
-        row = next(r for r in rows() if r.name == one.name)
         taken = {t.means for t in one.ties}
-        free = [x for x in row.letters if x.means not in taken and _known(one, x.means)]
+        free = [x for x in one.letters if x.means not in taken and _known(one, x.means)]
         for letter in sorted(free, key=lambda x: look not in x.usual):
             if letter.marked == bool(look.accents or look.style):
                 yield Candidate(latex, f"{SYSTEM}{letter.means}", f"of {one.name}")
@@ -111,6 +110,20 @@ def answered(draft: Proposal, latex: str, meaning: str) -> Proposal:
     kept = tuple(d for d in draft.drafts if (d.table, d.latex) != (new.table, new.latex))
     unplaced = tuple(u for u in draft.unplaced if u[0] != latex)
     return replace(draft, drafts=(*kept, new), systems=systems, unplaced=unplaced)
+
+
+def left_open(draft: Proposal, question: Question) -> Proposal:
+    """Return a draft without the guess of a question that nobody answered; its symbol is unplaced."""
+    if not question.guess:
+        return draft
+    latex = question.latex
+    look = look_of(read_formula(latex).tree)
+    systems = tuple(
+        replace(s, ties=tuple(t for t in s.ties if t.look != look)) for s in draft.systems
+    )
+    kept = tuple(d for d in draft.drafts if d.latex != latex or d.words not in GUESSED)
+    unplaced = (*draft.unplaced, (latex, question.lines[0]))
+    return replace(draft, drafts=kept, systems=systems, unplaced=unplaced)
 
 
 def _tied(systems: Sequence[Guess], latex: str, meaning: str) -> Iterator[Guess]:

@@ -88,6 +88,21 @@ def _of(text: Prose, words: str) -> tuple[Mention, ...]:
     return ()
 
 
+_TURNED = re.compile(
+    rf"\b(?:turn|lean|rotate|spin|tilt|roll)(?:s|ed)?\b[^.;⟦]{{0,30}}?({MARK})\s+(?:about|around)\b",
+    re.IGNORECASE,
+)
+
+
+def turned(text: Prose) -> Iterator[Look]:
+    r"""Yield letters that words call the angle of a turn: "leans by $\theta$ about the first axis"."""
+    for sentence in text.sentences:
+        for match in _TURNED.finditer(sentence):
+            look = text.marked(match[1])[0].look
+            if _is_angle(look):
+                yield look
+
+
 _LETTERS_OF_ANGLES = frozenset(
     "alpha beta gamma delta phi varphi theta vartheta psi chi eta xi mu nu kappa lambda sigma".split()
 )

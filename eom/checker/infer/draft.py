@@ -23,24 +23,29 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from eom.checker.infer.attitude import angles, components
-from eom.checker.infer.books import taken
-from eom.checker.infer.house import drafted, fit, house
+from eom.checker.infer.attitude import angles, components, turned
+from eom.checker.infer.books import TOPICS, looks_in, taken
+from eom.checker.infer.house import drafted, fit, houses
 from eom.checker.infer.letters import (
     BOOKS,
     CUSTOMARY,
+    DISPLAY,
     FORMULA,
+    GUESSED,
     LETTER,
     Draft,
+    along,
     by_custom,
     derived,
+    followed,
     free_vectors,
+    labelled,
 )
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
-from eom.checker.infer.shown import bare, known, symbols
+from eom.checker.infer.shown import bare, known, primed, symbols
 from eom.checker.infer.systems import USUAL, Guess, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
@@ -80,7 +85,7 @@ class Proposal:
 
     ``others``: other meanings that words of the note give the same symbols elsewhere; ``body``: whose
     mechanics it is about; ``confirmed``: patterns of the preset of which words say the same; ``systems``:
-    what lines of scalars are about.
+    what lines of scalars are about; ``words``: whether the note has any.
     """
 
     preset: str
@@ -92,6 +97,7 @@ class Proposal:
     confirmed: frozenset[str] = frozenset()
     systems: tuple[Guess, ...] = ()
     parts: tuple[tuple[str, tuple[Draft, ...]], ...] = ()
+    words: bool = True
 
     @property
     def toml(self) -> str:
@@ -157,18 +163,25 @@ def propose(document: Document) -> Proposal:
     with those; then formulas of the text and the usual books, for what is left.
     """
     formulas, text = read(document), prose(document)
-    note = _Drafted(formulas, text, tuple(symbols(formulas)))
-    note.by_words()
-    note.by_systems(document)
-    for draft in derived(note.lexicon, (n for n, _ in note.symbols), text):
-        note.add(draft)
-    note.settle()
-    note.without_marks()
-    for draft in by_custom(note.lexicon, note.looks, note.drafts):
-        note.drafts[draft.table, draft.latex] = draft
-    note.settle()
-    new = _defined(formulas, note.lexicon)
-    note.by_books(new)
+    first = _Drafted(formulas, text, tuple(symbols(formulas)))
+    first.by_words()
+    first.by_systems(document)
+    others = [replace(first, drafts={}, others=[], confirmed=set(), only=n) for n in first.rivals]
+    others += [
+        replace(
+            note,
+            drafts={("marks", "prime"): LABEL},
+            others=[],
+            confirmed=set(),
+            only=note.preset,
+        )
+        for note in (first, *others[:1])
+        if note.primed() and ("marks", "prime") not in first.drafts
+    ]
+    for other in others:
+        other.by_words()
+    found = [(note, note.finished()) for note in (first, *others)]
+    note, new = min(found, key=lambda f: f[0].cost)
     unknown = {note.lexicon.notation.plain(k): n for k, n in note.unknown().items()}
     return Proposal(
         note.preset,
@@ -180,12 +193,25 @@ def propose(document: Document) -> Proposal:
         frozenset(note.confirmed),
         note.systems,
         tuple(note.by_parts(document)),
+        any(_WORD.search(s) for s in text.sentences),
     )
+
+
+_WORD = re.compile(r"[A-Za-z]{3}")
+RIVALS = 2
+"""Presets that are tried with the usual books; of those that go best with what words say."""
+BESIDE = "beside what words call any vector, in identities"
+LABEL = Draft("marks", "prime", "", CUSTOMARY, 0)
+"""That a prime is no derivative."""
 
 
 @dataclass
 class _Drafted:
-    """A draft while it is made: its entries, the preset that goes with them, the lexicon of both."""
+    """A draft while it is made: its entries, the preset that goes with them, the lexicon of both.
+
+    ``only``: the preset where no other is tried; ``ranked``: presets, those that go best with the entries
+    in front.
+    """
 
     formulas: tuple[Formula, ...]
     text: Prose
@@ -196,6 +222,8 @@ class _Drafted:
     preset: str = ""
     lexicon: Lexicon = field(default_factory=Lexicon)
     systems: tuple[Guess, ...] = ()
+    only: str = ""
+    ranked: tuple[str, ...] = ()
 
     @cached_property
     def looks(self) -> Mapping[Look, int]:
@@ -211,24 +239,69 @@ class _Drafted:
         """Return the symbols that nothing gives a meaning so far, with the first line of each."""
         found: dict[Look, int] = {}
         for node, line in self.symbols:
-            look = bare(node)
+            look = bare(node, self.lexicon)
             if look is not None and not known(self.lexicon, node):
                 found.setdefault(look, line)
         return found
 
+    def primed(self) -> list[Look]:
+        """Return the symbols with a prime that is no label so far, those that stand most often first."""
+        count = Counter(k for n, _ in self.symbols if (k := primed(n)) is not None)
+        return sorted((k for k in count if self.lexicon.find(k) is None), key=lambda k: -count[k])
+
     def add(self, draft: Draft) -> None:
         """Add an entry that a lexicon takes; what is said first stays, the rest is kept beside it."""
-        if _reads(draft):
+        if _reads(draft) and not self._taken(draft):
             first = self.drafts.setdefault((draft.table, draft.latex), draft)
             self.others += [draft] if first.meaning != draft.meaning else []
+
+    def _taken(self, draft: Draft) -> bool:
+        """Return whether a letter means the same with another label already: labels tell things apart."""
+        label = re.compile(r"[_^]").split(draft.latex, maxsplit=1)
+        if len(label) < 2 or draft.table != "symbols" or draft.meaning.startswith(("=", "defined")):
+            return False
+        return any(
+            d.meaning == draft.meaning and k[1] != draft.latex and "<" not in k[1] + draft.latex
+            for k, d in self.drafts.items()
+            if re.split(r"[_^]", k[1], maxsplit=1)[0] == label[0] and len(k[1]) > len(label[0])
+        )
 
     def settle(self) -> None:
         """Choose the preset that goes with the entries."""
         every = dict.fromkeys((*self.looks, *(m.look for m in self.text.mentions)))
         tables = _tables(self.drafts.values())
-        self.preset, self.lexicon = house(
-            self.formulas, tables, every, self._added, none=bool(self.systems)
-        )
+        names = (self.only,) if self.only else (*([""] if self.systems else []), *PRESETS)
+        found = houses(self.formulas, tables, every, self._added, names)
+        self.preset, self.lexicon = found[0]
+        self.ranked = tuple(n for n, _ in found if n)
+
+    @property
+    def rivals(self) -> tuple[str, ...]:
+        """The presets that are tried beside the one that was chosen, if one was."""
+        return tuple(n for n in self.ranked[:RIVALS] if n != self.preset and self.preset)
+
+    @property
+    def cost(self) -> int:
+        """How many lines and symbols are left without a meaning, or with one that books alone give."""
+        guesses = sum(d.words == BOOKS for d in self.drafts.values())
+        return fit(self.formulas, self.lexicon).cost + len(self.unknown()) + guesses
+
+    def finished(self) -> dict[Look, int]:
+        """Take what letters, labels and books say where words are silent; return what the note defines."""
+        said = {d.latex for d in self.drafts.values() if d.words not in GUESSED}
+        for draft in followed(self.lexicon, self.looks, said):
+            self.add(draft)
+        for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
+            self.add(draft)
+        self.settle()
+        self.refine()
+        for draft in by_custom(self.lexicon, self.looks, self.drafts):
+            self.drafts[draft.table, draft.latex] = draft
+        self.settle()
+        self.by_labels()
+        new = _defined(self.formulas, self.lexicon)
+        self.by_books(new)
+        return new
 
     def _added(self, lexicon: Lexicon) -> Lexicon:
         """Return a lexicon about the note's systems."""
@@ -250,17 +323,20 @@ class _Drafted:
         self.confirmed = {p for p in known.values() if p}
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
+        for look in turned(self.text):
+            found = self.lexicon.find(look)
+            if found is not None and found.meaning.quantity in {"angle", "turn_angle"}:
+                self.confirmed.add(found.entry.latex)
 
-    def without_marks(self) -> None:
-        """Take plain letters of vectors for these where they make no sense as their norms."""
+    def refine(self) -> None:
+        """Take other shapes of what symbols are said to be, where more lines make sense with them."""
         for key, draft in tuple(self.drafts.items()):
-            if draft.words != LETTER or not draft.meaning.startswith(r"= \left|"):
-                continue
-            itself = draft.meaning.replace(r"\left|", "").replace(r"\right|", "")
-            other = {**self.drafts, key: replace(draft, meaning=itself)}
-            lexicon = self._added(drafted(self.preset, _tables(other.values())))
-            if fit(self.formulas, lexicon).ill < fit(self.formulas, self.lexicon).ill:
-                self.drafts, self.lexicon = other, lexicon
+            for means in _shapes(draft):
+                other = {**self.drafts, key: replace(draft, meaning=means)}
+                lexicon = self._added(drafted(self.preset, _tables(other.values())))
+                new, here = fit(self.formulas, lexicon), fit(self.formulas, self.lexicon)
+                if (new.ill, new.cost) < (here.ill, here.cost) and new.cost <= here.cost:
+                    self.drafts, self.lexicon = other, lexicon
 
     def by_parts(self, document: Document) -> Iterator[tuple[str, tuple[Draft, ...]]]:
         """Yield what parts of the note say otherwise."""
@@ -271,39 +347,86 @@ class _Drafted:
         for heading, rows in sections(document, _body(self.text), self.lexicon, reads):
             yield heading, tuple(Draft("symbols", o.latex, o.means, o.words, o.line) for o in rows)
 
+    def by_labels(self) -> None:
+        """Take what displays define by raised labels, and components of that as the text says."""
+        for draft in labelled(self.formulas, self.lexicon):
+            self.add(draft)
+        self.settle()
+        shown = [
+            (s, f.piece.line)
+            for f in self.formulas
+            if f.piece.kind == "display"
+            for s in f.statements
+        ]
+        texts = zip(self.text.formulas, self.text.lines, strict=True)
+        for statement, line in (*shown, *texts):
+            for draft in along(statement, line, self.lexicon):
+                self.add(draft)
+        for statement, line in self.text.cases:
+            self.others += along(statement, line, self.lexicon, known=True)
+        for look, draft in _by_formulas(self.text, self.lexicon).items():
+            if "<k>" in draft.latex and look.sup and _reads(draft):
+                one = lexicon_of(_tables((draft,)), DRAFT)[0]
+                same = {
+                    k: d for k, d in self.drafts.items() if d.words == DISPLAY and _is(one, d.latex)
+                }
+                self.drafts = {k: d for k, d in self.drafts.items() if k not in same}
+                self.add(draft)
+        self.settle()
+
+    def any_vectors(self, *, told: bool) -> None:
+        """Take letters of identities for any vectors; ``told``: only beside those that words call so."""
+        for look, means in free_vectors(self.formulas, self.lexicon, self.unknown(), told=told):
+            pattern = latex_of(look)
+            words = BESIDE if told else CUSTOMARY
+            self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, 0)
+
     def by_books(self, defined: Container[Look]) -> None:
         """Take formulas of the text and the usual books for symbols without a meaning."""
+        self.any_vectors(told=True)
+        self.settle()
         plain = lexicon_of(_tables(self.drafts.values()), DRAFT)[0]
         own = {
             k: (d.latex, d.meaning)
-            for k, d in _by_formulas(self.text).items()
+            for k, d in _by_formulas(self.text, self.lexicon).items()
             if plain.find(k) is None and _reads(d)
         }
         count = Counter(k for n, _ in self.symbols if (k := bare(n)) is not None)
         left = sorted((k for k in self.unknown() if k not in own), key=lambda k: -count[k])
-        order = [*(k for k in self.looks if k in own), *left[:MAX_UNKNOWN]]
+        primes = self.primed()
+        order = [*(k for k in (*self.looks, *primes) if k in own), *left[:MAX_UNKNOWN]]
+        order += [k for k in primes if k not in own]
         order = [k for k in order if self.lexicon.notation.plain(k) not in defined]
         tables = _tables(self.drafts.values())
         body = _body(self.text)
-        wheels = any(_WHEELS.search(s) for s in self.text.sentences)
+        absent = _absent(self.text)
         books = taken(
-            self.formulas, self.preset, tables, order, body, own, self._added, wheels=wheels
+            self.formulas, self.preset, tables, order, body, own, self._added, absent=absent
         )
         for pattern, (means, look) in books.items():
             words = FORMULA if own.get(look) == (pattern, means) else BOOKS
             line = self.looks.get(look, 0)
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, line)
-        for look in free_vectors(self.formulas, self.unknown()):
-            pattern = latex_of(look)
-            self.drafts["symbols", pattern] = Draft(
-                "symbols", pattern, f"vector {look.name}", CUSTOMARY, 0
-            )
+        self.any_vectors(told=False)
         self.settle()
+        for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
+            self.add(draft)
+        self.settle()
+        self.refine()
 
 
-_WHEELS = re.compile(
-    r"\b(?:rotors?|wheels?|flywheels?|gyrostats?|momentum device)\b", re.IGNORECASE
-)
+def _shapes(draft: Draft) -> Iterator[str]:
+    """Yield a vector in the place of its norm by the letter, the matrix of an inertia in body axes."""
+    if draft.words == LETTER and draft.meaning.startswith(r"= \left|"):
+        yield draft.meaning.replace(r"\left|", "").replace(r"\right|", "")
+    if draft.table == "symbols" and re.fullmatch(r"inertia \S+", draft.meaning):
+        yield f"{draft.meaning} in B"
+
+
+def _absent(text: Prose) -> frozenset[str]:
+    """Return what a note with words says nothing of."""
+    said = [p for p, (words, _) in TOPICS.items() if any(words.search(s) for s in text.sentences)]
+    return frozenset(TOPICS) - {*said} if text.sentences else frozenset({"wheels"})
 
 
 def _tables(drafts: Iterable[Draft]) -> dict[str, dict[str, str]]:
@@ -342,11 +465,13 @@ def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -
                 yield Draft("symbols", latex_of(part), more, meant.words, meant.line)
 
 
-def _by_formulas(text: Prose) -> dict[Look, Draft]:
+def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
     """Return what formulas in the text say of symbols that stand alone on their left."""
     found: dict[Look, Draft] = {}
     for statement, line in zip(text.formulas, text.lines, strict=True):
         left, right = statement.members[:2]
+        if look_of(left) is None and look_of(right) is not None:
+            left, right = right, left
         look = look_of(left)
         usual = {g.name for g in statement.signs[:1]} <= {"=", "triangleq", ":=", "equiv"}
         if (
@@ -356,12 +481,18 @@ def _by_formulas(text: Prose) -> dict[Look, Draft]:
             or isinstance(right, Number | Sequence)
         ):
             continue
-        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line))
+        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line, lexicon))
         for term, rest in _solved(left, right):
             other = look_of(term)
             if other is not None:
-                found.setdefault(other, _indexed(other, _written(term, other), rest, line))
+                found.setdefault(other, _indexed(other, _written(term, other), rest, line, lexicon))
     return found
+
+
+def _is(lexicon: Lexicon, latex: str) -> bool:
+    """Return whether a lexicon knows a symbol by its LaTeX."""
+    look = look_of(read_formula(latex).tree)
+    return look is not None and lexicon.find(look) is not None
 
 
 def _written(node: Node, look: Look) -> str:
@@ -380,14 +511,22 @@ def _solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
         yield term, f"{latex(left)} - {others}"
 
 
-def _indexed(look: Look, left: str, right: str, line: int) -> Draft:
-    """Return the entry by a formula, for any particle where the symbol carries an index."""
-    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in INDICES else ""
-    if index:
-        left, right = (
-            re.sub(rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])", "_{<i>}", t) for t in (left, right)
-        )
+def _indexed(look: Look, left: str, right: str, line: int, lexicon: Lexicon) -> Draft:
+    """Return the entry by a formula, for any particle, or axis, where the symbol carries an index."""
+    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in {*INDICES, "r", "s"} else ""
+    axes = bool(index) and _counts_axes(right, index, lexicon)
+    if axes or index in INDICES:
+        below = rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])"
+        slot = "<k>" if axes else "<i>"
+        left, right = (re.sub(below, f"_{{{slot}}}", t) for t in (left, right))
     return Draft("symbols", left, f"= {right}", FORMULA, line)
+
+
+def _counts_axes(formula: str, index: str, lexicon: Lexicon) -> bool:
+    """Return whether an index in a formula is that of a unit vector."""
+    looks = looks_in(read_formula(formula).tree)
+    units = (lexicon.find(replace(k, sub=("1",))) for k in looks if k.sub == (index,))
+    return any(u is not None and u.meaning.quantity == "unit" for u in units)
 
 
 def _body(text: Prose) -> str:

@@ -1,26 +1,29 @@
 r"""What a verdict rests on: a meaning that words give, or one that books, letters and custom only suggest.
 
-A meaning is sure where words or a formula of the text give it, or where two other lines with it hold: most
-lines of a note are right, and a meaning that is not meant makes them fail.
+A meaning is sure where words or a formula of the text give it, or where two other formulas hold with it:
+most lines of a note are right, and a meaning that is not meant makes them fail.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
-from eom.checker.infer.books import candidates
+from eom.checker.infer.books import candidates, looks_in
 from eom.checker.infer.draft import Proposal
-from eom.checker.infer.letters import BOOKS, GUESSED
+from eom.checker.infer.letters import BOOKS, DISPLAY, GUESSED, LETTER
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
-from eom.checker.infer.shown import operands_of, symbols_in
+from eom.checker.infer.shown import bare, operands_of, symbols_in
 from eom.checker.infer.systems import IN_A_MOTION, USUAL, Guess
+from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import Claim
-from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon import AXES, Found, Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
+from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
 from eom.checker.read.syntax import Marks, Number
@@ -28,27 +31,136 @@ from eom.checker.read.writing import latex_of
 from eom.terms.terms import Term
 from eom.worlds.solutions import rate
 
+PLACED = frozenset({"position", "velocity", "acceleration"})
+"""Quantities of a point, seen from another."""
+DECISIVE = (
+    "components in different frames meet",
+    "these are of different kinds",
+    "this has no skew matrix",
+)
+"""What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
-LINES = 1
-"""Other lines that hold with a meaning, by which it is sure."""
+LINES = 2
+"""Other formulas that hold with a meaning, by which it is sure."""
+MISREAD = 2
+"""Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
 TRUSTED, WHOLE = 3, 0.4
-"""Lines that hold, and the share of a note's symbols that its preset names, by which the preset is sure."""
+"""Lines that hold, and the share of symbols that it names, by which a preset beside words is sure."""
 
 
 @dataclass(frozen=True)
 class Doubt:
-    """A symbol with the meaning that it was taken to have, and why that was taken."""
+    """A symbol with the meaning that it was taken to have, and why that was taken.
+
+    ``pattern``: of the entry that gives it another one.
+    """
 
     latex: str
     meaning: str
     why: str
+    pattern: str = ""
 
 
-def doubts(
-    formulas: Sequence[Formula], hold: Sequence[bool], lexicon: Lexicon, draft: Proposal
-) -> Iterator[tuple[Doubt, ...]]:
-    """Yield for each formula the meanings in it that nothing makes sure; ``hold``: which formulas do."""
+@dataclass(frozen=True)
+class Evidence:
+    """What speaks for the meanings of a note's symbols, by the patterns of their entries.
+
+    ``firm``: those that words give, or a preset as a whole; ``spoken``: words alone; ``guessed``: why some
+    were taken; ``meant``: what quantities of a system are; ``families``: symbols that speak for each other;
+    ``bases``: symbols by which others are defined that stand for their norms, directions and components.
+    """
+
+    used: tuple[Mapping[str, tuple[str, str]], ...]
+    hold: tuple[bool, ...]
+    families: Mapping[str, str]
+    firm: frozenset[str]
+    guessed: Mapping[str, str]
+    meant: Mapping[str, str]
+    bases: Mapping[str, frozenset[str]]
+    preset: str
+    fails: tuple[bool, ...] = ()
+    spoken: frozenset[str] = frozenset()
+
+    @cached_property
+    def certain(self) -> frozenset[str]:
+        """The families of which words give one, and so all; none with which lines fail and none holds."""
+        said = {f for p, f in self.families.items() if p in self.firm}
+        failed = self._counted(self.fails)
+        return frozenset(f for f in said if self.count[f] or failed[f] < MISREAD)
+
+    @cached_property
+    def count(self) -> Counter[str]:
+        """Formulas that hold, by the families that stand in them."""
+        return self._counted(self.hold)
+
+    def _counted(self, which: Sequence[bool]) -> Counter[str]:
+        """Return how many of the formulas that are meant have each family."""
+        pairs = zip(self.used, which, strict=False)
+        return Counter(
+            f for u, held in pairs if held for f in {self.families[p] for p in self._all(u)}
+        )
+
+    def _all(self, used: Iterable[str]) -> Iterator[str]:
+        """Yield entries with those that they stand for norms or components of."""
+        for pattern in used:
+            yield from (pattern, *self.bases.get(pattern, ()))
+
+    def others(self, pattern: str, number: int) -> int:
+        """Return how many formulas hold with a meaning beside one formula."""
+        family = self.families[pattern]
+        here = any(self.families[p] == family for p in self._all(self.used[number]))
+        return self.count[family] - (self.hold[number] and here)
+
+    def is_sure(self, pattern: str, number: int) -> bool:
+        """Return whether words, two other formulas, or what makes its base sure, speak for a meaning."""
+        if self.families[pattern] in self.certain or self.others(pattern, number) >= LINES:
+            return True
+        bases = self.bases.get(pattern, frozenset())
+        return bool(bases) and all(self._is_base(b, number) for b in bases)
+
+    def _is_base(self, pattern: str, number: int) -> bool:
+        """Return whether words or two other formulas speak for a symbol of which others are norms."""
+        spoken = {self.families[p] for p in self.spoken & self.families.keys()} & self.certain
+        deeper = self.bases.get(pattern, frozenset()) - {pattern}
+        return (
+            self.families[pattern] in spoken
+            or self.others(pattern, number) >= LINES
+            or (bool(deeper) and all(self.others(b, number) >= LINES for b in deeper))
+        )
+
+    def doubts(self, number: int) -> tuple[Doubt, ...]:
+        """Return the meanings in a formula that nothing makes sure."""
+        return tuple(
+            Doubt(f[0], self.meant.get(p, f[1]), self.guessed.get(p, f"preset {self.preset}"))
+            for p, f in self.used[number].items()
+            if not self.is_sure(p, number)
+        )
+
+    def is_proved(self, number: int) -> bool:
+        """Return whether each meaning in a formula is sure and holds in another."""
+        used = self.used[number].items()
+        free = {p for p, f in used if f[1].startswith("vector ")}
+        return (
+            bool(used)
+            and not self.doubts(number)
+            and all(p in free or self.held[p] - self.hold[number] for p, _ in used)
+        )
+
+    @cached_property
+    def held(self) -> Counter[str]:
+        """Formulas that hold, by the entries that stand in them."""
+        return Counter(p for u, held in zip(self.used, self.hold, strict=True) if held for p in u)
+
+
+def evidence(
+    formulas: Sequence[Formula],
+    hold: Sequence[bool],
+    lexicon: Lexicon,
+    draft: Proposal,
+    fails: Sequence[bool] = (),
+) -> Evidence:
+    """Return what speaks for the meanings in formulas; ``hold``: which do, ``fails``: which do not fit."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
@@ -61,22 +173,75 @@ def doubts(
     told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
     meant = {t.latex: f"the {t.means} of the system" for t in ties}
-    used = [dict(_used(f, lexicon)) for f in formulas]
-    count = Counter(p for u, held in zip(used, hold, strict=True) if held for p in u)
-    every = {p for u in used for p in u}
-    own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
-    firm = {
-        *said,
-        *told,
-        *draft.confirmed,
-        *(own if sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every) else ()),
+    used = tuple(_whole([dict(_used(f, lexicon)) for f in formulas], formulas, lexicon))
+    every = {p: f for u in used for p, f in u.items()}
+    looks = (k for f in formulas for k in operands_of(f, lexicon))
+    families = {p: p for p in every} | {
+        f.entry.latex: _family(f) for k in looks if (f := _entry(k, lexicon)) is not None
     }
-    for found, held in zip(used, hold, strict=True):
-        unsure = [(p, f) for p, f in found.items() if p not in firm and count[p] - held < LINES]
-        yield tuple(
-            Doubt(f[0], meant.get(p, f[1]), guessed.get(p, f"preset {draft.preset}"))
-            for p, f in unsure
-        )
+    own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
+    whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
+    firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
+    return Evidence(
+        used,
+        tuple(hold),
+        families,
+        frozenset(firm),
+        guessed,
+        meant,
+        dict(_bases(draft, lexicon, every)),
+        draft.preset,
+        tuple(fails),
+        frozenset({*said, *told, *draft.confirmed}),
+    )
+
+
+def _family(found: Found) -> str:
+    """Return what symbols have in common that speak for each other.
+
+    They are of one letter and one quantity: a vector, its components, and the same with other labels, where
+    labels say which point or frame is meant.
+    """
+    meaning, look = found.meaning, found.look
+    if meaning.formula or meaning.quantity in {"system", "defined", "vector"}:
+        return found.entry.latex
+    labelled = any(w not in AXES for corner in look.corners for w in corner)
+    labels = [str(len(meaning.labels))] if labelled else list(meaning.labels)
+    if meaning.quantity in PLACED and sum(len(c) for c in look.corners) < 2:
+        labels = list(meaning.labels[1:])
+    return " ".join((look.name, meaning.quantity, *labels))
+
+
+def _whole(
+    used: Sequence[dict[str, tuple[str, str]]], formulas: Sequence[Formula], lexicon: Lexicon
+) -> Iterator[dict[str, tuple[str, str]]]:
+    """Yield the entries that formulas use, with those by which the note defines other symbols in them."""
+    defined: dict[Look, tuple[int, dict[str, tuple[str, str]]]] = {}
+    for number, formula in enumerate(formulas):
+        for statement in formula.statements if formula.relational else ():
+            look = bare(statement.members[0], lexicon)
+            found = None if look is None else lexicon.find(look)
+            if look is not None and (found is None or found.meaning.quantity == "defined"):
+                defined.setdefault(look, (number, used[number]))
+    for number, formula in enumerate(formulas):
+        whole = dict(used[number])
+        for look in dict.fromkeys(operands_of(formula, lexicon)):
+            first, own = defined.get(look, (number, {}))
+            whole |= own if first < number else {}
+        yield whole
+
+
+def _bases(
+    draft: Proposal, lexicon: Lexicon, every: Container[str]
+) -> Iterator[tuple[str, frozenset[str]]]:
+    """Yield entries by the letter of another symbol, with the entries of that in the note's formulas."""
+    for one in draft.drafts:
+        if one.words in {LETTER, BOOKS, DISPLAY} and one.meaning.startswith("="):
+            formula = one.meaning.removeprefix("=").replace("<i>", "i")
+            found = [lexicon.find(k) for k in looks_in(read_formula(formula).tree)]
+            patterns = frozenset(f.entry.latex for f in found if f is not None)
+            if patterns and all(p in every for p in patterns):
+                yield one.latex, patterns
 
 
 def _simplified(formulas: Sequence[Formula], guess: Guess) -> bool:
@@ -90,6 +255,11 @@ def _simplified(formulas: Sequence[Formula], guess: Guess) -> bool:
         look_of(left) in own and isinstance(right, Number) and float(right.text) == 0
         for left, right in pairs
     )
+
+
+def misfits(claim: Claim) -> bool:
+    """Return whether dimensions or kinds of a claim do not fit together."""
+    return bool(claim.findings) and claim.verdict in GRAVE
 
 
 def uncounted(claim: Claim) -> Iterator[str]:
@@ -132,7 +302,9 @@ def readings(
     Books are asked only where it was they that gave the meaning.
     """
     guessed = {d.latex for d in draft.drafts if d.words == BOOKS}
-    for look in dict.fromkeys(operands_of(formula)):
+    particle = any(d.table == "points" and d.meaning == "P" for d in draft.drafts)
+    particle = particle or draft.body == "P"
+    for look in dict.fromkeys(operands_of(formula, lexicon)):
         found = lexicon.find(look)
         if found is None:
             continue
@@ -143,22 +315,49 @@ def readings(
             one, _ = lexicon_of({"symbols": {latex: means}}, "reading")
             whole = replace(lexicon, layers=(*one.layers[:1], *lexicon.layers))
             again = whole.find(found.look)
-            if again is not None and again.meaning != found.meaning:
-                yield Doubt(latex_of(found.look), means, why), whole
+            other = again is not None and again.meaning != found.meaning
+            if other and (particle or "P" not in means.split()):
+                yield Doubt(latex_of(found.look), means, why, latex), whole
+
+
+def with_meaning(lexicon: Lexicon, formula: Formula, doubt: Doubt) -> Lexicon | None:
+    """Return a lexicon with another meaning, None where no symbol of a formula has it otherwise."""
+    one, _ = lexicon_of({"symbols": {doubt.pattern or doubt.latex: doubt.meaning}}, "reading")
+    whole = replace(lexicon, layers=(*one.layers[:1], *lexicon.layers))
+    for look in dict.fromkeys(operands_of(formula, lexicon)):
+        before, again = lexicon.find(look), whole.find(look)
+        if before is not None and again is not None and before.meaning != again.meaning:
+            return whole
+    return None
+
+
+def _entry(look: Look, lexicon: Lexicon) -> Found | None:
+    """Return the entry of a symbol, also below the mark of a skew matrix or with a frame of components."""
+    found, notation = lexicon.find(look), lexicon.notation
+    if found is None and {*look.accents} & {*notation.skew}:
+        kept = tuple(a for a in look.accents if a not in notation.skew)
+        found = lexicon.find(replace(look, accents=kept))
+    if found is None and notation.resolved and look.sub[-1:] in lexicon.frames:
+        found = lexicon.find(replace(look, sub=look.sub[:-1]))
+    return found
 
 
 def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield the entries that symbols of a formula have, by pattern: symbol and meaning; marks as well."""
     for node in symbols_in(formula):
-        for one in (seen(node) or Seen(Look(""))).raised:
+        found_whole = seen(node) or Seen(Look(""))
+        whole = found_whole.with_label()
+        acts = found_whole.raised[1 if whole and lexicon.find(whole) is not None else 0 :]
+        for one in acts:
             for name in labels(one) if isinstance(one, Marks) else ():
                 if name in lexicon.notation.marks:
                     yield MARK + name, (name, f"derivative in {lexicon.notation.marks[name]}")
-    for look in operands_of(formula):
-        found = lexicon.find(look)
+    for look in operands_of(formula, lexicon):
+        found = _entry(look, lexicon)
         if found is not None and found.meaning.quantity not in {
             "time",
             "identity_matrix",
             "identity",
+            "defined",
         }:
             yield found.entry.latex, (latex_of(found.look), found.meaning.words)

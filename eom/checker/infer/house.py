@@ -56,25 +56,23 @@ def fit(formulas: Iterable[Formula], lexicon: Lexicon) -> Fit:
     return Fit(ill, left, places)
 
 
-def house(
+def houses(
     formulas: tuple[Formula, ...],
     tables: Tables,
     looks: Iterable[Look],
     added: Callable[[Lexicon], Lexicon],
-    *,
-    none: bool = False,
-) -> tuple[str, Lexicon]:
-    """Return the preset under which a draft leaves least, lines and symbols, and the lexicon of both.
+    names: Iterable[str] = PRESETS,
+) -> tuple[tuple[str, Lexicon], ...]:
+    """Return presets with their lexica, those under which a draft leaves fewest lines and symbols in front.
 
-    ``added``: puts the note's system into a lexicon; ``none``: whether there need be no preset, which goes
-    before one that says no more.
+    ``added``: puts the note's system into a lexicon; ``names``: what is tried; no preset is ``""``, which
+    goes before one that says no more.
     """
     looks = tuple(looks)
     tried = []
-    for number, name in enumerate(("", *PRESETS) if none else PRESETS):
+    for number, name in enumerate(names):
         lexicon = added(drafted(name, tables))
         unknown = sum(lexicon.find(k) is None for k in looks)
         own = sum(preset(name).find(k) is not None for k in looks) if name else len(looks)
         tried.append((fit(formulas, lexicon).cost + unknown, -own, number, name, lexicon))
-    *_, name, best = min(tried, key=lambda t: t[:3])
-    return name, best
+    return tuple((name, best) for *_, name, best in sorted(tried, key=lambda t: t[:3]))

@@ -7,24 +7,29 @@ any vector.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.infer.places import USUAL
 from eom.checker.infer.sayings import Prose, look_of
 from eom.checker.infer.shown import bare, known, operands_of
+from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
-from eom.checker.read.statements import Formula
-from eom.checker.read.symbol_shape import Look
-from eom.checker.read.syntax import Node
+from eom.checker.mean.values import Refusal
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.statements import Formula, Statement
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import Addition, Marks, Node, Product, Symbol, Words, walk
 from eom.checker.read.writing import latex, latex_of
+from eom.errors import InputError
 from eom.terms.terms import INDICES, VECTOR
 
 CUSTOMARY = "by custom"
 LETTER = "by its letter"
 FORMULA = "by its formula in the text"
 BOOKS = "as in the usual books"
-GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS})
+DISPLAY = "by its display"
+GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS, DISPLAY})
 """What stands in the place of words where they say nothing."""
 
 
@@ -47,17 +52,25 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
     """
     short = any("sine" in s and "cosine" in s for s in text.sentences) or _shown_short(text)
     done: set[Look] = set()
+    symbols = tuple(symbols)
+    looks = {k for n in symbols if (k := bare(n, lexicon)) is not None}
     for node in symbols:
-        found = bare(node)
-        if found is None or found in done or known(lexicon, node):
+        found = bare(node, lexicon)
+        if found is None or found in done or lexicon.find(found) or known(lexicon, node):
             continue
         done.add(found)
-        means = _of_letter(lexicon, found) or (_short(lexicon, found) if short else "")
-        pattern = latex_of(found)
-        if "<i>" in means:
-            pattern = f"{latex_of(replace(found, sub=()))}_{{<i>}}"
+        means = _of_letter(lexicon, found, looks) or (_short(lexicon, found) if short else "")
+        pattern, means = indexed(found, means)
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
+
+
+def indexed(look: Look, means: str) -> tuple[str, str]:
+    """Return the pattern of a symbol and its formula, for any particle where it carries an index."""
+    if len(look.sub) != 1 or look.sub[0] not in INDICES:
+        return latex_of(look), means
+    pattern = latex_of(replace(look, sub=("<i>",)))
+    return pattern, means.replace(f"_{{{look.sub[0]}}}", "_{<i>}")
 
 
 _FUNCTIONS = {"s": "sin", "c": "cos"}
@@ -80,21 +93,27 @@ def _short(lexicon: Lexicon, look: Look) -> str:
     return rf"= \{_FUNCTIONS[look.name]} {latex_of(angle)}" if known and angle is not None else ""
 
 
-def _of_letter(lexicon: Lexicon, look: Look) -> str:
+def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     """Return what a letter stands for that a vector has, too: its norm, direction, component, column."""
     axis = AXES.get(look.sub[-1]) if look.sub else None
     bare = lexicon.find(replace(look, sub=())) if len(look.sub) == 1 else None
     if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
         return "linear_momentum <i>"
     plain = not look.accents and not look.style
+    moment = _moment(lexicon, look) if plain else ""
+    if moment:
+        return moment
     unit = "hat" in look.accents
     for entry in (e for layer in lexicon.layers for e in layer):
         e = entry.look
-        vector = (e.accents or e.style) and entry.meaning.kind == VECTOR and e.name == look.name
-        if not vector or (e.accents, e.style) == (look.accents, look.style):
+        marked = (e.accents or e.style) and e.name == look.name
+        if not marked or (e.accents, e.style) == (look.accents, look.style):
             continue
-        whole = latex_of(replace(e, sub=look.sub, sup=look.sup))
-        if plain and lexicon.find(replace(e, sub=look.sub, sup=look.sup)) is not None:
+        vector = replace(e, sub=look.sub, sup=look.sup)
+        whole, said = latex_of(vector), entry.where.startswith("draft") or vector in looks
+        if entry.meaning.kind != VECTOR and not _is_vector(lexicon, entry.meaning, whole):
+            continue
+        if plain and said and lexicon.find(vector) is not None:
             return rf"= \left|{whole}\right|"
         if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
             return rf"= {whole} / \left|{whole}\right|"
@@ -108,6 +127,70 @@ def _of_letter(lexicon: Lexicon, look: Look) -> str:
         ):
             return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
     return ""
+
+
+def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> Iterator[Draft]:
+    """Yield components that a preset takes about another point than words take the vector of their letter.
+
+    ``said``: the patterns that words give.
+    """
+    whole = [
+        e
+        for layer in lexicon.layers
+        for e in layer
+        if e.latex in said and (e.look.accents or e.look.style) and not any(e.look.corners)
+    ]
+    for look in looks:
+        found = lexicon.find(look)
+        if found is None or not found.meaning.component or found.entry.latex in said:
+            continue
+        for entry in whole:
+            means = entry.meaning
+            same = entry.look.name == look.name and means.quantity == found.meaning.quantity
+            if same and means.labels != found.entry.meaning.labels:
+                new = replace(found.entry.meaning, labels=means.labels)
+                yield Draft("symbols", found.entry.latex, new.words, LETTER, 0)
+
+
+_RATES = {"v": ("r", r"\dot"), "V": ("R", r"\dot"), "a": ("r", r"\ddot")}
+"""Letters of rates of a position, with its letter."""
+
+
+def rate(lexicon: Lexicon, look: Look) -> str:
+    """Return the formula of the rate of a position with the marks and labels of a letter with a prime."""
+    letter, dots = _RATES.get(look.name, ("", ""))
+    of = replace(look, name=letter)
+    marked = (look.accents or look.style) and any(look.corners)
+    found = lexicon.find(of) if letter and marked else None
+    if found is None or "prime" not in look.sup:
+        return ""
+    return rf"= {dots}{{{latex_of(of)}}}"
+
+
+def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
+    """Return whether a symbol is a vector by its formula."""
+    if not meaning.formula:
+        return False
+    try:
+        return elaborator(lexicon).value(read_formula(latex).tree).shape == VECTOR
+    except (Refusal, InputError):
+        return False
+
+
+def _moment(lexicon: Lexicon, look: Look) -> str:
+    """Return the moment or product of inertia that a table's letter with numbers of axes is."""
+    axes = [AXES[w] for w in look.sub if w in AXES]
+    tables = (
+        e.meaning
+        for layer in lexicon.layers
+        for e in layer
+        if e.look.name == look.name and not any(e.look.corners) and e.meaning.quantity == "inertia"
+    )
+    table = next((m for m in tables if not m.component), None)
+    other = look.sup or look.presub or look.presup
+    if table is None or other or len(axes) != len(look.sub) or not 1 <= len(axes) <= 2:
+        return ""
+    return f"{_worded(table)} in {table.frame or 'B'} component {axes[0]} {axes[-1]}"
 
 
 def _worded(meaning: Meaning) -> str:
@@ -131,7 +214,8 @@ def by_custom(
             known = label in lexicon.frames or label in lexicon.points
             known = known or (label[0] in INDICES and ("b",) not in labels)
             if name and not known and (table == "frames" or name not in said):
-                yield Draft(table, "".join(label), name, CUSTOMARY, 0)
+                word = "".join(label)
+                yield Draft(table, rf"\{word}" if len(word) > 1 else word, name, CUSTOMARY, 0)
 
 
 def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
@@ -150,19 +234,97 @@ def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
         yield Draft("points", free[0], "P", CUSTOMARY, 0)
 
 
+def along(
+    statement: Statement, line: int, lexicon: Lexicon, *, known: bool = False
+) -> Iterator[Draft]:
+    r"""Yield a letter that a display defines as the factor of a unit vector, as in ``\vec a = s\hat b``.
+
+    ``known``: of letters that have a meaning already, too.
+    """
+    if not statement.relational or len(statement.members) != 2:
+        return
+    left, right = statement.members
+    vector = look_of(left) if seen(left) is not None else None
+    found = lexicon.find(vector) if vector is not None else None
+    if found is None or found.meaning.kind != VECTOR or found.meaning.component:
+        return
+    sign = ""
+    if isinstance(right, Addition) and len(right.terms) == 1:
+        sign = "-" if right.signs[0] == "-" else ""
+        right = right.terms[0]
+    factors = right.factors if isinstance(right, Product) and not right.operator else ()
+    looks = [seen(f) for f in factors]
+    if len(looks) != 2 or looks[0] is None or looks[1] is None or looks[0].dots or looks[0].raised:
+        return
+    letter, unit = looks[0].look, lexicon.find(looks[1].look)
+    plain = not letter.accents and not letter.style
+    new = known or lexicon.find(letter) is None
+    if unit is not None and unit.meaning.quantity == "unit" and plain and new:
+        formula = rf"= {sign}{latex(left)} \cdot {latex(factors[1])}"
+        yield Draft("symbols", latex_of(letter), formula, DISPLAY, line)
+
+
+def labelled(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:
+    r"""Yield symbols with a raised label, as in ``\vec T^*``, that a display has alone on its left first.
+
+    A label is a word, or a mark that is no derivative of the note. The display defines what that is.
+    """
+    done: set[Look] = set()
+    for formula in formulas:
+        for statement in formula.statements if formula.relational else ():
+            look = _labelled(statement.members[0], lexicon)
+            first = look is not None and look not in done and formula.piece.kind == "display"
+            if first and look is not None and lexicon.find(look) is None:
+                yield Draft("symbols", latex_of(look), "defined", DISPLAY, formula.piece.line)
+            done |= {k for m in statement.members for n in walk(m) if (k := _labelled(n, lexicon))}
+
+
+def _labelled(node: Node, lexicon: Lexicon) -> Look | None:
+    """Return the look of a symbol with a raised label that is neither a mark of the note nor a power."""
+    found = seen(node)
+    first = found.raised[0] if found is not None and len(found.raised) == 1 else None
+    if found is None or found.dots or first is None:
+        return None
+    mark = isinstance(first, Marks) and not {*first.names} & {*lexicon.notation.marks, "times"}
+    word = isinstance(first, Words) or (
+        isinstance(first, Symbol) and first.style == "roman" and len(first.name) > 1
+    )
+    return found.with_label() if mark or word else None
+
+
 _ANY_VECTOR = re.compile("[abcuvwxy]")
 """Letters of vectors in an identity that holds for all of them."""
 
 
-def free_vectors(formulas: Iterable[Formula], unknown: Mapping[Look, int]) -> Iterator[Look]:
-    """Yield unknown vectors that stand in displays of nothing but such letters: in identities."""
-    free = {
-        k
-        for k in unknown
-        if (k.accents or k.style) and _ANY_VECTOR.fullmatch(k.name) and not any(k.corners)
-    }
+def free_vectors(
+    formulas: Iterable[Formula], lexicon: Lexicon, unknown: Iterable[Look], *, told: bool
+) -> Iterator[tuple[Look, str]]:
+    r"""Yield unknown vectors that stand in displays of nothing but such, in identities, and their meanings.
+
+    ``told``: only beside one that words call any vector. A letter without a mark is the column of body
+    components of the vector with one, as in ``[\tilde u] v``.
+    """
+    unknown = set(unknown)
+    marked = {k for k in unknown if (k.accents or k.style) and _is_any(k)}
+    entries = (e for layer in lexicon.layers for e in layer)
+    said = {e.look for e in entries if e.meaning.quantity == "vector"}
+    letters = {k.name for k in marked | said}
+    plain = {Look(n) for n in letters} & unknown
+    free = marked | plain | said | {Look(n, accents=("tilde",)) for n in letters}
     shown = [set(operands_of(f)) for f in formulas if f.piece.kind == "display"]
-    for look in free:
+    for look in sorted(marked | plain, key=lambda k: (k.text, k.accents)):
         lines = [s for s in shown if look in s]
-        if lines and all(s <= free for s in lines):
-            yield look
+        if lines and all(s <= free and (s & said or not told) for s in lines):
+            yield look, f"vector {look.name}{' in B' if look in plain else ''}"
+
+
+def _is_any(look: Look) -> bool:
+    """Return whether a vector may be any: of a usual letter, without labels or the mark of a matrix."""
+    return (
+        bool(_ANY_VECTOR.fullmatch(look.name))
+        and not any(look.corners)
+        and not _SKEW & {*look.accents}
+    )
+
+
+_SKEW = frozenset({"tilde", "widetilde"})

@@ -7,11 +7,12 @@ prepositions: points and frames by their labels or in words, particles by their 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
+from itertools import pairwise
 
-from eom.checker.infer.places import Places, as_label, tables
+from eom.checker.infer.places import USUAL, Places, as_label, tables
 from eom.checker.infer.sayings import MARK, Mention, Prose, Said
 from eom.checker.read.symbol_shape import Labels, Look
 from eom.checker.read.writing import latex_of
@@ -59,13 +60,15 @@ class Phrases:
     """What fills places: the text, its frames and points, and whose mechanics it is.
 
     ``vectors``: the vectors that were given a meaning so far, the last one last, to which "its components"
-    and "its magnitude" refer.
+    and "its magnitude" refer; ``about``: the points about which things were taken, to which "the same
+    point" refers.
     """
 
     text: Prose
     places: Places
     body: str = "body"
     vectors: dict[Look, str] = field(default_factory=dict)
+    about: list[str] = field(default_factory=list)
 
     def meant(self, one: Said) -> Iterator[Meant]:
         """Yield the meanings that words give symbols: one for all, or one for each in order."""
@@ -82,7 +85,8 @@ class Phrases:
             row, start = found[k] if several else found[0]
             means = self._filled(row, words if several else words[start:], one, k)
             if means:
-                if row.mark == "vector" and (mention.look.accents or mention.look.style):
+                marked = bool(mention.look.accents or mention.look.style)
+                if (row.mark == "vector" and marked) or means.startswith("inertia "):
                     self.vectors[mention.look] = means
                 yield Meant(
                     mention.look, means, row.mark, self.text.shown(words)[:70], mention.line
@@ -122,15 +126,16 @@ class Phrases:
     def _filled(self, row: Row, words: str, one: Said, k: int) -> str:
         """Return a meaning with its places filled; nothing where one is unknown."""
         points, frames = list(self._points(words)), self._frames(words)
-        of, start = self._position(words, one.of[k])
+        of, start = self._position(words, one)
+        of = of or self._labelled(one.of[k].look)
         several = len(one.of) > 1
         turning = frames["of"]
         both = [self.places.frames[(n,)] for n in one.of[k].look.sub if (n,) in self.places.frames]
         if len(both) == 2 and not (frames["into"] or frames["of"] or frames["in"]):
             frames = {**frames, "into": both[:1], "in": both[1:]}
         values = {
-            "body": self.body,
-            "particle": self._particle(one.of[k]),
+            "body": "P" if one.sentence in self.single else self.body,
+            "particle": self._particle(one.of[k], one.sentence),
             "about": points[k]
             if several and len(points) == len(one.of)
             else points[0]
@@ -138,11 +143,7 @@ class Phrases:
             else self._centre(),
             "of": of,
             "from": start,
-            "frame": turning[k]
-            if several and len(turning) == len(one.of)
-            else turning[0]
-            if turning
-            else self._owner(one, words),
+            "frame": self._turning(row, one, k, turning) or self._owner(one, words),
             "to": (frames["into"] or turning or ["B"])[0],
             "base": (frames["in"] or ["I"])[0],
             "derivative": self._derivative(words, frames["in"]),
@@ -160,6 +161,14 @@ class Phrases:
         partly = filled.startswith("external_force") and _PARTLY.search(one.sentence) is not None
         return "" if UNKNOWN in filled or same or partly else filled
 
+    def _turning(self, row: Row, one: Said, k: int, named: Sequence[str]) -> str:
+        """Return the frame that is meant, in order; a vectrix is that of its label, where that is usual."""
+        label = one.of[k].look.sub[:1]
+        if row.means.startswith("vectrix") and label in _USUAL:
+            return USUAL["frames"][label[0]]
+        several = len(one.of) > 1 and len(named) == len(one.of)
+        return named[k] if several else next(iter(named), "")
+
     def _owner(self, one: Said, words: str) -> str:
         """Return the frame that unit vectors belong to: the last one that the sentence names before."""
         if re.search(r"\b(?:inertial|space)\b", words.split(" vectors", maxsplit=1)[0]):
@@ -174,9 +183,9 @@ class Phrases:
         return named[0] if named else next(reversed(self.vectors), None)
 
     def _component(self, one: Said, words: str, k: int) -> str:
-        """Return a component of the vector that is meant, where three symbols are its components."""
+        """Return a component where three symbols are those of what is meant, all where one symbol is it."""
         look = self._referent(words)
-        if look is None or len(one.of) != 3:
+        if look is None or len(one.of) not in {1, 3} or (one.of[0].look == look):
             return ""
         frame = (
             "I"
@@ -184,11 +193,17 @@ class Phrases:
             else (self._frames(words)["in"] or ["B"])[0]
         )
         means = self.vectors[look].split(" in ")[0]
-        return "" if means.startswith("=") else f"{means} in {frame} component {k + 1}"
+        if len(one.of) == 1:
+            table = bool(one.of[0].look.accents or one.of[0].look.style)
+            return f"{means} in {frame}" if table and not means.startswith("=") else ""
+        vector = not means.startswith(("=", "inertia "))
+        return f"{means} in {frame} component {k + 1}" if vector else ""
 
     def _magnitude(self, words: str) -> str:
         look = self._referent(words)
-        return "" if look is None else rf"= \left|{latex_of(look)}\right|"
+        if look is None or self.vectors[look].startswith("inertia ") or _LENGTH.match(words):
+            return ""
+        return rf"= \left|{latex_of(look)}\right|"
 
     def _derivative(self, words: str, frames: list[str]) -> str:
         """Return the formula of the derivative of a symbol in a frame."""
@@ -209,7 +224,10 @@ class Phrases:
         found = re.search(r"\b(?:about|for|around|with respect to|at)\s+(?P<what>[^.;]*)", words)
         if found is None:
             return []
+        if found["what"].startswith("the same point"):
+            return self.about[-1:]
         named = list(self._pointed(found["what"]))
+        self.about += named[:1]
         unknown = re.match(rf"(?:the )?(?:point )?({MARK})", found["what"])
         return named or (
             ["<P>"]
@@ -234,12 +252,14 @@ class Phrases:
         if "mass" in words or "gravity" in words:
             return "C"
         values = self.places.points.values()
+        if words == "origin" and not values:
+            return "OI"
         if "inertial" in words or words == "fixed origin":
             return "OI"
         return "O" if "O" in values or "OI" not in values else "OI"
 
-    def _position(self, words: str, mention: Mention) -> tuple[str, str]:
-        """Return which point a vector leads to, and from which; by its label where words do not say."""
+    def _position(self, words: str, one: Said) -> tuple[str, str]:
+        """Return which point a vector leads to, nothing where words do not say, and from which."""
         thing = rf"(?:{MARK}|particle\s+{MARK}|{_THINGS}|{_WORDS})"
         led = re.search(
             rf"from\s+(?:the |an? )*(?:\w+\s+)*?({thing})\s+to\s+(?:the |an? )*(?:\w+\s+)*?({thing})",
@@ -252,9 +272,17 @@ class Phrases:
             rf"\b(?:from|relative to|with respect to)\s+(?:the |an? )*(?:\w+\s+)*?({thing})", words
         )
         given = self._thing(start[1]) if start is not None else "OI"
-        return (
-            self._thing(of[1]) if of is not None else self._labelled(mention.look)
-        ), given or "OI"
+        own = "P" if _ITS.match(one.words) and one.sentence in self.single else ""
+        return (self._thing(of[1]) if of is not None else own), given or "OI"
+
+    @cached_property
+    def single(self) -> frozenset[str]:
+        """The sentences about one particle, and those behind a colon of such."""
+        found: list[str] = []
+        for before, here in pairwise(("", *self.text.sentences)):
+            behind = before.endswith(":") and before in found
+            found += [here] if behind or _ONE.search(here) else []
+        return frozenset(found)
 
     def _labelled(self, look: Look) -> str:
         """Return the point or particle that a label names."""
@@ -294,8 +322,10 @@ class Phrases:
             return self.places.frames.get(as_label(self.text.marked(words)[0].look), "")
         return "B" if words.startswith("body") else "I"
 
-    def _particle(self, mention: Mention) -> str:
+    def _particle(self, mention: Mention, sentence: str) -> str:
         labels = mention.look.sub
+        if sentence in self.single:
+            return "P"
         return "<i>" if len(labels) == 1 and labels[0] in INDICES else "P"
 
 
@@ -308,19 +338,29 @@ def fits(look: Look, mark: str) -> bool:
 def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
     """Yield the meanings that words give symbols which look like that."""
     for meant in phrases.meant(one):
+        label, plain = as_label(meant.look), not meant.look.accents and not meant.look.style
+        if plain and (label in phrases.places.frames or label in phrases.places.points):
+            continue
         vectors = meant.mark == "vector" and meant.look.sub[-1:] not in {("1",), ("2",), ("3",)}
         if vectors or fits(meant.look, meant.mark):
             yield meant
 
 
 _ARTICLES = r"(?:the |frame |body |an? |columns? of |components of )*"
+_ONE = re.compile(r"\bone (?:particle|point mass|of (?:them|the particles))\b")
+"""Words of a sentence that is about a particle by itself, beside others."""
+_LENGTH = re.compile(r"length(?! of ⟦)")
+"""A length that may be that of a thing."""
+_ITS = re.compile(r"its\b")
+_USUAL = frozenset((n,) for n in USUAL["frames"])
 _BETWEEN = ("position", "velocity", "acc", "rotation ", "angular_velocity")
 """Beginnings of meanings that are about two points or frames."""
 _PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")
 _REST = re.compile(
     r"(?:\s+(?:vectors?|matrix|column))?"
     r"(?:\s+of\s+[a-z]+|\s+(?:of )?(?:the|a|this|each)\s+(?:point\s+)?[a-z]+)?"
-    r"(?:\s+(?:is|are|be|by|at))?\s*"
+    r"(?:\s+about\s+the (?:cent(?:re|er) of (?:mass|gravity)|mass cent(?:re|er)|origin|same point|pivot))?"
+    r"(?:\s+(?:is|are|be|by|at|(?:one|we) (?:finds?|gets?|has|have|obtains?|writes?)))?\s*"
 )
 """What may stand between a noun and the symbol behind it."""
 _PARTLY = re.compile(
@@ -376,6 +416,9 @@ def slotted(meant: Meant, places: Places) -> Iterator[tuple[str, str]]:
         return
     if means.startswith("rotor_") and means.endswith(" k") and look.sub in {("k",), ("i",), ("j",)}:
         yield latex_of(look), means.removesuffix("k") + look.sub[0]
+        return
+    if means.startswith("inertia ") and look.sub in places.frames and look.sub not in places.points:
+        yield latex_of(replace(look, sub=("<F>",))), f"{means} in <F>"
         return
     if "<P>" in means:
         yield from ((latex_of(g), means) for g in _open(look, places))

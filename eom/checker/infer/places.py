@@ -102,6 +102,8 @@ def places(text: Prose, sayings: Iterable[Said], looks: Iterable[Look] = ()) -> 
             found.add(table, mention, "OA" if pair else name, text.shown(one.words))
         for mention, one in every:
             default = _usual(table, mention.look)
+            if table == "frames" and default in named and not _called(mention.look, default):
+                default = next(iter(OTHERS.get(default, ())), default)
             drawn = table == "points" and mention.look.style
             label = as_label(mention.look)
             if table == "points" and named and _placeholder(label, named):
@@ -122,13 +124,18 @@ def _placeholder(label: Labels, named: set[str]) -> bool:
 
 USUAL = {
     "frames": {"b": "B", "B": "B", "body": "B", "i": "I", "I": "I", "N": "I", "n": "I", "0": "I"},
-    "points": {"C": "C", "G": "C", "S": "C", "O": "O"},
+    "points": {"C": "C", "G": "C", "S": "C", "O": "O", "bullet": "C"},
 }
 """What labels name by custom, where nothing else says so."""
 
 
 WHICH = "which one it is, by custom"
 """What is told of a frame or point of which words say no more than that it is one."""
+
+
+def _called(look: Look, name: str) -> bool:
+    """Return whether a label has a letter in it: what has another one is not what that stands for."""
+    return name in re.split(r"[ _^]", as_label(look)[0])
 
 
 def _usual(table: str, look: Look) -> str:
@@ -195,7 +202,7 @@ _SIGNS = {
     "bullet": ("bullet",),
 }
 _SEEN = re.compile(
-    r"(?:relative to|with respect to|\bin|\bfrom|\bby)\s+(?:the |frame |an? )*"
+    r"(?:relative to|with respect to|\bin|\bfrom|\bby)\s+(?:the |frame |an? |[a-z]+ (?=frame))*"
     r"(⟦\d+⟧|body|moving|rotating|inertial|space|fixed)"
 )
 

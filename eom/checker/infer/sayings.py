@@ -73,12 +73,16 @@ class Said:
 
 @dataclass(frozen=True)
 class Prose:
-    """The sentences of a note with marks for formulas, the mentions, and formulas that define letters."""
+    """The sentences of a note with marks for formulas, the mentions, and formulas that define letters.
+
+    ``cases``: formulas of sentences about a special case, with their lines.
+    """
 
     sentences: tuple[str, ...]
     mentions: tuple[Mention, ...]
     formulas: tuple[Statement, ...]
     lines: tuple[int, ...]
+    cases: tuple[tuple[Statement, int], ...] = ()
 
     def shown(self, words: str) -> str:
         """Return words with the letters of symbols in the place of marks."""
@@ -96,6 +100,7 @@ def prose(document: Document) -> Prose:
     shown = {k: f for k, f in inline.items() if f.piece.kind == "display"}
     mentions: list[Mention] = []
     formulas: list[tuple[Statement, int]] = []
+    cases: list[tuple[Statement, int]] = []
     text: list[str] = []
     for piece in document.pieces:
         if piece.kind == "prose":
@@ -108,17 +113,33 @@ def prose(document: Document) -> Prose:
             text.append(f"{left}{BREAK}")
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
-            text.append(_marks(formula, mentions, [] if CASE.search(lead) else formulas))
-    whole = _LISTED.sub(_spelt_out, "".join(text))
+            text.append(_marks(formula, mentions, cases if CASE.search(lead) else formulas))
+    whole = _ROW.sub(_told, _LISTED.sub(_spelt_out, "".join(text)))
     whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
     sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
     return Prose(
-        sentences, tuple(mentions), tuple(s for s, _ in formulas), tuple(n for _, n in formulas)
+        sentences,
+        tuple(mentions),
+        tuple(s for s, _ in formulas),
+        tuple(n for _, n in formulas),
+        tuple(cases),
     )
 
 
 _LISTED = re.compile(rf"((?:^|[.;,:\n]|- )\s*)({LIST})\s*:\s+(?:the |an? )?(?=[a-z])")
 """A letter in a list of such, with what it is behind a colon."""
+
+
+_ROW = re.compile(
+    rf"^[ \t]*\|\s*({LIST})\s*\|\s*(?:the |an? )?([a-z][^|\n]*?)\s*\|[^\n]*$", re.MULTILINE
+)
+"""A row of a table: a letter, and in the next column what it is."""
+
+
+def _told(match: re.Match[str]) -> str:
+    """Return a row of a table as a sentence."""
+    several = match[1].count("⟦") > 1
+    return f"{BREAK}{match[1]} {'are' if several else 'is'} the {match[2]}.{BREAK}"
 
 
 def _spelt_out(match: re.Match[str]) -> str:
@@ -128,7 +149,8 @@ def _spelt_out(match: re.Match[str]) -> str:
 
 
 CASE = re.compile(
-    r"^(?:finally|for a|in the case)\b|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
+    r"^(?:finally|for a(?!n? point)|in the case)\b"
+    r"|\b(?:if|when|suppose|assum\w+|unless|because|in which case)\b",
     re.IGNORECASE,
 )
 """Words of a sentence that is about a special case."""
@@ -155,7 +177,7 @@ def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[State
     for statement in formula.statements:
         if statement.relational and len(statement.members) > 1:
             formulas.append((statement, line))
-            nodes += [statement.members[0]]
+            nodes += _compared(statement)
         else:
             nodes += [i for m in statement.members for i in _items(m)]
     marks = []
@@ -167,8 +189,18 @@ def _marks(formula: Formula, mentions: list[Mention], formulas: list[tuple[State
     return ", ".join(marks) if marks else "…"
 
 
+def _compared(statement: Statement) -> list[Node]:
+    """Return what a relation is about: its left side, letters on both sides of "greater than"."""
+    larger = {g.name for g in statement.signs} <= {"<", ">", "lt", "gt"}
+    letters = larger and all(look_of(m) is not None for m in statement.members)
+    return list(statement.members) if letters else [statement.members[0]]
+
+
 _LED = re.compile(
-    r"\b(?:is|are|be|reads?|(?:defined|given|expressed)\s+(?:as|by)(?:\s+follows)?)\s*[:,]?\s*$",
+    r"\b(?:is|are|be|reads?|(?:defined|given|expressed)\s+(?:as|by)(?:\s+follows)?)\s*[:,]?\s*$"
+    r"|\b(?:is|are)\s+(?:the|an?)\s+(?:[\w-]+\s+){1,8}[\w-]+,\s*$"
+    r"|^\s*for\s+the\s+[^,;:]*\b(?:one|we)\s+(?:finds?|gets?|has|have|obtains?|writes?)\s*:?\s*$"
+    r"|^\s*(?:and|while)\s+(?:the|its|their)\s+(?:[\w-]+\s+){0,6}[\w-]+\s*,?\s*$",
     re.IGNORECASE,
 )
 """The end of words that say what the left side of the display behind them is."""

@@ -10,11 +10,12 @@ from eom.checker.mean.elaborator import FUNCTIONS, TRANSPOSED
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import Refusal
 from eom.checker.read.statements import Formula, Statement
-from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.symbol_shape import Look, labels, seen
 from eom.checker.read.syntax import (
     Derivative,
     Differential,
     Integral,
+    Marks,
     Node,
     Number,
     Symbol,
@@ -31,7 +32,7 @@ def symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
             if seen(node) is not None:
                 yield node, formula.piece.source.line_column(node.span.start)[0]
             elif not isinstance(node, Number):
-                stack += reversed(_operands(node))
+                stack += reversed(operands(node))
 
 
 def symbols_in(formula: Formula) -> Iterator[Node]:
@@ -39,9 +40,12 @@ def symbols_in(formula: Formula) -> Iterator[Node]:
     return (n for n, _ in symbols((formula,)))
 
 
-def operands_of(formula: Formula) -> Iterator[Look]:
-    """Yield what the symbols of a formula look like, each as often as it stands."""
-    return (k for n in symbols_in(formula) if (k := bare(n)) is not None)
+def operands_of(formula: Formula, lexicon: Lexicon | None = None) -> Iterator[Look]:
+    """Yield what the symbols of a formula look like, each as often as it stands.
+
+    ``lexicon``: what is raised is a label of symbols that it knows with that.
+    """
+    return (k for n in symbols_in(formula) if (k := bare(n, lexicon)) is not None)
 
 
 def _members(statement: Statement) -> list[Node]:
@@ -50,7 +54,7 @@ def _members(statement: Statement) -> list[Node]:
     return own + [m for _, c in statement.conditions for m in _members(c)]
 
 
-def _operands(node: Node) -> tuple[Node, ...]:
+def operands(node: Node) -> tuple[Node, ...]:
     """Return what of a node has a value: no variables and bounds of integrals, no labels."""
     if isinstance(node, Integral):
         return (node.integrand,) if node.integrand is not None else ()
@@ -64,19 +68,32 @@ def _operands(node: Node) -> tuple[Node, ...]:
     return tuple(c for c in children(node) if c not in out)
 
 
-def bare(node: Node) -> Look | None:
-    """Return the look without dots and with a raised label only if it is one letter."""
+def bare(node: Node, lexicon: Lexicon | None = None) -> Look | None:
+    """Return the look without dots and with a raised label only if it is one letter, or known as one."""
     found = seen(node)
     if found is None:
         return None
     raised = found.raised[0] if found.raised else None
+    whole = found.with_label() if lexicon is not None and raised is not None else None
+    if whole is not None and lexicon is not None:
+        marked = raised is not None and lexicon.notation.marks.keys() >= set(labels(raised))
+        if lexicon.find(whole) is not None or (primed(node) is not None and not marked):
+            return whole
     labelled = isinstance(raised, Symbol) and raised.name not in {"T", "top", "t", "intercal"}
     return found.with_label() if labelled else found.look
 
 
+def primed(node: Node) -> Look | None:
+    """Return the look of a symbol with primes as its label; None for one without."""
+    found = seen(node)
+    first = found.raised[0] if found is not None and found.raised else None
+    prime = isinstance(first, Marks) and set(first.names) == {"prime"}
+    return found.with_label() if found is not None and prime else None
+
+
 def known(lexicon: Lexicon, node: Node) -> bool:
     """Return whether a lexicon gives a symbol a meaning, or it names a frame or a point."""
-    look = bare(node)
+    look = bare(node, lexicon)
     names = {**lexicon.frames, **lexicon.points}
     if look is not None and (as_label(look) in names or look.name in {"infty", "bullet"}):
         return True

@@ -55,34 +55,6 @@ class Letter:
 
 
 @dataclass(frozen=True)
-class Row:
-    """A row of the table: what names it, what is left open in it, its letters, its description."""
-
-    name: str
-    words: re.Pattern[str]
-    unless: re.Pattern[str] | None
-    bare: bool
-    needs: frozenset[str]
-    angles: tuple[str, ...]
-    optional: frozenset[str]
-    sizes: tuple[str, ...]
-    shapes: tuple[str, ...]
-    letters: tuple[Letter, ...]
-    table: Mapping[str, Any]
-
-    def named(self, words: str) -> re.Match[str] | None:
-        """Return where words name this system."""
-        if self.unless is not None and self.unless.search(words):
-            return None
-        return self.words.search(words)
-
-    @property
-    def usual(self) -> frozenset[Look]:
-        """Letters that are usual for any of its quantities."""
-        return frozenset(k for one in self.letters for k in one.usual)
-
-
-@dataclass(frozen=True)
 class Tie:
     """A letter of the note with the quantity that it stands for, the words that say so, and their line."""
 
@@ -98,11 +70,49 @@ class Tie:
 
 
 @dataclass(frozen=True)
+class Row:
+    """A row of the table: what names it, what is left open in it, its letters, its description.
+
+    One that is composed of the parts of a note has letters that words have ``bound`` to its quantities, the
+    ``lines`` that it was read from, and the line from which on (``until``) the note changes it; 0 for none.
+    ``turns``: from which directions its angles may be counted.
+    """
+
+    name: str
+    words: re.Pattern[str]
+    unless: re.Pattern[str] | None
+    bare: bool
+    needs: frozenset[str]
+    angles: tuple[str, ...]
+    optional: frozenset[str]
+    sizes: tuple[str, ...]
+    shapes: tuple[str, ...]
+    letters: tuple[Letter, ...]
+    table: Mapping[str, Any]
+    bound: tuple[Tie, ...] = ()
+    lines: tuple[int, ...] = ()
+    until: int = 0
+    turns: tuple[int, ...] = (0, 1, 2, 3)
+
+    def named(self, words: str) -> re.Match[str] | None:
+        """Return where words name this system."""
+        if self.unless is not None and self.unless.search(words):
+            return None
+        return self.words.search(words)
+
+    @property
+    def usual(self) -> frozenset[Look]:
+        """Letters that are usual for any of its quantities."""
+        return frozenset(k for one in self.letters for k in one.usual)
+
+
+@dataclass(frozen=True)
 class Guess:
     """A system with the letters of a note: its description as a lexicon has it, and its evidence.
 
     ``words``: by which the note names it; ``headings``: the part that is about it, none for the whole
-    note; ``rivals``: others under which as many lines hold.
+    note; ``rivals``: others under which as many lines hold; ``letters``: what it has names for; ``lines``:
+    where its parts were read, ``until``: from which line on the note changes it, 0 for none.
     """
 
     name: str
@@ -111,6 +121,9 @@ class Guess:
     words: str = ""
     headings: tuple[str, ...] = ()
     rivals: tuple[Guess, ...] = ()
+    letters: tuple[Letter, ...] = ()
+    lines: tuple[int, ...] = ()
+    until: int = 0
 
     @property
     def symbols(self) -> Mapping[str, str]:
@@ -147,12 +160,10 @@ def with_systems(lexicon: Lexicon, systems: Iterable[Guess]) -> Lexicon:
 @cache
 def rows() -> tuple[Row, ...]:
     """Return the table."""
-    data = tomllib.loads((files(__package__) / "systems.toml").read_text(encoding="utf-8"))
-    return tuple(_row(r, data["energies"]) for r in data["system"])
+    return tuple(_row(r, _data()["energies"]) for r in _data()["system"])
 
 
 def _row(data: Mapping[str, Any], energies: Mapping[str, Any]) -> Row:
-    letters = {**energies, **data["letters"]}
     return Row(
         data["name"],
         re.compile(data["words"], re.IGNORECASE),
@@ -163,12 +174,29 @@ def _row(data: Mapping[str, Any], energies: Mapping[str, Any]) -> Row:
         frozenset(data.get("optional", ())),
         tuple(data.get("sizes", ())),
         tuple(data.get("shapes", ())),
-        tuple(
-            Letter(k, tuple(_look(w) for w in usual.split()), re.compile(words, re.IGNORECASE))
-            for k, (usual, words) in letters.items()
-        ),
+        _letters({**energies, **data["letters"]}),
         data["is"],
     )
+
+
+def _letters(rows: Mapping[str, Sequence[str]]) -> tuple[Letter, ...]:
+    return tuple(
+        Letter(k, tuple(_look(w) for w in usual.split()), re.compile(words, re.IGNORECASE))
+        for k, (usual, words) in rows.items()
+    )
+
+
+def table_row(name: str, letters: Mapping[str, Sequence[str]], table: Mapping[str, Any]) -> Row:
+    """Return a row as those of the table, with the letters of energies, that no words name."""
+    own = _letters({**_data()["energies"], **letters})
+    words = re.compile("(?!)")
+    none = frozenset[str]()
+    return Row(name, words, None, False, none, (), none, (), (), own, table)
+
+
+@cache
+def _data() -> Mapping[str, Any]:
+    return tomllib.loads((files(__package__) / "systems.toml").read_text(encoding="utf-8"))
 
 
 @cache
@@ -192,6 +220,10 @@ _TURNS = (
 
 Itself, its sine, its cosine, the sign of its rate; by the angle, its sine and its cosine.
 """
+
+
+DIRECTIONS = {"downward": (0,), "upward": (1,), "horizontal": (2, 3), "vertical": (0, 1)}
+"""Words of directions that angles are counted from, with the rows of the table of these."""
 
 
 def _key(table: Mapping[str, Any]) -> str:
@@ -243,7 +275,7 @@ def descriptions(row: Row, used: Iterable[str], words: str) -> Iterator[Mapping[
     for name in sorted(row.optional - set(used)):
         table = _without(table, name)
     for sized in _sized(table, row, words):
-        yield from islice(_turned(sized, row.angles), MAX_VARIANTS)
+        yield from islice(_turned(sized, row.angles, row.turns), MAX_VARIANTS)
 
 
 def _sized(table: Mapping[str, Any], row: Row, words: str) -> Iterator[Mapping[str, Any]]:
@@ -258,11 +290,13 @@ def _sized(table: Mapping[str, Any], row: Row, words: str) -> Iterator[Mapping[s
             yield table if others[k] == name else _replaced(table, name, others[k])
 
 
-def _turned(table: Mapping[str, Any], angles: Sequence[str]) -> Iterator[Mapping[str, Any]]:
+def _turned(
+    table: Mapping[str, Any], angles: Sequence[str], turns: Sequence[int]
+) -> Iterator[Mapping[str, Any]]:
     if not angles:
         yield table
         return
-    for turn, back in product(_TURNS, (False, True)):
+    for turn, back in product([_TURNS[k] for k in turns], (False, True)):
         found: Any = {k: v for k, v in table.items() if k in _OPEN}
         for name in angles:
             found = _by_angle(found, name, turn, "-" if back else "")
@@ -332,12 +366,27 @@ def spoken(text: Prose, sayings: Iterable[Said]) -> tuple[Spoken, ...]:
             noun = words = re.split(r"[;(]|, (?=⟦)", one.words)[0]
         words = _BOTH.sub(r"\1 energy and \2 energy", words)
         each = re.split(r",? and |, ", words) if len(one.of) > 1 else [words]
-        each = list(_whole(each)) if len(each) == len(one.of) else [words] * len(one.of)
+        apart = len(each) == len(one.of) and not _of_all(each)
+        each = list(_whole(each)) if apart else [words] * len(one.of)
         for mention, own in zip(one.of, each, strict=True):
             shown = text.shown(own)
             near = text.shown(noun) if one.before else shown[:HEAD].split(", ")[0]
             found.append(Spoken(mention.look, shown, mention.line, not one.before, near))
     return tuple(found)
+
+
+_SEVERAL = re.compile(
+    r"\b(?:masses|lengths|angles|positions|displacements|coordinates|distances|velocities|radii)\b"
+)
+
+
+def _of_all(each: Sequence[str]) -> bool:
+    """Return whether the first of several items names them all: "the angles of the rods, counted ..."."""
+    return (
+        len(each) > 1
+        and _SEVERAL.search(each[0]) is not None
+        and not any(_NOUN.search(e) or _SEVERAL.search(e) or _OF.match(e) for e in each[1:])
+    )
 
 
 _OF = re.compile(r"\s*(?:about|of|in|on|from|at|along|after|before|to)\b")
@@ -383,7 +432,7 @@ def ties(
         for n, look in enumerate(() if letter.means in MATRICES else letter.usual):
             if look in looks and look not in other and not (letter.derived and look in dotted):
                 rated.append((1 - n / 100, -number, look, letter.means, USUAL, looks[look]))
-    found: dict[str, Tie] = {}
+    found = {t.means: t for t in row.bound if t.look in looks}
     for *_, look, means, words, line in sorted(rated, key=lambda r: (-r[0], -r[1], r[2].text)):
         if means not in found and all(t.look != look for t in found.values()):
             found[means] = Tie(look, means, words, line)
@@ -470,4 +519,6 @@ def guesses(
     plain = row if turned else replace(row, angles=())
     for table in descriptions(plain, {t.means for t in tied}, words):
         _TABLES[_key(table)] = table
-        yield Guess(row.name, table, tied, name)
+        yield Guess(
+            row.name, table, tied, name, letters=row.letters, lines=row.lines, until=row.until
+        )

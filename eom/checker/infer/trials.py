@@ -12,7 +12,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
 
+from eom.checker.infer.composed import rows as composed
 from eom.checker.infer.sayings import Prose, look_of, prose, said
+from eom.checker.infer.setups import setup
 from eom.checker.infer.systems import (
     MAX_ROWS,
     Guess,
@@ -23,6 +25,7 @@ from eom.checker.infer.systems import (
     choices,
     guesses,
     spoken,
+    ties,
 )
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import is_nearly, models_of
@@ -168,8 +171,9 @@ class Trials:
             if count and (words.strip() or not named)
             else []
         )
+        composed = self._composed() if named and count else []
         best: Trial | None = None
-        for row, tied, name in found[:MAX_ROWS]:
+        for row, tied, name in (*composed, *found[:MAX_ROWS]):
             new = self._of_row(row, tied, name)
             best = min(
                 (t for t in (best, new) if t is not None), key=lambda t: t.cost, default=None
@@ -181,6 +185,14 @@ class Trials:
         whole = (t for t in self.done.values() if t.lines is None and t.guess != best.guess)
         rivals = tuple(t.guess for t in whole if t.held >= best.held)
         return replace(best, guess=replace(best.guess, rivals=rivals))
+
+    def _composed(self) -> list[tuple[Row, tuple[Tie, ...], str]]:
+        """Return the systems that sentences of the part compose of parts, with letters."""
+        part = self.part
+        read = setup(part.text, part.document, part.said)
+        found = () if read is None else composed(read)
+        lines = part.looks[1]
+        return [(r, ties(r, part.said, lines, part.dotted), read.words) for r in found if read]
 
     def alone(self) -> Trial | None:
         """Return the system under which lines without words hold, by letters that are usual for it.
@@ -322,5 +334,6 @@ def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
 
 
 def _enough(one: Trial) -> bool:
-    """Return whether lines hold that make a system credible."""
-    return one.held >= (1 if one.held > len(one.failed) else ENOUGH)
+    """Return whether lines hold that make a system credible; one is enough where sentences describe it."""
+    few = one.held >= len(one.failed) if one.guess.lines else one.held > len(one.failed)
+    return one.held >= (1 if few else ENOUGH)

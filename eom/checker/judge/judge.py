@@ -50,6 +50,7 @@ from eom.checker.mean.claims import (
     STATEMENT,
     Claim,
 )
+from eom.checker.mean.moving import OPEN, apart
 from eom.checker.mean.parameters import expressions
 from eom.checker.mean.values import Value
 from eom.errors import InputError
@@ -106,7 +107,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     if claim.otherwise is not None:
         return _by_both(claim, lambda c: judge(c, given))
     if claim.moving is not None and not EQUALITIES.issuperset(claim.relations):
-        return Judgement(UNDECIDED, reason="only equations between these are judged")
+        return judge(c, given) if (c := apart(claim)) else Judgement(UNDECIDED, reason=OPEN)
     if claim.relations == (PROPORTIONAL,):
         return _proportional(claim, tuple(given))
     if claim.parameters is None and is_nearly(claim):

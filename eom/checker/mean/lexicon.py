@@ -6,7 +6,7 @@ A TOML file beside the note, or front matter between lines of ``+++`` (there in 
     [notation]                    # see `Notation`
     [frames]                      # '\mathcal{B}' = "B"
     [points]                      # 'G' = "C"
-    [marks]                       # raised marks that are derivatives: bullet = "I"
+    [marks]                       # raised marks that are derivatives: bullet = "I"; prime = "" is none
     [symbols]                     # '\vec{H}_{<P>}' = "angular_momentum body <P>"
     [system]                      # what scalar lines are about, or: system = "heavy-top"
     is = "heavy-top"              # a ready scene, a scene file beside the note, a system by name

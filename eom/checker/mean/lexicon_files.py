@@ -183,7 +183,9 @@ class _Reader:
         marks = dict(base.marks)
         for mark, frame in self.table(data, "marks").items():
             where = self.where("marks", mark)
-            if isinstance(frame, str) and mark.isalpha():
+            if frame == "":
+                marks.pop(mark, None)
+            elif isinstance(frame, str) and mark.isalpha():
                 marks[mark] = frame
             else:
                 self.errors.append(InputError("not a mark with a frame", where=where, got=frame))

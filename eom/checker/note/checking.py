@@ -12,15 +12,26 @@ from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
-from eom.checker.infer.evidence import doubts, readings, uncounted
+from eom.checker.infer.evidence import (
+    DECISIVE,
+    Doubt,
+    evidence,
+    misfits,
+    readings,
+    uncounted,
+    with_meaning,
+)
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood, reread, understand
+from eom.checker.judge.special import Name, excused
+from eom.checker.judge.special import named as named_in
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.checker.mean.claims import STATEMENT, Claim
 from eom.checker.mean.examples import ANOTHER
+from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
@@ -51,6 +62,8 @@ if TYPE_CHECKING:
 
 _PLACED = re.compile("centre of mass|origin|^[A-Z] = [A-Z]$")
 """A special case that makes points coincide, which a draft may have taken for each other."""
+MAX_OTHERS = 3
+"""Lines that hold which are tried with another meaning of a symbol."""
 MAX_READINGS = 12
 """Other meanings under which a wrong line of a draft is judged again."""
 CREDIBLE = 2
@@ -181,8 +194,8 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
             known = replace(known, lexicon=about(known.lexicon, settings.system, first=drafted))
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
-        found = tuple(_explained(f, settings) for f in _found(reviewed, known))
-        found = found if settings.strict else tuple(_doubted(found, known, settings))
+        found = tuple(_explained(f, settings) for f in _found(reviewed))
+        found = tuple(_doubted(found, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
         open_ = _questions(found, known)
@@ -272,7 +285,7 @@ def _disagreeing(found: Found, judged: Judged, settings: Settings) -> Found:
 # -- findings ------------------------------------------------------------------------------------
 
 
-def _found(reviewed: Sequence[Reviewed], known: Meanings) -> Iterator[Found]:
+def _found(reviewed: Sequence[Reviewed]) -> Iterator[Found]:
     """Yield the formulas of a note that claim something, and all displays."""
     numbers: Counter[str] = Counter()
     for one in reviewed:
@@ -281,7 +294,6 @@ def _found(reviewed: Sequence[Reviewed], known: Meanings) -> Iterator[Found]:
         if formula.piece.kind == "display" or formula.relational or one.verdict.verdict != NONE:
             reported = finding(one.understood, one.verdict, numbers[formula.piece.kind])
             reported = replace(reported, remarks=one.remarks, carried=one.carried)
-            reported = reported if known.draft is None else _unconfirmed(reported)
             yield Found(one.understood, one.verdict, reported, one.stated)
 
 
@@ -304,25 +316,57 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
+    fails = [any(misfits(j.claim) for j in f.verdict.claims) for f in found]
+    plain = {HOLDS, UNDER} if known.draft.words else {HOLDS}
+    firmly = [f.finding.verdict in plain for f in found]
+    known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
-    doubted = doubts(formulas, hold, known.lexicon, known.draft)
-    for one, guessed, system in zip(found, doubted, about, strict=True):
-        if one.finding.verdict != WRONG or all(_apart(j, named) for j in one.verdict.claims):
+    names = named_in(j.claim for f in found for j in f.verdict.claims)
+    for number, (one, system) in enumerate(zip(found, about, strict=True)):
+        if one.finding.verdict == ILL_FORMED and not (
+            one.finding.reason.startswith(DECISIVE) and known_by.is_proved(number)
+        ):
+            yield replace(one, finding=_unconfirmed(one.finding))
+        elif (
+            one.finding.verdict not in GRAVE
+            or settings.strict
+            or all(_apart(j, named) for j in one.verdict.claims)
+        ):
             yield one
-            continue
-        taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
-        if system and not named and (lines < CREDIBLE or guessed):
-            taken = [f"the note is about {s.name}" for s in known.draft.systems[:1]] + taken
-        if system and not named:
-            free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
-            taken += [f"{n} is counted from where the line needs it" for n in free]
-        if _PLACED.search(one.finding.special):
-            taken += ["points and frames are as drafted"]
-        why = ", ".join(taken) or _excused(one, known.draft, settings)
-        reason = f"if {why}, then: {one.finding.reason}"
-        unsure = replace(one.finding, verdict=UNSURE, reason=reason)
-        yield replace(one, finding=unsure) if why else one
+        else:
+            taken = _taken(one, known.draft, known_by.doubts(number), system and not named, lines)
+            others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
+            why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
+            reason = f"if {why}, then: {one.finding.reason}"
+            unsure = replace(one.finding, verdict=UNSURE, reason=reason)
+            yield replace(one, finding=unsure) if why else one
+
+
+def _taken(
+    one: Found, draft: Proposal, guessed: Sequence[Doubt], system: bool, lines: int
+) -> list[str]:
+    """Return what a wrong line rests on that nothing makes sure.
+
+    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold.
+    """
+    taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
+    if system and (lines < CREDIBLE or guessed):
+        taken = [f"the note is about {s.name}" for s in draft.systems[:1]] + taken
+    if system:
+        free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
+        taken += [f"{n} is counted from where the line needs it" for n in free]
+        taken += _changed(one, draft)
+    if _PLACED.search(one.finding.special):
+        taken += ["points and frames are as drafted"]
+    return taken
+
+
+def _changed(one: Found, draft: Proposal) -> list[str]:
+    """Return that the system is as before the words that change it, where a line stands behind these."""
+    line = one.understood.formula.piece.line
+    own = [s for s in draft.systems if set(s.headings) <= set(one.understood.headings)]
+    return [f"the system is as before line {s.until}" for s in own[-1:] if 0 < s.until <= line]
 
 
 def _apart(judged: Judged, named: bool) -> bool:
@@ -331,42 +375,71 @@ def _apart(judged: Judged, named: bool) -> bool:
     return own or any(f.what == ANOTHER for f in judged.claim.findings)
 
 
-def _excused(one: Found, draft: Proposal, settings: Settings) -> str:
-    """Return which meaning a symbol must not have for a line to be wrong; "" where none saves it."""
-    reading = one.understood.formula.reading
-    if reading is None:
-        return ""
+def _excused(
+    one: Found,
+    others: Sequence[Found],
+    draft: Proposal,
+    settings: Settings,
+    names: frozenset[Name],
+) -> str:
+    """Return which meaning a symbol must not have for a line to be wrong; "" where none saves it.
+
+    ``others``: lines that hold; none of them may fail with that meaning. ``names``: what the note names, no
+    two of which may have to coincide.
+    """
     here = one.understood.lexicon
     given = (*settings.given, *here.assume)
     try:
         with deadline(settings.seconds, "other meanings of this formula"):
-            others = [
-                (f"${d.latex}$ is not {d.meaning} ({d.why})", lexicon)
-                for d, lexicon in islice(
-                    readings(one.understood.formula, here, draft), MAX_READINGS
-                )
-            ]
-            others += [
-                ("the system is as it was taken", r.added(here))
+            for doubt, lexicon in islice(
+                readings(one.understood.formula, here, draft), MAX_READINGS
+            ):
+                if _saved(one, lexicon, given, names) and not _broken(
+                    doubt, others, settings, names
+                ):
+                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+            rivals = (
+                r.added(here)
                 for s in draft.systems
                 if here.system is not None and set(s.headings) <= set(one.understood.headings)
                 for r in s.rivals[:SHOWN]
-            ]
-            for why, lexicon in others:
-                claims = reread(replace(one.understood, lexicon=lexicon), reading.tree)
-                if claims and all(_holds(c, given) for c in claims):
-                    return why
+            )
+            if any(_saved(one, lexicon, given, names) for lexicon in rivals):
+                return "the system is as it was taken"
     except (Overdue, RecursionError, InputError):
         return ""
     return ""
 
 
-def _holds(claim: Claim, given: tuple[str, ...]) -> bool:
-    """Return whether a claim holds that says something."""
+def _saved(one: Found, lexicon: Lexicon, given: tuple[str, ...], names: frozenset[Name]) -> bool:
+    """Return whether a formula holds under another lexicon."""
+    reading = one.understood.formula.reading
+    claims = reread(replace(one.understood, lexicon=lexicon), reading.tree) if reading else ()
+    return bool(claims) and all(_holds(c, given, names) for c in claims)
+
+
+def _broken(
+    doubt: Doubt, others: Sequence[Found], settings: Settings, names: frozenset[Name]
+) -> bool:
+    """Return whether lines that hold and have a symbol hold no more with another meaning of it."""
+    tried = 0
+    for other in others:
+        here = other.understood.lexicon
+        whole = with_meaning(here, other.understood.formula, doubt)
+        if whole is not None and tried < MAX_OTHERS:
+            tried += 1
+            if not _saved(other, whole, (*settings.given, *here.assume), names):
+                return True
+    return False
+
+
+def _holds(claim: Claim, given: tuple[str, ...], names: frozenset[Name]) -> bool:
+    """Return whether a claim holds that says something, without a coincidence of what the note names."""
     if claim.verdict or claim.kind != STATEMENT:
         return False
     found = judge(claim, given)
-    return found.verdict in {HOLDS, UNDER} and not found.special
+    plain = found.verdict in {HOLDS, UNDER} and not found.special
+    return plain and not excused(found, claim, names, frozenset(), anyhow=False)
 
 
 def _unconfirmed(found: Finding) -> Finding:
@@ -456,7 +529,12 @@ def _drafts(draft: Proposal) -> Iterator[str]:
     """Yield the meanings that were taken, with the words or the custom that they come from."""
     for one in draft.systems:
         where = f", under {' and '.join(one.headings)}" if one.headings else ""
-        yield f"the note is about {one.name}{where} ({one.words or USUAL})"
+        if one.lines:
+            first, last = min(one.lines), max(one.lines)
+            read = f"lines {first} to {last}" if last > first else f"line {first}"
+            yield f"system read from {read}{where}: {one.name} ({one.words})"
+        else:
+            yield f"the note is about {one.name}{where} ({one.words or USUAL})"
         yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
     tied = {t.latex for one in draft.systems for t in one.ties if not one.headings}
     own = (d for d in draft.drafts if d.latex not in tied)

@@ -7,21 +7,26 @@ changed by students, and checked again.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
+from typing import Any
 
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import label_of, look_of, preset
+from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import ReadingError
+from eom.checker.read.symbol_shape import Look, Seen, seen
 from eom.derivations.derived import Derived
 from eom.derivations.verification import in_full
 from eom.derivations.wording import notation_of
 from eom.errors import InputError
+from eom.system import System
 from eom.terms.rules import entrywise, slopes
 from eom.terms.terms import VECTOR, Term, expr, nodes
 from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import NOTATIONS, notation_named, term_box
+from eom.typeset.printing import latex_names
 
 PRESETS: dict[str, tuple[str, dict[str, str]]] = {
     "arrow": ("arrow-tilde", {"dyads": "true", "juxtaposed": "true"}),
@@ -66,9 +71,44 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     rows = (_symbols(found, chosen), _columns(derivation, chosen), _rates(derivation, chosen))
     meant = {k: v for some in rows for k, v in some}
     meant |= dict(_scalars(derivation, chosen, preset(base)))
-    lines += _table("symbols", dict(_any(derivation, preset(base))) | meant)
+    given = _given_rates(derivation)
+    meant |= {symbol_latex(s.name): f"coordinate {s.name}" for s in given}
+    meant = dict(_any(derivation, preset(base))) | meant
+    meant |= dict(_outputs(derivation, chosen, {look_of(letter) for letter in meant}))
+    lines += _table("symbols", meant)
     lines += _moving(derivation, chosen)
+    for s, (rate, value) in given.items():
+        law = f"{symbol_latex(rate.name)} = {render(term_box(value, chosen), 'latex')}"
+        lines += ["[[check.determined]]", f"law = '{law}'", f"gives = ['{s.name}']"]
     return "\n".join([*lines, "+++", "", ""])
+
+
+def _given_rates(derivation: Derived) -> dict[Any, tuple[Any, Term]]:
+    """Return what is shown as changing by a rate that is defined, with the symbol of that and its value.
+
+    The rate is a symbol of its own in the derivation; on the page it is read as the other with a dot.
+    """
+    shown = {s: _seen(symbol_latex(s.name)) for s in _free(derivation)}
+    still = {found.look: s for s, found in shown.items() if found is not None and not found.dots}
+    rates = {}
+    for rate, found in shown.items():
+        value, of = derivation.scalars.get(rate), None
+        if found is not None and found.dots == 1 and value is not None and value.head == "expr":
+            of = still.get(found.look)
+        if of is not None and value is not None and of not in derivation.scalars:
+            rates[of] = (rate, value)
+    return dict(sorted(rates.items(), key=lambda row: str(row[0])))
+
+
+def _free(derivation: Derived) -> set[Any]:
+    return {s for n in _nodes(derivation) if n.head == "expr" for s in n.data[0].free_symbols}
+
+
+def _seen(latex: str) -> Seen | None:
+    try:
+        return seen(read_formula(latex).tree)
+    except (InputError, ReadingError):
+        return None
 
 
 def _moving(derivation: Derived, notation: Notation) -> list[str]:
@@ -151,10 +191,30 @@ def _scalars(derivation: Derived, notation: Notation, known: Lexicon) -> Iterato
             yield letter, f"= {said}"
 
 
+def _outputs(
+    derivation: Derived, notation: Notation, taken: Collection[Look]
+) -> Iterator[tuple[str, str]]:
+    """Yield letters of what systems give by states whose rates a step defines, with the formulas.
+
+    The preset knows of no such states, and so not what is made of them.
+    """
+    given = set(_given_rates(derivation))
+    shown = ((_seen(symbol_latex(s.name)), s) for s in _free(derivation))
+    known = {found.look: s for found, s in shown if found is not None and not found.dots}
+    for system in (r for r in derivation.result.values() if isinstance(r, System)):
+        letters = {s: _seen(letter) for s, letter in latex_names(system).items()}
+        same = {s: known[f.look] for s, f in letters.items() if f is not None and f.look in known}
+        for d in system.outputs:
+            letter = latex_names(system)[d.symbol]
+            free, value = d.expression.free_symbols, expr(d.expression.xreplace(same))
+            all_known = free <= same.keys() and given & value.data[0].free_symbols
+            if all_known and _is_pattern(letter) and look_of(letter) not in taken:
+                yield letter, f"= {render(term_box(value, notation), 'latex')}"
+
+
 def _any(derivation: Derived, known: Lexicon) -> Iterator[tuple[str, str]]:
     """Yield symbols that stand for any number, where the preset has no such letter."""
-    symbols = {s for n in _nodes(derivation) if n.head == "expr" for s in n.data[0].free_symbols}
-    for s in sorted(symbols - set(derivation.scalars), key=str):
+    for s in sorted(_free(derivation) - set(derivation.scalars), key=str):
         letter = symbol_latex(s.name)
         if _is_pattern(letter) and known.find(look_of(letter)) is None:
             yield letter, f"scalar {s.name}"

@@ -32,7 +32,15 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import ReadingError, Source, Span
 from eom.checker.read.tokens import Macro
 from eom.checker.read.writing import at_fault, box
-from eom.checker.report.findings import FAULTS, Correction, Counterexample, Finding, Graded, Report
+from eom.checker.report.findings import (
+    FAULTS,
+    UNSURE,
+    Correction,
+    Counterexample,
+    Finding,
+    Graded,
+    Report,
+)
 from eom.checker.report.questions import Question
 from eom.typeset.markup import render
 from eom.worlds.worlds import ASSUMPTIONS
@@ -43,6 +51,7 @@ if TYPE_CHECKING:
 SIGNS: dict[str, tuple[str, str]] = {
     WRONG: ("bad", "✗"),
     ILL_FORMED: ("bad", "⚠"),
+    UNSURE: ("open", "✗?"),
     AMBIGUOUS: ("open", "⁇"),
     UNDECIDED: ("open", "?"),
     UNDER: ("good", "✓"),

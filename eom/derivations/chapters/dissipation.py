@@ -65,6 +65,14 @@ E, S = sp.Symbol("E", real=True), sp.Symbol("Q", real=True)
 COEFFICIENTS = sp.symbols("p_0:5", real=True)
 NUTATION_RATE = sp.Symbol("theta_dot", real=True)
 EFFECTIVE, EFFECTIVE_RATE = sp.symbols("I_e I_e_dot", real=True)
+ENERGY, POWER, ENERGY_RATE = sp.symbols("K P K_dot", real=True)
+LETTERS = {
+    TRANSVERSE: sp.Symbol("I_t", positive=True),
+    AXIAL: sp.Symbol("I_a", positive=True),
+    model.POWER: POWER,
+    T: ENERGY,
+}
+"""What the energy sink is written with: T and D are those of body and slug."""
 
 
 def energy_dissipation() -> Derived:
@@ -431,41 +439,64 @@ def _hurwitz_sign(d: Derivation, determinant: Chain) -> None:
 
 
 def _energy_sink(d: Derivation) -> None:
-    letters = {TRANSVERSE: sp.Symbol("I_t", positive=True), AXIAL: sp.Symbol("I_a", positive=True)}
-    energy = model.energy_at_nutation().xreplace(letters)
     for symbol, words in (
-        *zip(letters.values(), ("moment across the axis", "moment about the axis"), strict=True),
+        (LETTERS[TRANSVERSE], "moment across the axis"),
+        (LETTERS[AXIAL], "moment about the axis"),
         (model.NUTATION, "angle between h and the axis of symmetry"),
-        (model.POWER, "power that is lost"),
+        (POWER, "power that is lost"),
         (H, "magnitude of the angular momentum"),
-        (T, "energy of rotation"),
+        (ENERGY, "energy of rotation"),
     ):
         d.letter(symbol, words)
+    lost = d.name_scalar(
+        ENERGY_RATE,
+        expr(-POWER),
+        "the energy sink: a quasi-rigid body loses the power P while H is constant",
+        label="energy-sink",
+    )
+    _nutation(d, lost)
+    _effective(d, lost)
+
+
+def _nutation(d: Derivation, lost: Chain) -> None:
+    """Derive the rate of the angle from the momentum to the axis."""
+    energy = model.energy_at_nutation().xreplace(LETTERS)
     d.name_scalar(
         NUTATION_RATE,
-        expr(-model.POWER / sp.Derivative(energy, model.NUTATION)),
-        "the energy sink: a symmetric quasi-rigid body loses the power D while H is constant. Of "
-        "its energy T over the angle theta from h to the axis, T' = (dT/dtheta) theta' is -D",
+        expr(ENERGY_RATE / sp.Derivative(energy, model.NUTATION)),
+        "a symmetric body has the energy K over the angle theta from h to the axis, so that K' = "
+        "(dK/dtheta) theta'",
         label="sink",
     ).then(
         "carried out: the angle falls if I_a > I_t, to spin about the axis of a disc, and grows if "
         "I_a < I_t, to the flat spin of a rod",
+        put_in(lost.equation),
         entrywise(lambda e: sp.factor(e.doit()), "derivative"),
         label="sink-nutation",
     )
     d.check(
-        Equation(expr(NUTATION_RATE), expr(model.nutation_rate().xreplace(letters))),
+        Equation(expr(NUTATION_RATE), expr(model.nutation_rate().xreplace(LETTERS))),
         "the library has the same",
     )
-    d.name_scalar(EFFECTIVE, expr(H**2 / (2 * T)), "effective moment of inertia", label="effective")
+
+
+def _effective(d: Derivation, lost: Chain) -> None:
+    """Derive the rate of the effective moment of inertia."""
+    d.name_scalar(
+        EFFECTIVE, expr(H**2 / (2 * ENERGY)), "effective moment of inertia", label="effective"
+    )
     d.name_scalar(
         EFFECTIVE_RATE,
-        expr(sp.Derivative(H**2 / (2 * T), T) * -model.POWER),
-        "its rate, as T' = -D and H is constant",
+        expr(sp.Derivative(H**2 / (2 * ENERGY), ENERGY) * ENERGY_RATE),
+        "its rate, as H is constant",
         label="effective-rate",
     ).then(
         "carried out: for any body it only grows, towards the greatest moment",
+        put_in(lost.equation),
         entrywise(lambda e: e.doit(), "derivative"),
         label="sink-effective",
     )
-    d.check(Equation(expr(EFFECTIVE_RATE), expr(model.effective_inertia_rate())), "the same")
+    d.check(
+        Equation(expr(EFFECTIVE_RATE), expr(model.effective_inertia_rate().xreplace(LETTERS))),
+        "the same",
+    )

@@ -10,6 +10,7 @@ from eom.derivations.chapters.rotation import name_spin
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.exact.algebra import gather_above
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import OMEGA
@@ -41,7 +42,7 @@ Expr = Any
 AXIS, SPEED, INERTIA, MOMENTUM = (
     quantity(n, "k") for n in ("rotor_axis", "rotor_speed", "rotor_inertia", "rotor_momentum")
 )
-ALONG = sp.Symbol("h", real=True)
+ALONG = sp.Symbol("h_a", real=True)
 ROTORS = total(mul(INERTIA, SPEED, AXIS), "k", "rotors")
 
 
@@ -226,7 +227,7 @@ def _rates_with_rotor(d: Derivation, system: System) -> list[Chain]:
     return [
         d.name_scalar(
             sp.Symbol(f"{w}_dot", real=True),
-            expr(rate),
+            expr(gather_above(rate, OMEGA.components)),
             f"rate of {w}, with a rotor about b1 whose motor gives no torque, in principal axes",
             label=f"{w}-rate",
         )

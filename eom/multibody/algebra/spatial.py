@@ -307,7 +307,7 @@ def turned_back(work: Work, part: str, rotation: Rotation, A: Inertia) -> Inerti
 def shifted(work: Work, part: str, r: Vector, A: Inertia) -> Inertia:
     """Return an inertia about the point from which its present one is at ``r``.
 
-    H' = H + r x M, I' = I + r x H^T + (r x H'^T)^T (Featherstone 2008, eq. 2.66 in blocks).
+    H' = H + r x M, I' = I + r x H^T + (r x H'^T)^T (Featherstone 2008, ch. 2, in blocks).
     """
     if all(map(is_zero, r)):
         return A

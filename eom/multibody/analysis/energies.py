@@ -174,7 +174,7 @@ class Lagrangian:
 
     References
     ----------
-    Goldstein, Classical Mechanics (2002), eq. 1.70.
+    Goldstein, Classical Mechanics (2002), sect. 1.5.
 
     Examples
     --------

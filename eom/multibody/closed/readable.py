@@ -10,7 +10,7 @@ The parts of an equation of motion by kind, and which factor each goes with.
 On the left: inertial terms (entries of the mass matrix times accelerations), centrifugal (u_i^2) and
 Coriolis (u_i u_j); see Craig, Introduction to Robotics (2005), sec. 6.8. Gyroscopic: of the terms that
 are linear in the free speeds and stem from prescribed ones, the skew-symmetric part of their matrix,
-which does no work; so Jeans, Astronomy and Cosmogony (1928), eq. (177.2). What else prescribed motion
+which does no work; so Jeans, Astronomy and Cosmogony (1928). What else prescribed motion
 brings is of a kind of its own. Then gravity, springs and dampers; applied forces on the right.
 
 What a method finds: parts of the equations, each with where it comes from.

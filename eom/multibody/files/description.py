@@ -133,6 +133,11 @@ def _described(part: type, kind: str = "", words: str = "", **more: Any) -> type
     return made
 
 
+def _placed(value: Any) -> Any:
+    """Return a placement; three components alone are its position."""
+    return {"position": value} if isinstance(value, list | tuple) else value
+
+
 def _keys(part: type, field: dataclasses.Field[Any]) -> Iterator[tuple[str, tuple[Any, Any]]]:
     """Yield the keys of a field in a file, each with its form and default."""
     if field.name == "name":
@@ -147,7 +152,7 @@ def _keys(part: type, field: dataclasses.Field[Any]) -> Iterator[tuple[str, tupl
     if held.shape == "rotation":
         default = None
     elif held.shape is model.Placement:
-        default = form()
+        default, form = form(), Annotated[form, pydantic.BeforeValidator(_placed)]
     for k, key in enumerate(held.keys or (field.name,)):
         given = default[k] if len(held.keys) > 1 and default is not ... else default
         yield key, (form | None if held.optional else form, given)
@@ -175,8 +180,9 @@ if TYPE_CHECKING:
 else:
     JointPart = _described(
         model.Joint,
-        words="``angles``: of a joint with a quaternion the sequence whose angles, q_JOINT_1 to 3, are "
-        "outputs and count whole turns (`codegen.runs.turns`).",
+        words="``on_parent``, ``on_child``: three components alone are a position. ``angles``: of a "
+        "joint with a quaternion the sequence whose angles, q_JOINT_1 to 3, are outputs and count whole "
+        "turns (`codegen.runs.turns`).",
         angles=(str, ""),
     )
     JetPart = _described(Jet)

@@ -167,17 +167,17 @@ class TreeScene(BaseScene, TreeDescription):
         return self.outputs or (*self._start, *self._angles, POINTS)
 
     def asking(self, more: Sequence[str]) -> Self:
-        """Return the scene with all states and points asked for, and further outputs.
+        """Return the scene with all states and points asked for, and ``more`` outputs.
 
         Parameters
         ----------
         more : sequence of str
-            Names of further outputs.
+            Names of outputs, or words for several (`eom.multibody.files.scene.Choice`).
 
         Returns
         -------
         TreeScene
-            Each name once, in order.
+            The same scene otherwise; what was derived of it is derived anew.
         """
         wanted = (*self._start, *self._angles, POINTS, *more)
         return self.model_copy(update={"outputs": tuple(dict.fromkeys(wanted))})
@@ -342,7 +342,8 @@ def of_one(data: Mapping[str, Any]) -> Mapping[str, Any]:
     field = dict(row for law, row in _FIELDS.items() if getattr(torque, law))
     masses = {"mass"} if torque.weight and not said.body.solid else set()
     for name in sorted({*field, *own, "joints"} & {*data, *said.parameters, *masses}):
-        raise InputError(f"{name} is given twice", where=f"{name}, and [body], [torque] or [joint]")
+        raise InputError(f"{name} is given twice", where=f"{name}, and [body], [torque] or [joint]",
+                         hint=f"rename yours: the scene has {name} itself")  # fmt: skip
     joint = {"kind": "spherical", "attitude": base.coordinates, "angles": base.sequence, "alone": True,
              "parent": GROUND, "child": ONE}  # fmt: skip
     frame = "orbit" if torque.gravity_gradient else GROUND

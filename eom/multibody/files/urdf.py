@@ -76,7 +76,8 @@ def load_urdf(
     """Return the robot of a URDF file as a scene; ``gravity`` in the ground's axes (m/s^2).
 
     ``strict``: refuse what no body or tree is; otherwise mend it (`MENDING`), and say so in the scene's
-    ``repairs``. ``floating``: free the root link, by a joint of kind ``free`` to the ground.
+    ``repairs``, which also name the limits and the dry friction of joints, that are left out.
+    ``floating``: free the root link, by a joint of kind ``free`` to the ground.
 
     Raises `InputError` with the file's name for files that are no URDF, entities, unknown types of joints,
     loops, a floating root without mass; if strict also for mimicking joints, inertias that no body has,
@@ -87,7 +88,8 @@ def load_urdf(
         data, left_out = checked(file, strict=strict)
         robot = parsed(moving_part(data, file.stem))
         _check(robot, strict)
-        repairs = () if strict else tuple(_mended(robot, data, floating))
+        lacking = tuple(_left_out(robot, data))
+        repairs = (*(() if strict else _mended(robot, data, floating)), *lacking)
         scene = _scene(file.stem, robot, gravity, strict, floating)
         notes = tuple(_notes(robot, gravity, left_out, floating))
         return TreeScene(**scene, notes=notes, repairs=repairs)
@@ -219,12 +221,20 @@ def _notes(
     yield f"URDF: root link {_root(robot)} {held}; gravity {tuple(gravity)} m/s^2"
     for place in left_out:
         yield f"URDF: not used: {place}"
-    rubbing = [j.name for j in robot.joints if _dynamics(j, "friction")]
-    if rubbing:
-        yield f"URDF: friction not used: {', '.join(rubbing)}"
     bare = [link.name for link in robot.links if link.inertial is None]
     if bare:
         yield f"URDF: links without <inertial>, of mass 0: {', '.join(bare)}"
+
+
+def _left_out(robot: Any, data: bytes) -> Iterator[Repair]:
+    """Yield what acts on the motion by the file, and not in the scene: limits of joints, dry friction."""
+    root = ElementTree.fromstring(data)  # noqa: S314 - no document type, so no entities
+    for joint in root.findall("joint"):
+        if joint.get("type") != "fixed" and joint.find("limit") is not None:
+            yield Repair("limit", f"joint {joint.get('name')!r}", "left out")
+    for joint in robot.joints:
+        if _dynamics(joint, "friction"):
+            yield Repair("friction", f"joint {joint.name!r}", "left out")
 
 
 def _body(link: Any) -> dict[str, Any]:
@@ -337,7 +347,7 @@ USED = frozenset(
         "robot/joint/axis", "robot/joint/dynamics",
     }
 )  # fmt: skip
-"""Elements that say something of the motion. Others are left out, and listed."""
+"""Elements that say something of the motion. Others are left out, and listed, limits joint by joint."""
 
 
 class _Reader:
@@ -367,7 +377,7 @@ class _Reader:
         place = "/".join(self.path)
         if place in USED:
             self._check(place, attributes)
-        elif "/".join(self.path[:-1]) in USED:
+        elif "/".join(self.path[:-1]) in USED and place != "robot/joint/limit":
             self.left_out[place.removeprefix("robot/")] += 1
 
     def _check(self, place: str, attributes: dict[str, str]) -> None:

@@ -121,7 +121,7 @@ def always(*letters: Letter) -> Callable[[str], tuple[Letter, ...]]:
 def turn(work: Work, name: str, axis: Vector, s: Scalar, c: Scalar) -> Turn | General:
     """Return the turn about a unit vector, which is the same in both frames.
 
-    Euler's theorem: C = c 1 + (1 - c) a a^T - s tilde(a) (Hughes, eq. 2.2-10).
+    Euler's theorem: C = c 1 + (1 - c) a a^T - s tilde(a) (Hughes, sect. 2.2).
     """
     for k in range(3):
         others = [axis[n] for n in range(3) if n != k]

@@ -295,7 +295,7 @@ def conservative(tree: Tree) -> bool:
 @typed
 def derive(
     tree: Tree,
-    outputs: Iterable[Wanted] = (),
+    outputs: Iterable[str | Reaction | Point | Drawn] = (),
     *,
     invariants: bool = True,
     start: Mapping[str, float] | None = None,
@@ -309,7 +309,7 @@ def derive(
     tree : Tree
         Bodies, joints, what acts on them, and constraints.
     outputs : iterable, optional
-        Rows of `OUTPUTS`, reactions and points.
+        Rows of `OUTPUTS`, reactions, points, and all vectors that are to be drawn.
     invariants : bool, default True
         Whether constants of this motion are given too.
     start : mapping, optional

@@ -2,8 +2,8 @@
 
 Forces and torques are those that the equations of motion are made of: weights and the gradient of gravity,
 loads, thrusts of jets, what springs, dampers, motors and applied forces do in joints, springs between
-points, motors and bearings of rotors, and constraints by their multipliers. Reactions of joints are none of
-them (`eom.multibody.system.reactions`).
+points, motors and bearings of rotors, and constraints by their multipliers. Where accelerations are asked
+for, there are the forces that go through joints, too.
 
 All components are in the ground's axes. What acts between two bodies is given as it acts on the second one,
 the child of a joint; of what acts between two points, both ends are.
@@ -47,7 +47,7 @@ from eom.multibody.recursion.quantities import (
     mass,
     momentum,
 )
-from eom.multibody.recursion.recursions import End, end, pull
+from eom.multibody.recursion.recursions import End, end, forward_dynamics, pull, transmitted
 from eom.quantities import Definition, Quantity
 from eom.system import System
 
@@ -56,6 +56,7 @@ UNITS = {FORCE: "N", TORQUE: "N m", OMEGA: "rad/s", MOMENTUM: "N m s"}
 """Kinds of vectors, and their units."""
 WEIGHT, GRADIENT, LOAD, JET = "weight", "gradient of gravity", "load", "jet"
 JOINT, SPRING, ROTOR, CONSTRAINT, MOTION = "joint", "spring", "rotor", "constraint", "motion"
+REACTION = "reaction of"
 """What a vector comes from."""
 
 Arrow = tuple[Vector, Vector]
@@ -82,7 +83,8 @@ class Moment:
     """A tree in a state, over scalars of one kind.
 
     ``q``, ``u``: all coordinates and speeds; ``tau``: forces in the joints, one a speed; ``multipliers``:
-    those of constraints, by their names as in outputs, those that are left out zero.
+    those of constraints, by their names as in outputs, those that are left out zero. ``prescribed``: the
+    accelerations of speeds whose motion is given; None where no accelerations are asked for.
     """
 
     tree: Tree
@@ -91,6 +93,7 @@ class Moment:
     u: Scalars
     tau: Scalars
     multipliers: Mapping[str, Scalar]
+    prescribed: Mapping[int, Scalar] | None = None
 
     @cached_property
     def lumped(self) -> LumpedTree:
@@ -143,6 +146,26 @@ class Moment:
             first, second = (end(link, n, self.flow.poses, speeds, work) for n in (0, 1))
             found[link.name] = first, second, pull(link, first, second, work)
         return found
+
+    @cached_property
+    def through(self) -> list[SpatialVector]:
+        """Moment about its origin and force that each part takes through its joint, in its axes.
+
+        Forward dynamics under the forces of the constraints, then Newton's and Euler's laws.
+        """
+        tau, work = list(self.tau), self.arithmetic.work
+        six: list[Scalar] = [0] * (6 * len(self.lumped.parts))
+        for bound, free, x in (row for rows in self.held.values() for row in rows):
+            for s, a in bound.relation.row().items():
+                tau[s] = add(tau[s], mul(a, x))
+            for place, a in free.relation.row().items() if free.relation.places() else ():
+                six[place] = add(six[place], mul(a, x))
+        udot = forward_dynamics(self.lumped, self.q, self.u, tau, work, self.prescribed)
+        further = [
+            SpatialVector(times(R, six[6 * k : 6 * k + 3]), times(R, six[6 * k + 3 : 6 * k + 6]))
+            for k, (R, _) in enumerate(self.flow.poses)
+        ]
+        return transmitted(self.lumped, self.flow.placed, self.u, udot, work, further)
 
     @cached_property
     def held(self) -> dict[str, list[tuple[Component, Component, Scalar]]]:
@@ -317,6 +340,20 @@ def _geared(c: Constraint, joint: Joint, kind: str, unit: str, here: Moment) -> 
     return _along(here, joint, kind, forces) if forces else None
 
 
+def _reactions(tree: Tree) -> Iterator[VectorOf]:
+    for joint in tree.ordered:
+        if joint.kind != "free":
+            yield VectorOf(FORCE, REACTION, joint.name, joint.child, partial(_reaction, joint))
+
+
+def _reaction(joint: Joint, here: Moment) -> Arrow | None:
+    """Return the force of the parent on the child; of a fixed joint, whose bodies are one part, none."""
+    if here.prescribed is None or joint.name not in here.number:
+        return None
+    k = here.number[joint.name]
+    return here.turned(k, here.through[k].linear), here.flow.poses[k][1]
+
+
 def _weights(tree: Tree) -> Iterator[VectorOf]:
     for body in tree.bodies:
         yield VectorOf(FORCE, WEIGHT, body.name, body.name, partial(_weight, body))
@@ -372,5 +409,5 @@ def _momentum(here: Moment) -> Arrow | None:
 
 
 _ROWS: tuple[Callable[[Tree], Iterator[VectorOf]], ...] = (
-    _loads, _jets, _joints, _springs, _rotors, _constraints, _weights, _motions,
+    _loads, _jets, _joints, _springs, _rotors, _constraints, _reactions, _weights, _motions,
 )  # fmt: skip

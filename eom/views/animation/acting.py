@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from eom.errors import InputError
 from eom.multibody.model.model import Tree
 from eom.multibody.system.vectors import (
     CONSTRAINT,
@@ -22,11 +23,13 @@ from eom.multibody.system.vectors import (
     LOAD,
     MOMENTUM,
     OMEGA,
+    REACTION,
     ROTOR,
     SPRING,
     TORQUE,
     UNITS,
     WEIGHT,
+    Arrow,
     Moment,
     VectorOf,
     vectors_of,
@@ -40,7 +43,7 @@ MOST = 48
 LETTERS = {
     (LOAD, FORCE): "F", (LOAD, TORQUE): r"\tau", (JET, FORCE): "F", (JOINT, FORCE): "F",
     (JOINT, TORQUE): r"\tau", (SPRING, FORCE): "F", (ROTOR, TORQUE): r"\tau", (CONSTRAINT, FORCE): "R",
-    (CONSTRAINT, TORQUE): r"\tau", (GRADIENT, TORQUE): r"\tau",
+    (CONSTRAINT, TORQUE): r"\tau", (GRADIENT, TORQUE): r"\tau", (REACTION, FORCE): "R",
 }  # fmt: skip
 """Letters of what acts; its part of the tree is the index."""
 
@@ -59,13 +62,17 @@ STYLES = {
     "torque": Style("N m", "green", r"$\tau$, torque"),
     "force": Style("N", "blue", "$F$, force"),
     "reaction": Style("N", "orange", "$R$, reaction"),
+    "joint": Style("N", "grey", "$R$, reaction in a joint"),
     "weight": Style("N", "sky", "$m g$, weight"),
 }
+FEW = {"joint": 3}
+MANY = 8
+"""Vectors of one kind that are seen at first, at most."""
 """What is drawn alike; reactions are those of constraints, and of the fixed point of one body."""
 MOVES = {OMEGA: r"\omega", MOMENTUM: "H"}
 GROUPS = {
     (LOAD, FORCE): "force", (JET, FORCE): "force", (JOINT, FORCE): "force", (SPRING, FORCE): "force",
-    (CONSTRAINT, FORCE): "reaction", (WEIGHT, FORCE): "weight",
+    (CONSTRAINT, FORCE): "reaction", (WEIGHT, FORCE): "weight", (REACTION, FORCE): "joint",
 }  # fmt: skip
 """What is drawn alike, and hidden and shown together, beside torques."""
 
@@ -77,11 +84,27 @@ def acting(tree: Tree, moment: Moment, count: int) -> tuple[Acting, ...]:
 
 def _acting(tree: Tree, moment: Moment, count: int) -> Iterator[Acting]:
     for vector in vectors_of(tree):
-        found = vector.at(moment) if UNITS[vector.kind] in {"N", "N m"} else None
+        found = _at(vector, moment) if UNITS[vector.kind] in {"N", "N m"} else None
         if found is not None:
             values, places = (filled(list(v), count) for v in found)
-            if np.any(values):
+            if np.any(values) and np.all(np.isfinite(values)):
                 yield Acting(group(vector), label(vector), words(vector), values, places)
+
+
+def _at(vector: VectorOf, moment: Moment) -> Arrow | None:
+    """Return a vector; no reactions where joints alone, without constraints, would move nothing."""
+    try:
+        with np.errstate(all="ignore"):
+            return vector.at(moment)
+    except InputError:
+        if vector.source == REACTION:
+            return None
+        raise
+
+
+def is_seen(kind: str, count: int) -> bool:
+    """Return whether so many vectors of a kind, a key of `STYLES`, are seen at first."""
+    return count <= FEW.get(kind, MANY)
 
 
 def group(vector: VectorOf) -> str:
@@ -104,6 +127,6 @@ def words(vector: VectorOf) -> str:
     if vector.kind in MOVES:
         whole = "angular momentum about the centre of mass of all"
         return f"angular velocity of {vector.body}" if vector.body else whole
-    if vector.name == vector.body:
+    if vector.name == vector.body and vector.source != REACTION:
         return f"{vector.source} on {vector.body}"
     return f"{vector.source} {vector.name} on {vector.body}"

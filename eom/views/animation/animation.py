@@ -9,7 +9,7 @@ Motions that are no scenes, as animations: closed forms, a gyrostat, another pro
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,8 @@ from eom.views.animation.acting import STYLES
 from eom.views.animation.bodies import Bodies, bodies_of, tracks_of, with_attitude
 from eom.views.animation.figures import Figure, Figures, Shape, equivalent
 from eom.views.animation.tracks import (
+    LARGEST_STEP,
+    STEP,
     Floats,
     Track,
     Tracks,
@@ -35,10 +37,8 @@ if TYPE_CHECKING:
 
 COARSE = 301
 """Stored times at least."""
-STEP, LARGEST_STEP = 0.2, 2.0
-"""Radians that a body turns from one time to the next: aimed at, and the most that can be shown."""
-BUDGET = 1_400_000
-"""Bytes of all samples: the page that holds them stays below 3 MB."""
+BUDGET = 700_000
+"""Bytes of all samples: the page that holds them stays below 2 MB."""
 BYTES_OF_BODY, BYTES_OF_VECTOR = 40, 12
 SHORT, LONG, AIM = 2.0, 40.0, 20.0
 """A motion that takes between the first two (s) is shown as it is; others about as long as the third."""
@@ -172,7 +172,7 @@ def animation_of(
     InputError
         For an unknown body, for a time or speed that is not positive, for a motion that ends before
         it can be shown, and for one that turns so fast that its samples would not fit into a page
-        of 3 MB.
+        of 2 MB.
 
     Examples
     --------
@@ -236,10 +236,12 @@ def _tracks(scene: AnyScene, integrate: Integrate) -> tuple[Tracks, Result]:
 
 
 def _needed(tracks: Tracks, scene: AnyScene) -> int:
-    """Return how many times are stored. Raises `InputError` where they would be too many."""
-    rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks.bodies], axis=0)
+    """Return how many times are stored. Raises `InputError` where bodies need too many.
+
+    Rotors that would need too many are shown turning slower (`eom.views.animation.posture.slowed`).
+    """
     spans = np.abs(tracks.times - tracks.times[0])
-    turned = np.maximum.accumulate(rates) * spans
+    turned = _reached([b for b in tracks.bodies if not b.slower], spans)
     vectors = len(tracks.bodies) + 2 + MOST_READOUTS / 3 + 2 * len(tracks.acting)
     most = int(BUDGET / (BYTES_OF_BODY * len(tracks.bodies) + BYTES_OF_VECTOR * vectors))
     if turned[-1] > LARGEST_STEP * most:
@@ -251,7 +253,15 @@ def _needed(tracks: Tracks, scene: AnyScene) -> int:
             expected=f"at most {LARGEST_STEP * most / (2 * math.pi):.0f}",
             hint=f"--t-end {possible:.3g}",
         )
-    return max(COARSE, min(most, math.ceil(float(turned[-1]) / STEP) + 1))
+    whole = _reached(tracks.bodies, spans)
+    turns = float((whole if whole[-1] <= LARGEST_STEP * most else turned)[-1])
+    return max(COARSE, min(most, math.ceil(turns / STEP) + 1))
+
+
+def _reached(tracks: Sequence[Track], spans: Floats) -> Floats:
+    """Return how far the fastest of bodies turns at most (rad), shape (N,), in spans from the start."""
+    rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks], axis=0)
+    return np.asarray(np.maximum.accumulate(rates) * spans)
 
 
 def shown(
@@ -278,7 +288,7 @@ def shown(
         view=_view(bodies, tracks, figures, follow),
         speed=speed or speed_of(span),
         axes=ORBIT_AXES if bodies.orbit else SPACE_AXES,
-        notes=tuple(_notes(bodies, result, figures)),
+        notes=(*_notes(bodies, result, figures), *_slower(tracks)),
     )
 
 
@@ -335,6 +345,14 @@ def _notes(bodies: Bodies, result: Result, figures: Figures) -> Iterator[str]:
         if figure.words:
             label = "Drawn" if len(figures.bodies) == 1 else figure.name
             yield f"{label}: {figure.words}"
+
+
+def _slower(tracks: Tracks) -> Iterator[str]:
+    """Yield which rotors turn slower than they do, one line a factor."""
+    factors = sorted({b.slower for b in tracks.bodies if b.slower > 1})
+    for factor in factors:
+        names = ", ".join(b.name for b in tracks.bodies if b.slower == factor)
+        yield f"{names}: shown turning {factor:.0f} times slower, too fast to be seen otherwise"
 
 
 # -- the view --------------------------------------------------------------------------------------

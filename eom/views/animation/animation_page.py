@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import base64
 import html
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eom.views.animation.acting import STYLES
+from eom.views.animation.acting import STYLES, is_seen
 from eom.views.animation.animation import Animation, scales_of
 from eom.views.animation.figures import Figure, Shape
 from eom.views.animation.tracks import Track
@@ -86,7 +87,8 @@ def data(animation: Animation) -> dict[str, Any]:
         "axes": [as_runs(a) for a in animation.axes],
         "scales": {unit: _number(x) for unit, x in scales_of(animation).items()},
         "kinds": {
-            kind: as_runs(STYLES[kind].words) for kind in {a.kind: 0 for a in animation.arrows}
+            kind: {"words": as_runs(STYLES[kind].words), "few": is_seen(kind, count)}
+            for kind, count in Counter(a.kind for a in animation.arrows).items()
         },
         "bodies": bodies,
         "stand": [meshes.shape(s) for s in figures.ground],

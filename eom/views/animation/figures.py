@@ -288,7 +288,7 @@ def along(direction: Sequence[float] | Floats) -> Floats:
 
 
 MOST_TRIANGLES = 20_000
-"""Of all links: links beyond that would not fit into a page of 3 MB, and are drawn by their inertia."""
+"""Of all links: links beyond that would not fit into a page of 2 MB, and are drawn by their inertia."""
 _SCHEMES = ("package://", "file://")
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.errors import InputError
-from eom.views.animation.acting import STYLES
+from eom.views.animation.acting import FEW, STYLES, is_seen
 from eom.views.animation.animation import Animation, Arrows, at, level, scales_of
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
@@ -115,8 +115,10 @@ class Filming:
         return found
 
     def draws(self, arrow: Arrows) -> bool:
-        """Return whether a vector is drawn: of several bodies what acts on them."""
-        return bool(arrow.words) or len(self.animation.tracks.bodies) == 1
+        """Return whether a vector is drawn: of several bodies what acts on them, reactions if few."""
+        own = sum(a.kind == arrow.kind for a in self.animation.arrows)
+        seen = arrow.kind not in FEW or is_seen(arrow.kind, own)
+        return seen if arrow.words else len(self.animation.tracks.bodies) == 1
 
     def moved(self, place: float) -> Floats:
         """Return how far the body that the camera follows is from its start (m), (3,)."""

@@ -169,11 +169,8 @@ def _at(result: Result, t: Floats) -> Floats:
 
 
 def _of_scene(result: Result, scene: AnyScene, speed: float | None) -> Animation:
-    """Return the animation of the motion with attitude, from where the result starts, with its numbers."""
+    """Return the animation of the motion with attitude, of a scene with the numbers of the result."""
     compiled, problem = _origin(result)
-    if result.origin.signals is not None or problem.laws:  # type: ignore[attr-defined]
-        raise InputError("inputs that are functions or laws are not animated with a scene", where="animate",
-                         hint="write them into the scene, or leave the scene out")  # fmt: skip
     layout = compiled.layout
     given = {
         **dict(zip((q.name for q in layout.states), problem.x0.tolist(), strict=True)),
@@ -181,12 +178,78 @@ def _of_scene(result: Result, scene: AnyScene, speed: float | None) -> Animation
         **dict(zip((q.name for q in layout.inputs), problem.inputs.tolist(), strict=True)),
         **compiled.structure.parameters,
     }
+    own = scene.parameter_values()
+    other = {n: given[n] for n, v in own.items() if n in given and given[n] != v}
     return animation_of(
-        scene,
-        lambda prepared: _moved(prepared, given, result),
+        scene.with_values(other) if other else scene,
+        lambda prepared: _motion(prepared, given, result),
         seconds=abs(float(result.t_stop - result.t[0])),
         speed=speed,
     )
+
+
+def _motion(prepared: AnyScene, given: Mapping[str, float], result: Result) -> Result:
+    """Return the motion of a scene of `with_attitude`, the result's own if its states say where bodies are.
+
+    Raises `InputError` where they do not and the scene does not move as the result does.
+    """
+    compiled, problem = _origin(result)
+    known, names = set(compiled.system.state_names), prepared.derive().state_names
+    missing = [n for n in names if n not in known | _spins(prepared)]
+    if not missing:
+        return _own(prepared, names, given, result)
+    driven = result.origin.signals is not None or problem.laws  # type: ignore[attr-defined]
+    if driven or {*compiled.system.input_names} != {*prepared.derive().input_names}:
+        raise InputError(
+            "inputs that are functions or laws are animated from states that say where bodies are alone",
+            where="animate", got=f"a result without {', '.join(missing)}",
+            hint="ask the scene for them as outputs, or write the laws into the scene",
+        )  # fmt: skip
+    return _moved(prepared, given, result)
+
+
+def _spins(scene: AnyScene) -> set[str]:
+    """Return the names of the angles of rotors, which follow from their speeds."""
+    rotors = scene.tree.rotors if scene.is_tree else ()
+    return {r.states[0].name for r in rotors if r.speed is None}
+
+
+def _own(
+    prepared: AnyScene, names: tuple[str, ...], given: Mapping[str, float], result: Result
+) -> Result:
+    """Return a result at equally spaced times in the states of a prepared scene, with its outputs."""
+    import codegen
+
+    compiled, problem = _origin(result)
+    plan = prepared.integration
+    t = np.linspace(float(result.t[0]), float(result.t_stop), plan.points)
+    y = _at(result, t)
+    u: Any = result.origin.inputs(t, y)  # type: ignore[attr-defined]
+    found = dict(zip(compiled.system.state_names, y, strict=True))
+    found |= dict(zip(compiled.system.input_names, u, strict=True))
+    if compiled.system.outputs:
+        values = compiled.outputs(t, y, problem.parameters, u if len(u) else None)
+        found |= dict(zip((d.name for d in compiled.system.outputs), values, strict=True))
+    system = prepared.derive()
+    own = {n: found[n] for n in names if n in found}
+    driving = {n: np.broadcast_to(found[n], t.shape) for n in system.input_names if n in found}
+    outputs = dict(driving)
+    if system.outputs and len(own) == len(names):
+        made = codegen.compile(system, "numpy")
+        numbers, held = prepared.parameter_values(), prepared.input_values()
+        order = [q.name for q in made.layout.parameters]
+        parameters = [given[n] if n in given else numbers[n] for n in order]
+        inputs = [
+            driving[n] if n in driving else np.full(len(t), held[n]) for n in system.input_names
+        ]
+        rows = made.outputs(
+            t, np.array([*own.values()]), parameters, np.array(inputs) if inputs else None
+        )
+        outputs |= dict(zip((d.name for d in system.outputs), rows, strict=True))
+    return replace(
+        result, t=t - t[0], y=np.array([*own.values()]), names=tuple(own), outputs=outputs, held={},
+        t_stop=float(t[-1] - t[0]),
+    )  # fmt: skip
 
 
 def _moved(prepared: AnyScene, given: Mapping[str, float], result: Result) -> Result:

@@ -23,6 +23,8 @@ from eom.multibody.system.vectors import Moment
 from eom.quantities import TIME, Definition, Quantity
 from eom.system import System
 from eom.views.animation.tracks import (
+    LARGEST_STEP,
+    STEP,
     Floats,
     Track,
     continuous,
@@ -195,7 +197,17 @@ class Posture:
             if n.startswith(MULTIPLIER)
         }
         arithmetic = Arithmetic(self.lift, ARRAYS, np.sqrt)
-        return Moment(self.tree, arithmetic, self.coordinates, self.speeds, tau, multipliers)
+        told = self.coordinates, self.speeds, tau, multipliers, self.prescribed
+        return Moment(self.tree, arithmetic, *told)
+
+    @cached_property
+    def prescribed(self) -> dict[int, Any]:
+        """The accelerations of speeds whose motion is given, by their numbers."""
+        given = [
+            list(j.motion.acceleration) if j.motion else [None] * len(j.speeds) for j in self.joints
+        ]
+        rows = enumerate(x for row in given for x in row)
+        return {k: self.lift(x) for k, x in rows if x is not None}
 
     def pose(self, name: str) -> tuple[Floats, Floats]:
         """Return C_BA of a body, shape (N, 3, 3), and where its origin is (m), shape (N, 3)."""
@@ -222,15 +234,17 @@ class Posture:
         body, N = self.track(rotor.body), self.count
         axis = np.array([float(self.lift(a)) for a in rotor.axis])
         centre = filled([self.lift(c) for c in self.tree.body[rotor.body].centre], N)
-        if rotor.speed is None:
-            angle = self.motion.series(rotor.states[0].name)
-            along = filled(self.lift(rotor.states[-1].symbol), N)
-        else:
-            speed, t = filled(self.lift(rotor.speed), N), self.motion.t
-            angle = np.concatenate([[0.0], np.cumsum(np.diff(t) * (speed[1:] + speed[:-1]) / 2)])
-            along = None
         space = turned(body.quaternions, np.broadcast_to(axis, (N, 3)))
-        within = speed if along is None else along - np.einsum("ni,ni->n", body.omega, space)
+        if rotor.speed is None:
+            along = filled(self.lift(rotor.states[-1].symbol), N)
+            within = along - np.einsum("ni,ni->n", body.omega, space)
+        else:
+            within = filled(self.lift(rotor.speed), N)
+        name = "" if rotor.speed is not None else rotor.states[0].name
+        known = name in self.motion.values
+        angle = self.motion.series(name) if known else _integrated(self.motion.t, within)
+        slower = slowed(angle)
+        angle = angle / slower
         spin = np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * np.eye(3)[2][:, None]]).T
         tilt = np.broadcast_to(from_third(axis), (N, 4))
         return Track(
@@ -238,7 +252,22 @@ class Posture:
             body.positions + turned(body.quaternions, centre),
             continuous(multiplied(multiplied(body.quaternions, tilt), spin)),
             body.omega + within[:, None] * space,
+            slower,
         )
+
+
+def _integrated(t: Floats, rate: Floats) -> Floats:
+    """Return the integral of a rate from the first time, shape (N,), by trapezoids."""
+    return np.concatenate([[0.0], np.cumsum(np.diff(t) * (rate[1:] + rate[:-1]) / 2)])
+
+
+def slowed(angle: Floats) -> float:
+    """Return the power of ten by which an angle (rad), shape (N,), is divided so that its turns are seen.
+
+    It is 1 unless the angle goes from one time to the next by more than can be shown.
+    """
+    most = float(np.abs(np.diff(angle)).max(initial=0.0))
+    return 1.0 if most <= LARGEST_STEP else 10.0 ** math.ceil(math.log10(most / STEP))
 
 
 def _named(given: Any) -> Any:

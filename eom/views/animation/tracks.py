@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from eom.rotations import cosines, quaternion_of_matrix, quaternion_product
 
 Floats = NDArray[np.float64]
+STEP, LARGEST_STEP = 0.2, 2.0
+"""Radians that a body turns from one time to the next: aimed at, and the most that can be shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +25,15 @@ class Track:
 
     ``positions``: of its origin, components in A (m), shape (N, 3). ``quaternions``: of C_BA, shape
     (N, 4). ``omega``: its angular velocity in inertial space, components in A (rad/s), shape (N, 3).
+    ``slower``: of a rotor, by how much less than it turns on its body the quaternions turn there; 0 of a
+    body.
     """
 
     name: str
     positions: Floats
     quaternions: Floats
     omega: Floats
+    slower: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Pictures as data, and their renderers: Matplotlib for print, pages to turn by hand.
 
 In: panels of marks. Out: PNG, SVG, PDF, HTML, what notebooks display.
-Imports: `codegen.runs`, `eom.errors`, `eom.mass`, `eom.typeset`.
+Imports: `codegen.runs`, `eom.displays`, `eom.errors`, `eom.mass`, `eom.typeset`.
 """
 
 from __future__ import annotations

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eom.displays import display
 from eom.errors import InputError
 from eom.typeset.blocks import shown
 
@@ -209,6 +211,8 @@ class Panel:
 class Picture:
     """Panels in ``rows`` from the top, with a title above and words below that say what is seen.
 
+    A notebook displays it; `save` writes it, and `figure` makes a figure of Matplotlib of it.
+
     Parameters
     ----------
     rows : tuple of tuple of Panel
@@ -225,6 +229,54 @@ class Picture:
     """Width and height in inches that its words need, where they need more than panels do."""
     notice: str = ""
     """What whoever asked for it should know, as that lines lack points."""
+
+    def save(
+        self, path: str | Path, size: tuple[float, float] | None = None, dpi: float = 150.0
+    ) -> Path:
+        """Write the picture to a file .png, .svg, .pdf or .html, and return its path.
+
+        Parameters
+        ----------
+        path : path
+            The file; what it is, its ending says.
+        size : (float, float), optional
+            Width and height in inches, by default as the panels need.
+        dpi : float, default 150
+            Pixels an inch, of PNG.
+
+        Returns
+        -------
+        path
+            Of the file.
+
+        Raises
+        ------
+        InputError
+            For other endings, where Matplotlib is needed and not installed (extra ``plot``), for a size
+            that no paper has, and where the file cannot be written.
+        """
+        found: Path = display("picture as file", self, path, size, dpi)
+        return found
+
+    def figure(self, size: tuple[float, float] | None = None) -> Any:
+        """Return a figure of Matplotlib, to go on with: its axes are those of the panels, in order.
+
+        Parameters
+        ----------
+        size : (float, float), optional
+            Width and height in inches, by default as the panels need.
+
+        Returns
+        -------
+        Figure
+            Of Matplotlib, which no window and no global state knows.
+
+        Raises
+        ------
+        InputError
+            Where Matplotlib is not installed.
+        """
+        return display("picture as figure", self, size)
 
     def _repr_mimebundle_(self, **_: object) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
         """Show the picture in a notebook."""

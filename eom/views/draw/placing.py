@@ -218,9 +218,8 @@ def _best(
     anchor: Floats, box: Box, taken: Sequence[Box], ink: _Ink, before: Way | None
 ) -> tuple[Box, Way | None]:
     """Return the best free box and where it is; the given one where it is that, or no other is free."""
-    start = (
-        math.atan2(*(box.middle - anchor)[::-1]) if np.any(box.middle != anchor) else math.pi / 2
-    )
+    away = box.middle - anchor
+    start = math.atan2(away[1], away[0]) if math.hypot(*away) > 1.0 else math.pi / 2
     best, found = box, None
     least = COVERED * ink.under(box) if _is_free(box, taken, ink.size) else math.inf
     for ring in range(1, RINGS):

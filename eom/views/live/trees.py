@@ -33,7 +33,7 @@ from eom.quantities import Definition, Quantity
 from eom.rotations import angles_of_matrix, matrix_of_quaternion
 from eom.scenes.reduce import cost
 from eom.system import System, as_expression
-from eom.views.animation.acting import STYLES, group
+from eom.views.animation.acting import STYLES, group, is_seen
 from eom.views.animation.bodies import ManyBodies
 from eom.views.draw import formulas
 from eom.views.live.fittings import fittings_of, sizes_of
@@ -64,8 +64,6 @@ TIPS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 VECTORS = Drawn(f"{VIEW}vector")
 """All vectors of the tree, as outputs."""
-CROWD = 8
-"""Vectors of one kind that are seen at first."""
 
 ROUNDING = 1e-12
 """Start values below this come from the rounding of a consistent start, which the page makes anew."""
@@ -123,7 +121,7 @@ def _seen(variants: Iterable[Variant], heavy: bool) -> dict[str, bool]:
         for name, count in Counter(map(group, variant.vectors)).items():
             most[name] = max(count, most.get(name, 0))
     return {
-        f"{ALL}{name}": most[name] <= CROWD and (name not in {OMEGA, MOMENTUM} or not heavy)
+        f"{ALL}{name}": is_seen(name, most[name]) and (name not in {OMEGA, MOMENTUM} or not heavy)
         for name in STYLES
         if name in most
     }

@@ -1,9 +1,8 @@
 """Sketches of a scene at its start: its bodies, its frames, and the forces and torques that act.
 
-Bodies are uniform solids of the same mass and inertia; forces and torques are arrows, with the numbers and
-formulas that they come from. A torque's arrow is along the torque, by the right-hand rule; a ring round it
-turns the way that the torque turns. Lengths of arrows say nothing of sizes: a sketch shows what acts,
-where, and which way.
+Bodies are those of animations, most of them uniform ones of the same inertia; forces and torques are
+arrows, with the numbers and formulas that they come from. A torque's arrow is along it, by the right-hand
+rule, with a ring that turns the way that it turns. Lengths of arrows say nothing of sizes.
 """
 
 from __future__ import annotations
@@ -459,13 +458,17 @@ class TreeAtStart:
         return max(0.5 * float(np.linalg.norm(span)) for span in spans) or 1.0
 
     @cached_property
+    def drawing(self) -> Drawing:
+        """What its bodies look like."""
+        return Drawing(self.drawn.scene, {}, spokes=False)
+
+    @cached_property
     def shapes(self) -> list[Item]:
         """The bodies as in animations: solids of the scene, what rolls, ones of equal inertia."""
-        drawing = Drawing(self.drawn.scene, {}, spokes=False)
         return [
             item
             for body in self.tree.bodies
-            for shape in drawing.own(body)[0]
+            for shape in self.drawing.own(body)[0]
             for item in solid(shape.mesh, self.bodies[body.name].C, self.bodies[body.name].origin)
         ]
 
@@ -521,10 +524,12 @@ def upright(item: Item, R: Floats) -> Item:
 def _caption(s: TreeAtStart) -> str:
     count = len(s.tree.bodies)
     held = ", ".join(c.name for c in s.tree.constraints)
-    words = (
-        f"Forces and torques on {count} {'bodies' if count > 1 else 'body'} at the start, drawn as solids "
-        "of the scene, or uniform ones of the same inertia."
-    )
+    told = [s.drawing.own(b)[1] for b in s.tree.bodies]
+    alike = all("equal inertia" in t for t in told if t)
+    solids = "uniform solids" if alike else "solids of the scene, or uniform ones"
+    things = "bodies" if count > 1 else "body"
+    drawn = f"drawn as {solids} of the same inertia"
+    words = f"Forces and torques on {count} {things} at the start, {drawn}."
     if any(not is_zero(x) for row in s.tree.gravity_gradient for x in row):
         words += " Gravity varies with the position; the torques of its gradient act, too."
     return words + (f" Bound by {held}." if held else "")

@@ -116,7 +116,6 @@
   const shown = {};
   const OMEGA = ["\u03c9", "i", ""];
   const plain = (text) => [text, "", ""];
-  const FEW = 8;
 
   function swatch(colour) {
     const found = document.createElement("span");
@@ -146,9 +145,9 @@
   const kinds = [...new Set(arrows.map((a) => a.kind))];
   kinds.forEach((kind) => {
     const colour = arrows.find((a) => a.kind === kind).colour;
-    const own = arrows.filter((a) => a.kind === kind && a.words).length;
-    const seen = !several || data.ground === null || (own > 0 && own <= FEW);
-    box(kind, data.kinds[kind], seen, (on) => { shown[kind] = on; }, colour);
+    const acts = arrows.some((a) => a.kind === kind && a.words);
+    const seen = acts ? data.kinds[kind].few : !several || data.ground === null;
+    box(kind, data.kinds[kind].words, seen, (on) => { shown[kind] = on; }, colour);
   });
   if (several) {
     const label = document.createElement("label");

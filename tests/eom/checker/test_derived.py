@@ -14,10 +14,11 @@ from tests.eom.rows import only
 
 READ = (
     "point-mass", "particle-system", "transport-theorem", "tilde-identities", "rigid-body-momentum",
-    "kinetic-energy", "inertia-properties",
+    "kinetic-energy", "inertia-properties", "energy-dissipation",
 )  # fmt: skip
 """Derivations whose pages are judged."""
 NO_BODY = "not an integral over a body"
+UNSEEN = "no counterexample"
 OPEN = {
     ("rigid-body-momentum", "arrow"): {
         r"\dot{\vec{p}} = \int_{B}": NO_BODY,
@@ -31,13 +32,24 @@ OPEN = {
         r"\underline{\tau}_{O} \triangleq \int_{m}": NO_BODY,
         "J = ": "symbol without a meaning",
     },
+    ("energy-dissipation", "arrow"): {
+        r"J_{s} \ge 0": UNSEEN,
+        r"-I_{1} + I_{3} \ge 0": "a condition",
+        r"-I_{2} + I_{3} \ge 0": "a condition",
+        r"I_{3} + J_{s} \ge 0": UNSEEN,
+        r"2 I_{1} I_{2} + I_{1} J_{s} + I_{2} J_{s} \ge 0": UNSEEN,
+        "\\begin{aligned}\n & 2 J_{s}^{5}": "a condition",
+        "\\begin{aligned}\n & H \\\\\n": "its roots leave open",
+        "\\begin{aligned}\n & H": "its roots leave open",
+    },
     ("transport-theorem", "underline"): {
         r"\dot{\mathbf{C}}_{BI} = ": "symbol without a meaning",
         "\\begin{aligned}\n\\dot{\\mathbf{v}}_{I}": "symbol without a meaning",
     },
 }
 """The formulas of a page that stay undecided, by how they begin, and why: integrals of dp and of dF, which
-are none of the body, and letters for matrices that no line before defines."""
+are none of the body, letters for matrices that no line before defines, conditions, and signs that no form
+shows."""
 
 
 def page(name, notation):

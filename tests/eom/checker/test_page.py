@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import eom
 from eom.checker.read.documents import read_document
 from eom.checker.read.spans import Span
 from eom.checker.report.findings import (
+    ORDER,
     Correction,
     Counterexample,
     Explanation,
@@ -18,7 +20,7 @@ from eom.checker.report.findings import (
     Remark,
     Report,
 )
-from eom.checker.report.page import MAX_LENGTH, mathml, page, prose
+from eom.checker.report.page import MAX_LENGTH, SIGNS, mathml, page, prose
 
 NOTE = r"""# A note with $x$
 
@@ -134,6 +136,17 @@ def test_everything_that_is_known_of_a_wrong_line_is_on_the_page():
 def test_a_line_that_carries_a_slip_says_whose():
     document = read_document(NOTE)
     assert "carries on the slip of line 5" in page(document, report_on(document, carried=5))
+
+
+def test_every_verdict_has_a_sign():
+    assert tuple(SIGNS) == tuple(v for v in ORDER if v != "no claim")
+
+
+def test_a_line_that_is_wrong_by_a_guess_is_on_the_page():
+    note = "$$ F = 2 m a $$\n"
+    report = eom.check(note)
+    assert [f.verdict for f in report.findings if f.kind == "display"] == ["unsure"]
+    assert "✗? unsure" in page(read_document(note), report)
 
 
 def test_the_same_note_gives_the_same_bytes():

@@ -46,7 +46,7 @@ def verdicts(text):
 def test_a_pendulum_is_found_from_words_whatever_its_letters():
     report = eom.check(PENDULUM % "-")
     assert [f.verdict for f in report.findings][-5:] == [*["holds"] * 4, "undecided"]
-    assert "a simple pendulum" in report.lexicon
+    assert "the bob swings about a fixed pivot on a string" in report.lexicon
     assert any(d.startswith(r"\chi: theta (line 4: the angle") for d in report.drafts)
     assert verdicts(PENDULUM % "+")[3] == "wrong"
 
@@ -213,9 +213,39 @@ def test_the_command_asks_and_writes_a_lexicon(tmp_path):
 def test_questions_end_where_the_writer_says_so(tmp_path):
     note = tmp_path / "note.md"
     note.write_text(PENDULUM % "-", encoding="utf-8")
-    assert asked(note, "q\n").exit_code == 0
-    (tmp_path / "note.lexicon.toml").unlink()
-    assert asked(note, "").exit_code == 0
+    for said in ("q\n", "", "\n"):
+        shown = asked(note, said)
+        assert shown.exit_code == 0
+        assert "nothing was said" in shown.output
+        assert not (tmp_path / "note.lexicon.toml").exists()
+
+
+GUESSED_PERIOD = r"""A thin uniform rod of mass $M$ and length $L$ hangs from a pin at its upper end.
+$\alpha$ is its angle from the downward vertical and $g$ the acceleration of gravity.
+
+$$ \ddot\alpha = -\frac{3 g}{2 L}\sin\alpha $$
+
+$$ \tau = 2\pi\sqrt{\frac{3 L}{2 g}} $$
+
+$$ q = \alpha $$
+"""
+
+
+def test_what_the_writer_leaves_open_stays_a_guess(tmp_path):
+    note = tmp_path / "note.md"
+    note.write_text(GUESSED_PERIOD, encoding="utf-8")
+    guessed = [f.verdict for f in eom.check(note).findings if f.kind == "display"]
+    assert guessed[1] == "unsure"
+    answers = {r"what is \tau": "", "what is q": "scalar q"}
+    order = sorted(answers, key=asked(note, "\n\n").output.index)
+    shown = asked(note, "".join(f"{answers[a]}\n" for a in order))
+    assert shown.exit_code == 0, shown.output
+    text = (tmp_path / "note.lexicon.toml").read_text(encoding="utf-8")
+    assert "'q' = \"scalar q\"" in text
+    assert r"'\tau'" not in text
+    assert r"#   \tau  (line 6)" in text
+    verdicts = [f.verdict for f in eom.check(note).findings if f.kind == "display"]
+    assert verdicts[:2] == ["holds", "undecided"]
 
 
 def test_the_report_as_json_has_the_questions():

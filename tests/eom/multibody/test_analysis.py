@@ -180,7 +180,7 @@ def test_steady_precession_of_the_top():
 
 
 def test_the_sleeping_top():
-    """omega_3^2 > 4 I1 m g l / I3^2: Kibble and Berkshire, Classical Mechanics (2004), eq. 12.26."""
+    """omega_3^2 > 4 I1 m g l / I3^2: Kibble and Berkshire, Classical Mechanics (2004), ch. 12."""
     given = lagrangian(
         gimballed_top(), names={"q_alpha": "alpha", "q_beta": "beta", "q_phi": "phi"}
     )

@@ -512,6 +512,23 @@ def test_a_mistake_is_one_error_that_names_the_place(name):
     assert hint in caught.value.hint
 
 
+def test_three_components_are_a_placement_without_a_turn():
+    alone = scene(joints__knee__on_parent=(0, 0, "-l"))
+    assert alone.tree == scene(joints__knee__on_parent={"position": (0, 0, "-l")}).tree
+
+
+def test_mistakes_say_what_belongs_there_and_name_the_others():
+    with pytest.raises(InputError) as short:
+        scene(joints__knee__axis=[0, 1])
+    assert (short.value.where, short.value.got) == ("joints.knee.axis", "[0, 1]")
+    assert short.value.expected == "3 values"
+    with pytest.raises(InputError) as keyed:
+        scene(joints__knee__on_parent=3)
+    assert keyed.value.hint == "its keys: position, rotation"
+    with pytest.raises(InputError, match=r"unknown key 'at' \(and 1 more: joints.knee.to\)"):
+        scene(joints__knee__at=1, joints__knee__to=2)
+
+
 def test_errors_of_a_file_name_the_file(tmp_path):
     file = tmp_path / "bad.toml"
     file.write_text('model = "tree"\n[bodies.a]\nmas = 1\n[joints]\n', encoding="utf-8")

@@ -54,7 +54,7 @@ def second_derivatives(scene, sequence, q, rates, numbers):
 
 
 def test_a_heavy_top_has_the_effective_potential_of_the_books():
-    """Goldstein, Classical Mechanics (2002), eq. 5.62; upright it sleeps where I3^2 w^2 > 4 I1 m g l."""
+    """Goldstein, Classical Mechanics (2002), sect. 5.7; upright it sleeps where I3^2 w^2 > 4 I1 m g l."""
     tree = single_tree(eom.load_scene("heavy-top"))
     I1, I3 = sp.symbols("I1 I3", positive=True)
     m, g, r3, theta, p, b = sp.symbols("m g r3 theta p_psi p_phi")

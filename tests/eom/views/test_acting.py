@@ -122,6 +122,37 @@ def test_a_loop_pulls_at_the_body_behind_it_with_what_its_joint_does_not_give(na
     assert taken == pytest.approx(given, abs=1e-4 * np.abs(pull.values).max())
 
 
+@pytest.mark.parametrize(
+    "name", ["double-pendulum", "slider-crank", "foucault-pendulum", "rotary-pendulum"]
+)
+def test_reactions_of_joints_are_those_that_are_derived(name):
+    """Against the outputs of the system, which come from its symbolic accelerations."""
+    base = load_scene(name)
+    joints = [j.name for j in base.tree.ordered if j.kind not in {"fixed", "free"}]
+    outputs = tuple(f"F_{j}_{k}" for j in joints for k in (1, 2, 3))
+    results = []
+
+    def integrate(prepared):
+        results.append(job_of(prepared, "auto", ()).integrate(lambda _: None))
+        return results[-1]
+
+    asked = base.model_copy(update={"outputs": (*base.outputs, *outputs)})
+    acting = {
+        a.name: a
+        for a in animation_of(asked, integrate, seconds=0.2).tracks.acting
+        if a.kind == "joint"
+    }
+    assert acting
+    for joint in joints:
+        values = np.stack([results[-1][f"F_{joint}_{k}"] for k in (1, 2, 3)], axis=-1)
+        child = next(j.child for j in base.tree.joints if j.name == joint)
+        drawn = acting.get(f"reaction of {joint} on {child}")
+        if drawn is None:
+            assert values == pytest.approx(0, abs=1e-9)
+        else:
+            assert drawn.values == pytest.approx(values, abs=1e-8 * max(np.abs(values).max(), 1.0))
+
+
 def bob(**more):
     """A mass on a sphere of freedom: what acts on it is what moves it."""
     body = {"mass": 2.0, "moments": (0.1, 0.1, 0.1)}
@@ -183,7 +214,7 @@ def test_jets_push_against_what_they_throw_out():
 
 
 def test_a_gradient_of_gravity_pulls_and_turns():
-    """Of a body on a circular orbit: 3 n^2 r x J r about its centre of mass (Hughes 1986, eq. 8.1-10)."""
+    """Of a body on a circular orbit: 3 n^2 r x J r about its centre of mass (Hughes 1986, sect. 8.1)."""
     n, J = 0.3, np.diag([0.1, 0.2, 0.25])
     scene = bob(gravity_gradient=[[2 * n * n, 0, 0], [0, -n * n, 0], [0, 0, -n * n]],
                 initial={"w_joint_3": 0.1, "w_joint_1": 0.4, "x_joint": 0.5})  # fmt: skip

@@ -38,6 +38,9 @@ def polhodes(name):
     return turned.page(gallery.picture("polhodes", gallery.Ask(load_scene(name))))
 
 
+HIDDEN = "#show input:not(:checked), [data-show]:not(:checked)"
+ALL_SHOWN = f"document.querySelectorAll({HIDDEN!r}).forEach((input) => input.click())"
+"""Show all vectors and frames."""
 PAGES = {
     "animation": (animated, "animation.viewer"),
     "live": (text_of, "eomLive.viewer"),
@@ -89,9 +92,11 @@ def test_words_overlap_at_no_viewpoint(browser, tmp_path, kind, name):
     file = tmp_path / "page.html"
     file.write_text(make(name), encoding="utf-8")
     tab = browser.new_page(viewport={"width": 900, "height": 600}, reduced_motion="reduce")
+    tab.set_default_timeout(120_000)  # software draws, on a busy machine slowly
     heard = []
     tab.on("pageerror", lambda e: heard.append(str(e)))
     tab.goto(file.as_uri())
+    tab.evaluate(ALL_SHOWN)
     wide, high = (tab.evaluate(f"{viewer}.canvas.client{side}") for side in ("Width", "Height"))
     moved, counts = 0, set()
     for azimuth, elevation in VIEWS:

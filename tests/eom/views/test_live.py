@@ -296,7 +296,7 @@ def test_only_scripts_and_styles_of_the_page_may_run():
     texts = [t for a, t in found.all("script") if a.get("type") != "application/json"] + [
         t for _, t in found.all("style")
     ]
-    assert len(texts) == 5
+    assert len(texts) == 6
     for text in texts:
         digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         assert f"'sha256-{digest}'" in policy
@@ -319,7 +319,7 @@ def test_hostile_words_stay_words():
     )  # fmt: skip
     text = page(scene)
     found = Elements(text)
-    assert len(found.all("script")) == 5
+    assert len(found.all("script")) == 6
     assert found.all("img") == found.all("b") == []
     assert [t for _, t in found.all("title")] == [EVIL]
     assert data_of(text)["name"] == EVIL

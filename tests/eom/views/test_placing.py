@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
 from eom import load_scene
 from eom.multibody import Body, Joint, Tree
 from eom.scenes import catalogue
 from eom.views import gallery
 from eom.views.draw.picture import COLOURS, Arrow, Axis, Panel, Picture, Words
-from eom.views.draw.placing import Box, boxes, overlap, overlaps
+from eom.views.draw.placing import Box, boxes, overlap, overlaps, place
 from eom.views.draw.printed import figure
 from eom.views.time.histories import histories_of
 from eom.views.tree.joint_trees import joint_tree
@@ -178,3 +179,35 @@ def test_points_follow_the_fastest_motion_and_too_few_are_told():
     assert made.notice == ""
     q = made.rows[1][0].items[0].points[:, 1]
     assert np.max(np.abs(np.diff(q))) < 0.2 * np.ptp(q)
+
+
+def crowd(turn):
+    """A figure with names at the ends of arrows that turn at different rates about one point."""
+    made = Figure(figsize=(4, 3), dpi=100)
+    axes = made.add_axes((0, 0, 1, 1))
+    axes.set(xlim=(-2, 2), ylim=(-1.5, 1.5))
+    for k in range(8):
+        angle = 0.15 * k + turn * (1 + 0.4 * (-1) ** k)
+        end = (0.6 * np.cos(angle), 0.6 * np.sin(angle))
+        axes.annotate(
+            f"name {k}", end, (0, 0), textcoords="offset points", ha="center", va="center"
+        )
+    return made
+
+
+def test_labels_are_steady_in_a_film():
+    def jumps(before):
+        found, last = 0, {}
+        for k in range(12):
+            made = crowd(0.03 * k)
+            place(made, covering=True, before=before)
+            assert overlaps(made) == []
+            (axes,) = made.axes
+            now = {t.get_text(): np.array(t.xyann) for t in axes.texts if t.get_text()}
+            found += sum(np.abs(now[n] - last[n]).max() > 8 for n in last)
+            last = now
+            if before is not None:
+                assert set(before) <= set(now)
+        return found
+
+    assert 2 * jumps({}) <= jumps(None)

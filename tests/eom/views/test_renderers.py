@@ -104,7 +104,7 @@ def test_hostile_words_on_pages(monkeypatch, text):
     body = turned.page(sample(formulas.plain(text), text))
     assert formulas.as_text(formulas.plain(text)) == formulas.clean(text)
     assert f"<title>{html.escape(formulas.clean(text))}</title>" in body
-    assert len(re.findall("<script", body)) == 6  # the data, and five of our own
+    assert len(re.findall("<script", body)) == 7  # the data, and six of our own
     assert "<img" not in body
     data = json.loads(re.search(r'id="data">(.*?)</script>', body, re.DOTALL)[1])
     panels = [panel for row in data["rows"] for panel in row]
@@ -353,6 +353,6 @@ def test_a_page_to_turn_may_run_its_own_scripts_and_ask_for_nothing(tmp_path):
     assert allowed["script-src"].split() == [
         f"'sha256-{base64.b64encode(d).decode()}'" for d in digests
     ]
-    assert len(digests) == 5
+    assert len(digests) == 6
     assert "connect-src" not in allowed  # as default-src: nothing
     assert "unsafe" not in allowed["script-src"]
