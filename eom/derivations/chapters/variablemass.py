@@ -34,7 +34,8 @@ def _thrust(d: Derivation) -> None:
     )
     rate = d.start(der(mul(M, V))).then("product rule", differentiate, label="momentum-rate")
     law.infer(
-        "both are the same rate; the term with the velocity of the body stands on both sides and is taken away",
+        "both are the same rate; the term with the velocity of the body stands on both sides and is "
+        "taken away",
         equal(distribute, less(mul(der(M), V))),
         rate,
         label="balance",
