@@ -78,6 +78,22 @@ def test_words_have_the_letters_of_the_notation():
     assert render(known["C"], "text") == "G"
 
 
+@pytest.mark.parametrize(
+    ("name", "letter", "wanted"),
+    [
+        ("euler-equations", "J", "\U0001d540\u0332"),
+        ("inertia-properties", "J", "\U0001d541\u0332"),
+        ("inertia-properties", "C_AB", "C_AB"),
+        ("particle-system", "M", "m"),
+        ("point-mass", "m", "m"),
+        ("virtual-work", "n", "n"),
+    ],
+)
+def test_words_have_the_letters_of_the_formulas(name, letter, wanted):
+    known = letters_in_words(derive(name), notation_named("underline"))
+    assert render(known[letter], "text") == wanted
+
+
 def test_terms_of_euler_stand_in_cyclic_order():
     shown = derive("euler-equations").page("latex")
     for row in (
