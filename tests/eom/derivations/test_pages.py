@@ -151,3 +151,8 @@ def test_every_page_is_compiled_and_each_handout_is_one_page(name):
     for notation in ("arrow", "kane"):
         assert pdf_pages(derive(name).page("latex", notation, form="handout")) == 1
         assert pdf_pages(derive(name).page("latex", notation)) >= 1
+
+
+def test_symbols_of_a_result_alone_are_listed():
+    shown = derive("rigid-body-momentum").page("text", steps=False)
+    assert "integral of r\u2081 r\u2082 dm over the body" in shown
