@@ -11,7 +11,7 @@ from eom.derivations import derive, names
 from eom.derivations.forms import FORMS
 from eom.derivations.handout import behind, key_steps
 from eom.derivations.showing import FORMATS, numbers, symbols
-from eom.derivations.wording import letters_in_words, named
+from eom.derivations.wording import letters_in_words, named, notation_of
 from eom.errors import InputError
 from eom.terms.terms import nodes
 from eom.typeset.boxes import symbol
@@ -42,7 +42,7 @@ def test_no_line_of_text_is_longer_than_100_letters(name):
 def test_a_letter_names_one_thing(name):
     for notation in NOTATIONS:
         found = {}
-        for one in named(derive(name), notation_named(notation)):
+        for one in named(derive(name), notation_of(derive(name), notation_named(notation))):
             thing = (SAME.get(one.thing[0], one.thing[0]), *one.thing[1:])
             letter = render(one.box, "latex")
             assert found.setdefault(letter, thing) == thing, f"{letter} in {notation}"
