@@ -541,6 +541,15 @@ def _mathml_sign(box: Sign, _: Render) -> str:
     return f"<{box.tag}>{words}</{box.tag}>"
 
 
+def _mathml_row(box: Row, inner: Render) -> str:
+    """Return the items of a row; before a function with its bracket there is a little room."""
+    first = box.items[0] if len(box.items) == 2 and isinstance(box.items[1], Fence) else None
+    name = first.base if isinstance(first, Scripts) else first
+    called = isinstance(name, Sign) and name.tag == "mi" and len(name.text) > 1
+    gap = '<mspace width="0.17em"/>' if called else ""
+    return f"<mrow>{gap}{''.join(inner(i) for i in box.items)}</mrow>"
+
+
 def _mathml_scripts(box: Scripts, inner: Render) -> str:
     sub, sup = (inner(b) if b else "" for b in (box.sub, box.sup))
     base = inner(box.base)
@@ -601,7 +610,7 @@ _MATHML: dict[type, Callable[[Any, Render], str]] = {
     Form: lambda b, inner: FORMS[b.name][2].format(*map(inner, b.parts)),
     Accent: _mathml_accent,
     Scripts: _mathml_scripts,
-    Row: lambda b, inner: f"<mrow>{''.join(inner(i) for i in b.items)}</mrow>",
+    Row: _mathml_row,
     Fence: lambda b, inner: _mathml_fenced(b, inner(b.inner)),
     Fraction: lambda b, inner: f"<mfrac>{inner(b.above)}{inner(b.below)}</mfrac>",
     Grid: _mathml_grid,

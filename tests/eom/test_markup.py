@@ -24,6 +24,7 @@ from eom.typeset.boxes import (
     accented,
     symbol,
 )
+from eom.typeset.expressions import expression_box
 from eom.typeset.markup import (
     ACCENTS,
     FORMS,
@@ -164,3 +165,16 @@ def test_width_counts_letters_not_commands():
 def test_unknown_markup_is_refused():
     with pytest.raises(InputError, match="did you mean mathml"):
         render(R, "mathlm")
+
+
+@pytest.mark.parametrize(("sign", "grows"), [("integral", True), ("sum", True), ("times", False)])
+def test_brackets_of_mathml_grow_about_signs_that_are_tall(sign, grows):
+    under = Accent("underline", Symbol("r"))
+    written = render(Fence(Row((Operator(sign), under))), "mathml")
+    assert ('stretchy="false"' not in written) == grows
+
+
+def test_a_function_with_its_bracket_stands_a_little_apart_in_mathml():
+    m, n, c = sp.symbols("m n c")
+    assert "mspace" in render(expression_box(c * sp.log(m / n)), "mathml")
+    assert "mspace" not in render(expression_box(c * (m + n)), "mathml")

@@ -11,7 +11,7 @@ from eom.derivations import derive, names
 from eom.derivations.forms import FORMS
 from eom.derivations.handout import behind, key_steps
 from eom.derivations.showing import FORMATS, numbers, symbols
-from eom.derivations.wording import letters_in_words, named
+from eom.derivations.wording import letters_in_words, named, notation_of
 from eom.errors import InputError
 from eom.terms.terms import nodes
 from eom.typeset.boxes import symbol
@@ -42,7 +42,7 @@ def test_no_line_of_text_is_longer_than_100_letters(name):
 def test_a_letter_names_one_thing(name):
     for notation in NOTATIONS:
         found = {}
-        for one in named(derive(name), notation_named(notation)):
+        for one in named(derive(name), notation_of(derive(name), notation_named(notation))):
             thing = (SAME.get(one.thing[0], one.thing[0]), *one.thing[1:])
             letter = render(one.box, "latex")
             assert found.setdefault(letter, thing) == thing, f"{letter} in {notation}"
@@ -76,6 +76,22 @@ def test_words_have_the_letters_of_the_notation():
     assert "frame I" not in shown
     known = letters_in_words(derive("euler-equations"), notation_named("superscript"))
     assert render(known["C"], "text") == "G"
+
+
+@pytest.mark.parametrize(
+    ("name", "letter", "wanted"),
+    [
+        ("euler-equations", "J", "\U0001d540\u0332"),
+        ("inertia-properties", "J", "\U0001d541\u0332"),
+        ("inertia-properties", "C_AB", "C_AB"),
+        ("particle-system", "M", "m"),
+        ("point-mass", "m", "m"),
+        ("virtual-work", "n", "n"),
+    ],
+)
+def test_words_have_the_letters_of_the_formulas(name, letter, wanted):
+    known = letters_in_words(derive(name), notation_named("underline"))
+    assert render(known[letter], "text") == wanted
 
 
 def test_terms_of_euler_stand_in_cyclic_order():
@@ -135,3 +151,8 @@ def test_every_page_is_compiled_and_each_handout_is_one_page(name):
     for notation in ("arrow", "kane"):
         assert pdf_pages(derive(name).page("latex", notation, form="handout")) == 1
         assert pdf_pages(derive(name).page("latex", notation)) >= 1
+
+
+def test_symbols_of_a_result_alone_are_listed():
+    shown = derive("rigid-body-momentum").page("text", steps=False)
+    assert "integral of r\u2081 r\u2082 dm over the body" in shown
