@@ -91,7 +91,7 @@ BOXES = {
         "I₁ ψ̇²",
     ),
     "words": (Words("a & b"), r"\text{a \& b}", "a & b"),
-    "room": (Unseen(Symbol("h")), r"\phantom{h}", " "),
+    "room": (Unseen(Symbol("h")), r"\hphantom{h}", " "),
 }
 
 
