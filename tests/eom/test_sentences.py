@@ -76,3 +76,10 @@ def test_a_name_with_primes_may_be_known():
 def test_a_letter_with_a_superscript_can_have_a_prime():
     known = {"r": Scripts(Symbol("p"), sup=Symbol("P"))}
     assert latex("as r' is", known) == "as ${p^{P}}'$ is"
+
+
+def test_axes_are_letters_in_any_sentence():
+    assert (
+        latex("the axle b2 is parallel to a3 or i1")
+        == "the axle $b_{2}$ is parallel to $a_{3}$ or $i_{1}$"
+    )
