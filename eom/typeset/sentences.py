@@ -137,7 +137,7 @@ def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
         around = words[max(0, m.start() - 3) : m.start()], words[m.end() :]
         near = around[0].rstrip().endswith(("=", "(", "-", "+", "/"))
         near = near or re.search(r"\w\.$", around[0]) is not None
-        near = near or around[1][:1] in {".", ","} or around[1].startswith(" along ")
+        near = near or around[1][:1] in {"", ".", ","} or around[1].startswith(" along ")
         return "a" not in known or not near
     begins = not m.start() and _NOUN.match(words, m.end()) is not None
     return m["name"] == "A" and (begins or words[: m.start()].endswith(". "))
