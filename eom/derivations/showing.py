@@ -200,7 +200,7 @@ def symbols(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, Prose]
             yield box, phrases(meaning, known)
 
 
-_ANY = frozenset({"scalar", "coordinate"})
+_ANY = frozenset({"scalar", "coordinate", "angle"})
 """Quantities that are any: of those with a symbol it is said what this is."""
 
 

@@ -344,7 +344,7 @@ _LATEX: dict[type, Callable[[Any, Render], str]] = {
     Operator: lambda b, _: OPERATORS[b.name][0],
     Formula: _opened(_latex_formula),
     Words: lambda b, _: f"\\text{{{escape_latex(b.text)}}}",
-    Unseen: lambda b, inner: f"\\phantom{{{inner(b.inner)}}}",
+    Unseen: lambda b, inner: f"\\hphantom{{{inner(b.inner)}}}",
 }
 
 # -- text ------------------------------------------------------------------------------------
@@ -617,7 +617,9 @@ _MATHML: dict[type, Callable[[Any, Render], str]] = {
     Operator: _mathml_operator,
     Formula: _opened(_mathml_formula),
     Words: lambda b, _: f"<mtext>{html.escape(b.text)}</mtext>",
-    Unseen: lambda b, inner: f"<mphantom>{inner(b.inner)}</mphantom>",
+    Unseen: lambda b, inner: (
+        f'<mpadded height="0" depth="0"><mphantom>{inner(b.inner)}</mphantom></mpadded>'
+    ),
 }
 
 RENDERERS: dict[str, Mapping[type, Callable[[Any, Render], str]]] = {

@@ -45,6 +45,8 @@ NAMES = {
     "omega_1_dot": (r"\dot{\omega}_{1}", "ω̇₁"),
     "I1": ("I_{1}", "I₁"),
     "J12": ("J_{12}", "J₁₂"),
+    "Js_1": ("J_{s,1}", "J_(s,1)"),
+    "Jt": ("J_{t}", "Jₜ"),
     "h_G_2": ("h_{G,2}", "h_(G,2)"),
     "radial_2": (r"\mathrm{radial}_{2}", "radial₂"),
     "ring_radius": (r"\mathrm{ring\_radius}", "ring_radius"),
@@ -92,7 +94,7 @@ BOXES = {
         "I₁ ψ̇²",
     ),
     "words": (Words("a & b"), r"\text{a \& b}", "a & b"),
-    "room": (Unseen(Symbol("h")), r"\phantom{h}", " "),
+    "room": (Unseen(Symbol("h")), r"\hphantom{h}", " "),
 }
 
 

@@ -82,3 +82,10 @@ def test_a_letter_with_a_superscript_can_have_a_prime():
 def test_a_letter_that_ends_the_words_is_no_article():
     assert latex("any vector a", KNOWN) == "any vector $a$"
     assert latex("any vector a body has", KNOWN) == "any vector a body has"
+
+
+def test_axes_are_letters_in_any_sentence():
+    assert (
+        latex("the axle b2 is parallel to a3 or i1")
+        == "the axle $b_{2}$ is parallel to $a_{3}$ or $i_{1}$"
+    )

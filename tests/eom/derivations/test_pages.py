@@ -94,6 +94,26 @@ def test_words_have_the_letters_of_the_formulas(name, letter, wanted):
     assert render(known[letter], "text") == wanted
 
 
+def test_no_frame_has_the_letter_of_a_number():
+    page = derive("spinning-symmetric-body").page("text", "underline")
+    assert "W is fixed in the body" in page
+    assert "w\u0332\u2082 = b\u0332\u2082" in page
+    assert "C := " in page
+    assert "frame C" not in page
+
+
+def test_words_have_the_inertia_of_the_formulas():
+    assert "\U0001d540\u0332 is constant" in derive("energy-dissipation").page("text", "underline")
+
+
+def test_sizes_and_angles_are_told_apart():
+    axes = "along axis 1", "along axis 2"
+    for name, words in (("box", " size "), ("ellipsoid", " half the size ")):
+        page = derive(f"inertia-of-{name}").page("text", steps=False)
+        assert all(re.search(rf"^ +[ab] +{words.strip()} {a}$", page, re.MULTILINE) for a in axes)
+    assert "from 0 to 1 \u2212 s\u2082 \u2212 s\u2083" in derive("inertia-of-tetrahedron").page()
+
+
 def test_terms_of_euler_stand_in_cyclic_order():
     shown = derive("euler-equations").page("latex")
     for row in (
