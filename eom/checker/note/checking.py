@@ -16,7 +16,7 @@ from eom.checker.infer.evidence import (
     DECISIVE,
     Doubt,
     evidence,
-    misfits,
+    misfit,
     readings,
     uncounted,
     with_meaning,
@@ -316,7 +316,7 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
-    fails = [any(misfits(j.claim) for j in f.verdict.claims) for f in found]
+    fails = [misfit(f.understood, known.lexicon) for f in found]
     plain = {HOLDS, UNDER} if known.draft.words else {HOLDS}
     firmly = [f.finding.verdict in plain for f in found]
     known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
