@@ -38,6 +38,7 @@ DECISIVE = (
     "components in different frames meet",
     "these are of different kinds",
     "this has no skew matrix",
+    "these do not multiply side by side; got column",
 )
 """What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
 MARK = "mark "

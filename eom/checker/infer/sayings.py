@@ -114,7 +114,7 @@ def prose(document: Document) -> Prose:
                 text[-1] = text[-1].rstrip().rstrip(":,")
             elif taken and what:
                 text[-1] = f"{text[-1][: taken.start()]}{what} is the {taken['what']}."
-            text.append(f"{left}{BREAK}")
+            text.append(f"{left}{BREAK}{_glosses(shown.get(id(piece)), mentions)}")
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
             text.append(_marks(formula, mentions, cases if CASE.search(lead) else formulas))
@@ -228,6 +228,17 @@ def _left(formula: Formula | None, mentions: list[Mention]) -> str:
         return ""
     mentions.append(Mention(look, node, formula.piece.line))
     return f" ⟦{len(mentions) - 1}⟧"
+
+
+def _glosses(formula: Formula | None, mentions: list[Mention]) -> str:
+    """Return the sentences within a display that say what a symbol is: one alone, with words behind it."""
+    found = ""
+    for one in formula.statements if formula is not None else ():
+        look = look_of(one.members[0]) if len(one.members) == 1 else None
+        if look is not None and not one.relational and len(one.words) == 1:
+            mentions.append(Mention(look, one.members[0], formula.piece.line if formula else 0))
+            found += f"⟦{len(mentions) - 1}⟧ {one.words[0].rstrip(' .:;,')}.{BREAK}"
+    return found
 
 
 def _items(node: Node) -> tuple[Node, ...]:
