@@ -25,7 +25,7 @@ from typing import Any
 
 from eom.checker.infer.attitude import angles, components, turned
 from eom.checker.infer.books import TOPICS, looks_in, taken
-from eom.checker.infer.house import drafted, fit, houses
+from eom.checker.infer.house import drafted, fit, houses, kept
 from eom.checker.infer.letters import (
     BOOKS,
     CUSTOMARY,
@@ -163,6 +163,11 @@ def propose(document: Document) -> Proposal:
     First what words say, on the preset that fits them best; then what letters and labels stand for that go
     with those; then formulas of the text and the usual books, for what is left.
     """
+    with kept():
+        return _proposed(document)
+
+
+def _proposed(document: Document) -> Proposal:
     formulas, text = read(document), prose(document)
     first = _Drafted(formulas, text, tuple(symbols(formulas)))
     first.by_words()

@@ -92,7 +92,9 @@ class Evidence:
         said = {f for p, f in self.families.items() if p in self.firm}
         agreed = {f for p, f in self.families.items() if p in self.agreed}
         failed = Counter(
-            f for rests in self.fails for f in {self.families[p] for p in rests & self.families.keys()}
+            f
+            for rests in self.fails
+            for f in {self.families[p] for p in rests & self.families.keys()}
         )
         return frozenset(f for f in said if self.count[f] or f in agreed or failed[f] < MISREAD)
 
