@@ -71,7 +71,8 @@ class Evidence:
     ``firm``: those that words give, or a preset as a whole; ``spoken``: words alone; ``guessed``: why some
     were taken; ``meant``: what quantities of a system are; ``families``: symbols that speak for each other;
     ``bases``: symbols by which others are defined that stand for their norms, directions and components;
-    ``fails``: on which meanings it rests that a formula does not fit; ``agreed``: where words and preset agree.
+    ``fails``: on which meanings it rests that a formula does not fit; ``agreed``: those that words and
+    preset give.
     """
 
     used: tuple[Mapping[str, tuple[str, str]], ...]
@@ -177,7 +178,6 @@ def evidence(
     told = {t.latex for t in ties if t.words != USUAL}
     told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
-    meant = {t.latex: f"the {t.means} of the system" for t in ties}
     used = tuple(_whole([dict(_used(f, lexicon)) for f in formulas], formulas, lexicon))
     every = {p: f for u in used for p, f in u.items()}
     looks = (k for f in formulas for k in operands_of(f, lexicon))
@@ -193,7 +193,7 @@ def evidence(
         families,
         frozenset(firm),
         guessed,
-        meant,
+        {t.latex: f"the {t.means} of the system" for t in ties},
         dict(_bases(draft, lexicon, every)),
         draft.preset,
         tuple(fails),

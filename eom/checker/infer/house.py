@@ -73,10 +73,10 @@ class _Kept:
     letters: dict[int | str, frozenset[str]] = field(default_factory=dict)
     numbers: dict[Any, int] = field(default_factory=dict)
 
-    def of(self, key: int | str, text: Callable[[], str]) -> frozenset[str]:
-        """Return the letters and names in a text."""
+    def of(self, key: int | str, what: Any) -> frozenset[str]:
+        """Return the letters and names in a text, or in what is written out."""
         if key not in self.letters:
-            self.letters[key] = frozenset(re.findall("[A-Za-z]+|[0-9]+", text()))
+            self.letters[key] = frozenset(re.findall("[A-Za-z]+|[0-9]+", repr(what)))
         return self.letters[key]
 
     def number(self, what: Any) -> int:
@@ -127,19 +127,17 @@ class _Letters:
         self, statement: Statement, known: Mapping[Look, Value], kept: _Kept
     ) -> tuple[Any, ...]:
         """Return all that the reading of a statement rests on."""
-        letters = kept.of(id(statement), lambda: repr(statement))
+        letters = kept.of(id(statement), statement)
         every = self._reached(letters, kept)
         rows = tuple(n for name, n, _ in self._entries if name in every or not name)
-        values = tuple(
-            (k, id(v)) for k, v in known.items() if every & kept.of(k.name, lambda: k.name)
-        )
+        values = tuple((k, id(v)) for k, v in known.items() if every & kept.of(k.name, k.name))
         return id(statement), self._frame, rows, values
 
     def _reached(self, letters: frozenset[str], kept: _Kept) -> frozenset[str]:
         """Return letters with those of the formulas that they stand for."""
         while True:
             formulas = (f for name, _, f in self._entries if f and name in letters)
-            more = letters.union(*(kept.of(f, lambda f=f: f) for f in formulas))
+            more = letters.union(*(kept.of(f, f) for f in formulas))
             if more == letters:
                 return letters
             letters = more

@@ -108,12 +108,13 @@ def prose(document: Document) -> Prose:
         elif piece.kind != "inline":
             led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
             left = _left(shown.get(id(piece)), mentions) if led else ""
-            taken = _TAKEN.search(text[-1]) if text and not led else None
+            so_far = "".join(text)
+            taken = _TAKEN.search(so_far) if not led else None
             what = _left(shown.get(id(piece)), mentions) if taken else ""
             if left:
                 text[-1] = text[-1].rstrip().rstrip(":,")
             elif taken and what:
-                text[-1] = f"{text[-1][: taken.start()]}{what} is the {taken['what']}."
+                text = [f"{so_far[: taken.start()]}{what} is the {taken['what']}."]
             text.append(f"{left}{BREAK}{_glosses(shown.get(id(piece)), mentions)}")
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
@@ -211,7 +212,7 @@ _LED = re.compile(
 
 
 _TAKEN = re.compile(
-    r"(?:^|(?<=[.!?\n])\s*)(?:[Nn]ow,?\s+)?[Tt]ake\s+the\s+(?P<what>[^.;:!?\n]+)[.:]\s*\Z"
+    r"(?:^|(?<=[.!?\n‡])\s*)(?:[Nn]ow,?\s+)?[Tt]ake\s+the\s+(?P<what>[^.;:!?\n‡]+)[.:]\s*\Z"
 )
 """A sentence of its own that says what the left side of the display behind it is: "Take the momentum."."""
 
