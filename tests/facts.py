@@ -37,6 +37,7 @@ INNER = frozenset(
         "codegen.ir.program.Program",
         "codegen.ensembles.statistics.Bins",
         "codegen.ensembles.statistics.Moments",
+        "eom.derivations.small_numbers.Judge",
         "eom.exercises.slips.Around",
         "eom.typeset.letters.Notation",
         "eom.multibody.closed.bonds.Bonds",

@@ -223,10 +223,10 @@ def code_lines(function):
 
 def code_lines_of_module(tree):
     """Lines of a module; tables do not count, which are assignments that hold no function, nor
-    docstrings of functions that have a row an argument."""
+    docstrings of functions and classes that have a row an argument."""
     tables = [n for n in tree.body if isinstance(n, ast.Assign | ast.AnnAssign) and lines(n) > 10]
-    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)]
-    tables += [n.body[0] for n in functions if sections(ast.get_docstring(n) or "")]
+    told = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef)]
+    tables += [n.body[0] for n in told if sections(ast.get_docstring(n) or "")]
     return max((n.end_lineno for n in tree.body), default=0) - sum(map(lines, tables))
 
 

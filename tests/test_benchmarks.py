@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks import __main__ as report
-from benchmarks import chains, compile_time, peers, pendulum, sympy_mechanics
+from benchmarks import chains, compile_time, peers, pendulum, sympy_mechanics, through_jax
 from benchmarks.__main__ import Measurement
 from benchmarks.articulated import accelerations, chain
 from benchmarks.settings import Settings
@@ -136,3 +136,24 @@ def test_a_section_that_is_not_there_is_refused_with_those_that_are():
     assert found.exit_code == 2
     assert "'derivations'" in found.output
     assert "'chains'" in found.output
+
+
+def test_differences_to_jax_are_judged_by_the_size_of_what_is_compared():
+    expected = np.array([[1.0, 0.0], [-4.0, 1e-20]])
+    got = expected + np.array([[0.0, 1e-20], [4e-10, 0.0]])
+    assert through_jax.worst(got, expected, axis=0) == 1.0  # of the second column, which is noise
+    assert through_jax.worst(got, expected, axis=0, least=1e-6) == pytest.approx(1e-10)
+    assert math.isnan(through_jax.worst(got * np.nan, expected, axis=0))
+    found = {"values": 2e-14, "gradients": 1e-10, "ours": 1e-3, "theirs": 2e-3}
+    rates, gradients = through_jax.rows("top", found)
+    assert (rates.met, gradients.met, gradients.ratio) == (False, True, "0.5")
+    assert gradients.what == "top, gradients: 1.0e-10"
+
+
+@pytest.mark.slow
+@needs_compiler
+def test_gradients_through_jax_are_our_sensitivities():
+    pytest.importorskip("diffrax")
+    found = through_jax.compared("t-handle", many=False)
+    assert all(row.met for row in through_jax.rows("t-handle", found))
+    assert found["gradients"] > 0

@@ -120,7 +120,7 @@ class SparseJacobian:
         Returns
         -------
         array
-            In shape ``shape`` or (*shape, N).
+            In shape ``shape``, or with a last axis of N at N points.
 
         Raises
         ------

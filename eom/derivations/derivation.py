@@ -319,11 +319,18 @@ class Derivation:
     own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
     letters: dict[Any, str] = field(default_factory=dict, init=False)
-    _lines: Deciding = field(init=False, repr=False)
+    _deciding: Deciding | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self._lines = Deciding(self.own, self.scalars)
         self.only(*self.assumed)
+
+    @property
+    def _lines(self) -> Deciding:
+        """What decides lines, with what is declared now: a note hands over all of that at once."""
+        known = self._deciding
+        if known is None or known.own is not self.own or known.scalars is not self.scalars:
+            known = self._deciding = Deciding(self.own, self.scalars)
+        return known
 
     @typed
     def constants(self, **meanings: str) -> list[Any]:

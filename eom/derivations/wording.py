@@ -33,6 +33,8 @@ PLAIN_LETTERS = {
 }
 """The letters of reasons."""
 _INDICES = frozenset("ijk")
+_MASSES = {("total_mass", "system"): "M", ("total_mass", "body"): "M", ("mass", "P"): "m"}
+"""The letters of masses in reasons."""
 _POINTS = frozenset({"O", "C", "P", "OI", "OA", "OB"})
 
 
@@ -139,7 +141,11 @@ def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
         if n.head == "atom" and ROLES.get(n.data[0], ())[:1] == ("letter",):
             known[n.data[1]] = term_box(n, notation)
         if n.head == "atom":
-            known |= {k: symbol(k) for k in n.data[1:] if k in _INDICES}
+            known |= {k: symbol(k) for k in n.data[1:] if k in {*_INDICES, "n"}}
+        if n.head == "atom" and n.data in _MASSES:
+            known[_MASSES[n.data]] = term_box(n, notation)
+        if n.head == "atom" and n.data[0] == "rotation":
+            known["C_" + "".join(n.data[1:])] = term_box(n, notation)
     symbols = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
     names = {s.name for s in (*symbols, *derivation.scalars)} - GREEK_NAMES
     return known | {name: symbol(name) for name in names.difference(frames_of(found))}
@@ -191,11 +197,16 @@ def _places(found: list[Term], notation: Notation) -> dict[str, Box]:
 
 
 def _plain_letter(letter: str, name: str, found: list[Term], notation: Notation) -> dict[str, Box]:
-    """Return the box of a plain letter, bare and with a point, where a derivation has the quantity."""
+    """Return the box of a plain letter, bare and with a point, where a derivation has the quantity.
+
+    Where a notation has an inertia for each point, the bare one is that of the first that is spoken of.
+    """
     atoms = [n for n in found if n.head == "atom" and n.data[0] == name]
     if not atoms:
         return {}
-    boxes = {letter: letter_box(notation, notation.letters[name], QUANTITIES[name].kind)}
+    own = name == "inertia" and name in notation.atoms
+    bare = letter_box(notation, notation.letters[name], QUANTITIES[name].kind)
+    boxes = {letter: term_box(atoms[0], notation) if own else bare}
     for n in atoms:
         if "point" in ROLES[name] and n.data[-1] in _POINTS:
             boxes[f"{letter}_{n.data[-1]}"] = term_box(n, notation)

@@ -28,6 +28,8 @@ from eom.multibody.constrained.consistent import Assembly, assemble
 from eom.multibody.constrained.dependence import Examination, examine
 from eom.multibody.identify.base_parameters import BaseParameters, base_parameters
 from eom.multibody.identify.regressor import Regressor, regressor
+from eom.multibody.model.attachments import Load, Rotor, Spring
+from eom.multibody.model.bodies import GROUND, Body, Joint, Motion, Placement
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
@@ -38,18 +40,7 @@ from eom.multibody.model.constraints import (
     SpeedEquation,
 )
 from eom.multibody.model.jets import Jet
-from eom.multibody.model.model import (
-    GROUND,
-    Body,
-    Constraint,
-    Joint,
-    Load,
-    Motion,
-    Placement,
-    Rotor,
-    Spring,
-    Tree,
-)
+from eom.multibody.model.model import Constraint, Tree
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import (
     TreeFunction,

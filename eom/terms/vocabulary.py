@@ -139,6 +139,8 @@ _LABEL_WORDS = {
     "C": "the centre of mass",
     "OI": "the inertial origin",
     "dm": "a mass element",
+    "OA": "O_A",
+    "OB": "O_B",
 }
 
 

@@ -563,7 +563,7 @@ def _mathml_accent(box: Accent, inner: Render) -> str:
 
 def _mathml_fenced(box: Fence | Grid, middle: str) -> str:
     brackets = _brackets(box, 1)
-    tall = re.search("<mfrac|<mtable|<munder(over)?>", middle)
+    tall = re.search("<mfrac|<mtable|∑|∫", middle)
     flat = "" if tall else ' stretchy="false"'
     opening, closing = (f"<mo{flat}>{html.escape(d)}</mo>" if d else "" for d in brackets)
     return f"<mrow>{opening}{middle}{closing}</mrow>"

@@ -38,7 +38,7 @@ _TOKEN = re.compile(
     rf"|(?P<name>(?:{_SPELT})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[A-Za-z]\d?)"
     r"(?P<marks>'*)(?:\^(?P<power>-?\d|[Tx]\b))?(?![\w(]))"
 )
-_AXES = re.compile(r"[bI][123]")
+_AXES = re.compile(r"[abI][123]")
 _NOUN = re.compile(r" (?!(?:turns|is|and|or|to|in|as|has|moves|stays|follows|with)\b)[a-z]{2,}")
 """What follows an A that begins a sentence and is its article, and no frame that does something."""
 _BETWEEN = re.compile(r"[\s().,=+\-/0-9<>|]*")
@@ -137,7 +137,7 @@ def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
         around = words[max(0, m.start() - 3) : m.start()], words[m.end() :]
         near = around[0].rstrip().endswith(("=", "(", "-", "+", "/"))
         near = near or re.search(r"\w\.$", around[0]) is not None
-        near = near or around[1][:1] in {".", ","} or around[1].startswith(" along ")
+        near = near or around[1][:1] in {"", ".", ","} or around[1].startswith(" along ")
         return "a" not in known or not near
     begins = not m.start() and _NOUN.match(words, m.end()) is not None
     return m["name"] == "A" and (begins or words[: m.start()].endswith(". "))

@@ -283,7 +283,7 @@ def _dot(writer: Writer, term: Term) -> Written:
     kinds = {a.kind for a in term.args}
     if writer.notation.juxtaposed and kinds == {VECTOR, DYADIC}:
         a, b = term.args
-        if (a if a.kind == DYADIC else b).head in {"atom", "add", "mul", "integral"}:
+        if (a if a.kind == DYADIC else b).head in {"atom", "add", "mul", "integral", "der"}:
             return _beside(writer, term)
     return _binary("dot")(writer, term)
 

@@ -40,7 +40,7 @@ from eom.checker.judge.members import Members, of_members
 from eom.checker.judge.models import ENOUGH, NO_BODY, Models, Search
 from eom.checker.judge.scalars import Proportion, Scalars, numbers
 from eom.checker.judge.systems import LENGTH, TRIES, Solutions
-from eom.checker.judge.worlds import MAX_TESTS, Worlds
+from eom.checker.judge.worlds import MAX_TESTS, Worlds, apart
 from eom.checker.mean.claims import (
     CONSTANT,
     DEFINITION,
@@ -50,7 +50,7 @@ from eom.checker.mean.claims import (
     STATEMENT,
     Claim,
 )
-from eom.checker.mean.moving import OPEN, apart
+from eom.checker.mean.moving import OPEN
 from eom.checker.mean.parameters import expressions
 from eom.checker.mean.values import Value
 from eom.errors import InputError

@@ -23,6 +23,7 @@ import sympy as sp
 
 from eom.checker.judge.coordinates import addends, share
 from eom.checker.judge.models import ENOUGH, Cases, Drawn, Models, Said, Search, equations
+from eom.checker.mean.claims import Claim
 from eom.checker.mean.values import atoms_in
 from eom.errors import InputError
 from eom.exact.numbers import SIGNED
@@ -147,6 +148,24 @@ LEVELS: tuple[tuple[str, ...], ...] = (
     (*_USUAL, "about_centre", "torque_free", "principal_axes", "A_fixed_in_body"),
 )
 """Sets of assumptions, the usual ones first; what cannot stand with the rest is left out."""
+
+
+def apart(claim: Claim) -> Claim | None:
+    """Return a claim that names nothing of what moves as one that does not know it; None for others."""
+    assert claim.moving is not None
+    own, used = claim.moving.own, dict[Any, Term]()
+    terms = [m.term for m in claim.members]
+    labels: set[Any] = set()
+    while terms:
+        parts = [n for t in terms for n in nodes(t)]
+        labels.update(*(n.data[1:] for n in parts if n.head == "atom"))
+        symbols = {s for n in parts if n.head == "expr" for s in n.data[0].free_symbols}
+        new = {s: t for s, t in claim.scalars.items() if s in symbols and s not in used}
+        used |= new
+        terms = [*new.values()]
+    unknowns = (claim.scalars[s].data[1] for law in own.laws for s in law.unknowns)
+    named = labels.intersection((*unknowns, *own.frames, *own.points, *own.bodies))
+    return None if named else replace(claim, moving=None, scalars=used)
 
 
 @dataclass

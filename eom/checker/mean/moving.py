@@ -9,7 +9,7 @@ lexicon.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -21,11 +21,10 @@ from eom.checker.read.syntax import Relation
 from eom.errors import InputError
 from eom.terms import rules
 from eom.terms.own import Law, Own, OwnBody, OwnFrame
-from eom.terms.terms import SCALAR, VECTOR, Equation, Term, nodes, zero
+from eom.terms.terms import SCALAR, VECTOR, Equation, Term, zero
 from eom.worlds.own import Furnished
 
 if TYPE_CHECKING:
-    from eom.checker.mean.claims import Claim
     from eom.checker.mean.lexicon import Lexicon
 
 Data = Mapping[str, Any]
@@ -64,24 +63,6 @@ class Moving:
 
 OPEN = "only equations between these are judged"
 """Why a relation of another kind between what moves stays open."""
-
-
-def apart(claim: Claim) -> Claim | None:
-    """Return a claim that names nothing of what moves as one that does not know it; None for others."""
-    assert claim.moving is not None
-    own, used = claim.moving.own, dict[Any, Term]()
-    terms = [m.term for m in claim.members]
-    labels: set[Any] = set()
-    while terms:
-        parts = [n for t in terms for n in nodes(t)]
-        labels.update(*(n.data[1:] for n in parts if n.head == "atom"))
-        symbols = {s for n in parts if n.head == "expr" for s in n.data[0].free_symbols}
-        new = {s: t for s, t in claim.scalars.items() if s in symbols and s not in used}
-        used |= new
-        terms = [*new.values()]
-    unknowns = (claim.scalars[s].data[1] for law in own.laws for s in law.unknowns)
-    named = labels.intersection((*unknowns, *own.frames, *own.points, *own.bodies))
-    return None if named else replace(claim, moving=None, scalars=used)
 
 
 def _carried(own: Own, scalars: Mapping[Any, Term], term: Term) -> Term:

@@ -187,7 +187,7 @@ class Rod:
         d.show(
             Equation(expr(a * b), expr(self.l**2 / 12)),
             "both distances are exchangeable: struck there, the rod turns about the point of the former "
-            "blow; a rod that is struck at a sixth of its length turns about its end",
+            "blow; a rod that is struck a sixth of its length from its centre turns about its end",
             at_rest,
             put_in(d.definition_of(J)),
             label="exchange",

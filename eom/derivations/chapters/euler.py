@@ -287,7 +287,7 @@ def _about_any_point(d: Derivation) -> Chain:
         label="local-O",
     )
     return law.then(
-        "the transport theorem, with h = J.omega",
+        "the transport theorem, with h_O = J_O.omega",
         at(der(h), transport("B")),
         use(local.equation),
         use(momentum.equation),

@@ -265,7 +265,11 @@ def _every_dyadic(d: Derivation) -> None:
 def _shift(d: Derivation) -> None:
     d.only("rigid")
     a, b, step = position("dm", "OA"), position("dm", "OB"), position("OB", "OA")
-    arm = d.law(Equation(b, add(a, -step)), "the point O_B lies at r_BA from O_A", label="arm")
+    arm = d.law(
+        Equation(b, add(a, -step)),
+        "a place from O_B is that from O_A less the place of O_B",
+        label="arm",
+    )
     written = inertia_by_definition(d, "OB", "J-OB-definition")
     start = inertia_by_tildes(d, written, "OB", label="J-OB")
     columns = d.in_components(arm, "B", "in components", distribute, label="arm-columns")
@@ -378,7 +382,7 @@ def _principal_about(
     )
     d.show(
         Equation(matmul(matmul(inverse(C_AB), column(I_P, "A")), C_AB), diagonal.equation.right),
-        "with the eigenvectors as columns of E = C_AP, whose inverse is the reverse rotation",
+        "with the eigenvectors as columns of E = C_AB, whose inverse is the reverse rotation",
         reversed_rotation,
         use(diagonal.equation),
         label=f"diagonalised{end}",

@@ -79,10 +79,11 @@ def _gain(d: Derivation, speed: Expr, rate: Expr, constant: Expr, tail: str) -> 
         "divided by the mass", solved(expr(rate)), label=f"rate{tail}"
     )
     times = [d.recall("time").equation] if tail else []
+    kept = "speed, logarithm and the part of gravity" if tail else "speed and logarithm"
     return (
         d.show(
             Equation(der(expr(constant)), number(0)),
-            "a total derivative: speed and logarithm together do not change",
+            f"a total derivative: {kept} together do not change",
             chain(d.scalars),
             put_in(solution.equation, *times),
             label=f"total{tail}",

@@ -238,7 +238,7 @@ def _ellipsoids(d: Derivation) -> None:
     )
     d.show(
         Equation(expr(sum(w**2 / (2 * T_SYMBOL / moment) for w, moment in PAIRS)), number(1)),
-        "T divided by itself: the energy ellipsoid, of squared semi-axes 2T/I1, 2T/I2, 2T/I3",
+        "T divided by itself: the energy ellipsoid, of squared semi-axes 2 T/I1, 2 T/I2, 2 T/I3",
         over(T, level),
         label="energy-ellipsoid",
         states=["000:E38"],

@@ -29,12 +29,13 @@ def _thrust(d: Derivation) -> None:
     law = d.law(
         Equation(der(mul(M, V)), add(FORCE, mul(der(M), add(V, RELATIVE)))),
         "the momentum of what is in the body changes by the force, and by the momentum of what goes in "
-        "or out, which moves with the velocity v + u",
+        "or out, whose velocity is that of the body and the relative one",
         label="momentum",
     )
     rate = d.start(der(mul(M, V))).then("product rule", differentiate, label="momentum-rate")
     law.infer(
-        "both are the same rate; the term with v stands on both sides and is taken away",
+        "both are the same rate; the term with the velocity of the body stands on both sides and is "
+        "taken away",
         equal(distribute, less(mul(der(M), V))),
         rate,
         label="balance",

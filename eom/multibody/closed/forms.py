@@ -31,9 +31,10 @@ from eom.multibody.closed.readable import (
     factor,
     parts,
 )
+from eom.multibody.model.bodies import Joint
 from eom.multibody.model.constraints import Rolling
 from eom.multibody.model.joints import QUATERNION, SEQUENCE_TO
-from eom.multibody.model.model import Joint, Tree
+from eom.multibody.model.model import Tree
 from eom.multibody.model.names import inputs_of, singularities_of, symbols_of
 from eom.quantities import TIME, Definition, Quantity, Singularity
 from eom.system import System, as_expression

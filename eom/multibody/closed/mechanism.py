@@ -34,8 +34,10 @@ from eom.multibody.algebra.spatial import (
 )
 from eom.multibody.algebra.values import is_number
 from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
+from eom.multibody.model.attachments import Load
+from eom.multibody.model.bodies import GROUND, Body, Joint, Placement
 from eom.multibody.model.joints import QUATERNION, Setting
-from eom.multibody.model.model import GROUND, Body, Joint, Load, Placement, Tree
+from eom.multibody.model.model import Tree
 from eom.quantities import TIME, Quantity
 from eom.system import as_expression
 

@@ -33,6 +33,7 @@ from eom.multibody.constrained.multipliers import (
     followed,
 )
 from eom.multibody.constrained.relations import Arithmetic, Scene, loose, scene
+from eom.multibody.model.bodies import GROUND
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
@@ -41,7 +42,7 @@ from eom.multibody.model.constraints import (
     Rolling,
     SpeedEquation,
 )
-from eom.multibody.model.model import GROUND, Tree, moves_nothing
+from eom.multibody.model.model import Tree, moves_nothing
 from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.quantities import TIME, Assumption, Definition, Quantity, Singularity
 

@@ -30,9 +30,10 @@ from eom.multibody.algebra.spatial import ZERO, ZEROS
 from eom.multibody.algebra.values import is_number
 from eom.multibody.constrained.equations import Component, components
 from eom.multibody.constrained.relations import Arithmetic, scene
+from eom.multibody.model.bodies import Body, Joint
 from eom.multibody.model.constraints import Coupling
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import Body, Joint, Tree
+from eom.multibody.model.model import Tree
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
 from eom.quantities import TIME

@@ -38,7 +38,7 @@ from eom.multibody.algebra.spatial import (
     times,
     transposed,
 )
-from eom.multibody.model.model import GROUND
+from eom.multibody.model.bodies import GROUND
 from eom.multibody.recursion.lumped_tree import BodyPlacement, LumpedTree
 from eom.multibody.recursion.motion import Place, Scalars, combined, places
 

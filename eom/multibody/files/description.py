@@ -21,7 +21,7 @@ import pydantic
 from pydantic import Field, StrictBool
 
 from eom.multibody.algebra.values import NAMED_AXES
-from eom.multibody.model import model
+from eom.multibody.model import attachments, bodies, model
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
@@ -77,7 +77,7 @@ class Turned(Part):
 
 
 class BodyPart(Part):
-    """A body: see `eom.multibody.model.model.Body`.
+    """A body: see `eom.multibody.model.bodies.Body`.
 
     The inertia by principal ``moments``, by a ``matrix``, or of a uniform ``solid`` with its ``size`` about
     its centre; of the solid with its axis along the third axis. All may be over t, too, if mass leaves or
@@ -151,7 +151,7 @@ def _keys(part: type, field: dataclasses.Field[Any]) -> Iterator[tuple[str, tupl
     default = ... if held.needed or field.default is dataclasses.MISSING else field.default
     if held.shape == "rotation":
         default = None
-    elif held.shape is model.Placement:
+    elif held.shape is bodies.Placement:
         default, form = form(), Annotated[form, pydantic.BeforeValidator(_placed)]
     for k, key in enumerate(held.keys or (field.name,)):
         given = default[k] if len(held.keys) > 1 and default is not ... else default
@@ -179,17 +179,17 @@ if TYPE_CHECKING:
     ConstraintPart = Any
 else:
     JointPart = _described(
-        model.Joint,
+        bodies.Joint,
         words="``on_parent``, ``on_child``: three components alone are a position. ``angles``: of a "
         "joint with a quaternion the sequence whose angles, q_JOINT_1 to 3, are outputs and count whole "
         "turns (`codegen.runs.turns`).",
         angles=(str, ""),
     )
     JetPart = _described(Jet)
-    LoadPart = _described(model.Load)
-    RotorPart = _described(model.Rotor)
+    LoadPart = _described(attachments.Load)
+    RotorPart = _described(attachments.Rotor)
     SpringPart = _described(
-        model.Spring,
+        attachments.Spring,
         words="``first``, ``second``: the bodies; ``first_point``, ``second_point``: the points.",
     )
     PointPart = _described(TreePoint)

@@ -27,7 +27,7 @@ from eom.errors import InputError
 from eom.multibody.files.scene import Repair, TreeScene
 from eom.multibody.files.urdf import free_name, names_of, nearest_inertia
 from eom.multibody.model import checks
-from eom.multibody.model.model import GROUND
+from eom.multibody.model.bodies import GROUND
 from eom.rotations import cosines
 from eom.scenes.naming import spelling
 from eom.scenes.scene_files import in_file, text_of

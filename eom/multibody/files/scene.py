@@ -27,8 +27,9 @@ from eom.errors import InputError, unknown_name
 from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
 from eom.multibody.files.sections import JointAngles, Reading, angles_of, points_of, tree_of
+from eom.multibody.model.bodies import GROUND, Joint
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import GROUND, Joint, Tree
+from eom.multibody.model.model import Tree
 from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import OUTPUTS, derive

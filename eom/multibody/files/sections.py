@@ -25,9 +25,11 @@ from eom.multibody.files.description import (
     TreeDescription,
     Turned,
 )
+from eom.multibody.model.attachments import Load, Rotor, Spring
+from eom.multibody.model.bodies import GROUND, Body, Joint
 from eom.multibody.model.jets import Jet
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
+from eom.multibody.model.model import Tree
 from eom.multibody.model.parts import Kind, kinds
 from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity

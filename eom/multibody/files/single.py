@@ -12,8 +12,10 @@ from eom.kinematics.coordinates import SEQUENCES, elementary, rotation_sequence
 from eom.kinematics.frames import vector
 from eom.mechanics.spinning import OMEGA, PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT
 from eom.multibody.files.scene import TreeScene
+from eom.multibody.model.attachments import Load
+from eom.multibody.model.bodies import Body
 from eom.multibody.model.joints import SEQUENCE_TO
-from eom.multibody.model.model import Body, Load, Tree
+from eom.multibody.model.model import Tree
 from eom.scenes.assembly import torques_of
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene

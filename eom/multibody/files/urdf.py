@@ -31,7 +31,7 @@ from eom.multibody.algebra.spatial import IDENTITY, Matrix, cross, product, tran
 from eom.multibody.algebra.values import value
 from eom.multibody.files.scene import Repair, TreeScene
 from eom.multibody.model import checks
-from eom.multibody.model.model import GROUND
+from eom.multibody.model.bodies import GROUND
 from eom.scenes.naming import spelling
 from eom.scenes.scene_files import in_file, text_of
 

@@ -25,8 +25,9 @@ from eom.fields import Field, Operators, reduced
 from eom.multibody.algebra.spatial import IDENTITY, Matrix, Vector, dot, product, transposed
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.identify.regressor import Parameter, bones_of, entries, parameters_of
+from eom.multibody.model.bodies import Body, Joint, Placement
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import Body, Joint, Placement, Tree
+from eom.multibody.model.model import Tree
 from eom.rotations import cosines, parameters, quaternion_product
 from eom.system import as_expression
 

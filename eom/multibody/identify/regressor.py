@@ -32,7 +32,8 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.algebra.values import Value, is_number
-from eom.multibody.model.model import Body, Tree
+from eom.multibody.model.bodies import Body
+from eom.multibody.model.model import Tree
 from eom.multibody.recursion.lumped_tree import BodyPlacement, Lift, LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import (
     STILL,

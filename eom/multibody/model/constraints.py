@@ -20,9 +20,10 @@ from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
+from eom.multibody.model.bodies import HERE, Placement
 from eom.multibody.model.joints import KINDS
 from eom.multibody.model.joints import Kind as JointKind
-from eom.multibody.model.model import HERE, Constraint, Placement, Tree
+from eom.multibody.model.model import Constraint, Tree
 from eom.multibody.model.parts import ACTING, Axis, BodyName, Kind, Length, Position
 
 CLOSING = tuple(k for k in KINDS if k not in {"free", "helical"})

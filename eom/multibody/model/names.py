@@ -11,8 +11,9 @@ import sympy as sp
 from eom.kinematics.coordinates import rotation_sequence
 from eom.mass.inertia import physical
 from eom.multibody.algebra.values import is_number
+from eom.multibody.model.bodies import Body
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import Body, Tree
+from eom.multibody.model.model import Tree
 from eom.quantities import TIME, Assumption, Quantity, Singularity
 from eom.structure import COUNTS
 from eom.system import BodyAttitude, Expr

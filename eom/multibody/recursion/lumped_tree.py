@@ -53,9 +53,11 @@ from eom.multibody.algebra.spatial import (
     times,
     transposed,
 )
+from eom.multibody.model.attachments import Load, Rotor, Spring
+from eom.multibody.model.bodies import GROUND, Body, Joint
 from eom.multibody.model.jets import Jet, flow
 from eom.multibody.model.joints import Kind, Setting
-from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
+from eom.multibody.model.model import Tree
 
 Lift = Callable[[Any], Scalar]
 """Turns a value of a description into a scalar; 0, 1 and -1 had best stay what they are."""

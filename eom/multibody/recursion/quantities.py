@@ -31,7 +31,7 @@ from eom.multibody.algebra.spatial import (
     trace,
     transposed,
 )
-from eom.multibody.model.model import Joint
+from eom.multibody.model.bodies import Joint
 from eom.multibody.model.parts import BodyName, Part, Position
 from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import (

@@ -25,7 +25,9 @@ from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.kinematics.coordinates import SEQUENCES, rotation_sequence
 from eom.kinematics.frames import vector
-from eom.multibody.model.model import GROUND, Body, Joint, Load, Placement, Tree
+from eom.multibody.model.attachments import Load
+from eom.multibody.model.bodies import GROUND, Body, Joint, Placement
+from eom.multibody.model.model import Tree
 from eom.quantities import TIME
 
 Expr = Any

@@ -22,8 +22,9 @@ from eom.exact.identity import vanishes
 from eom.multibody.algebra.scalars import Numbers, is_zero
 from eom.multibody.algebra.spatial import IDENTITY
 from eom.multibody.closed.mechanism import refuse_unknown
+from eom.multibody.model.bodies import GROUND, Joint
 from eom.multibody.model.joints import QUATERNION, Setting
-from eom.multibody.model.model import GROUND, Joint, Tree
+from eom.multibody.model.model import Tree
 from eom.quantities import TIME
 from eom.system import as_expression
 

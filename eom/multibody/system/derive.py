@@ -27,8 +27,9 @@ from eom.multibody.constrained.constraint_plan import (
     lossless,
     plan,
 )
+from eom.multibody.model.bodies import GROUND
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import GROUND, Tree
+from eom.multibody.model.model import Tree
 from eom.multibody.model.names import (
     assumptions,
     attitudes_of,

@@ -32,7 +32,8 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.model import checks
-from eom.multibody.model.model import GROUND, Joint, Tree
+from eom.multibody.model.bodies import GROUND, Joint
+from eom.multibody.model.model import Tree
 from eom.multibody.model.parts import CENTRE, ORIGIN
 from eom.multibody.recursion.lumped_tree import BodyPlacement, Lift, LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import Scalars, places, poses

@@ -35,9 +35,11 @@ from eom.multibody.algebra.spatial import (
 from eom.multibody.constrained.constraint_plan import BETWEEN_POINTS
 from eom.multibody.constrained.equations import Component, components
 from eom.multibody.constrained.relations import Arithmetic, loose, scene
+from eom.multibody.model.attachments import Load, Rotor, Spring
+from eom.multibody.model.bodies import GROUND, Body, Joint
 from eom.multibody.model.constraints import Distance
 from eom.multibody.model.jets import rates
-from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Rotor, Spring, Tree
+from eom.multibody.model.model import Constraint, Tree
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import Scalars, motion, velocities
 from eom.multibody.recursion.quantities import (

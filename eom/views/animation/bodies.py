@@ -22,9 +22,10 @@ from eom.errors import InputError
 from eom.kinematics.coordinates import quaternion_of_sequence
 from eom.multibody.files.scene import FORCES, TreeScene, start_values
 from eom.multibody.files.sections import Reading
+from eom.multibody.model.attachments import Rotor
+from eom.multibody.model.bodies import GROUND, Body, Joint
 from eom.multibody.model.constraints import Distance, Loop, Rolling
 from eom.multibody.model.jets import changes
-from eom.multibody.model.model import GROUND, Body, Joint, Rotor
 from eom.multibody.model.names import inputs_of
 from eom.multibody.recursion.quantities import about_centre, first_moments, mass, momentum
 from eom.opening import AnyScene

@@ -16,7 +16,8 @@ from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import is_number
 from eom.multibody.constrained.relations import Arithmetic
-from eom.multibody.model.model import Joint, Tree
+from eom.multibody.model.bodies import Joint
+from eom.multibody.model.model import Tree
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.quantities import Flow, flow, joint_forces
 from eom.multibody.system.vectors import Moment

@@ -37,6 +37,7 @@ SYMBOLS = {
     "approx": "\u2248",
     "infty": "\u221e",
     "circ": "\u00b0",
+    "bullet": "\u2022",
     "degree": "\u00b0",
     "partial": "\u2202",
     "sqrt": "\u221a",

@@ -10,8 +10,9 @@ from typing import Any
 
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, times, transposed
 from eom.multibody.algebra.values import is_number
+from eom.multibody.model.bodies import GROUND
 from eom.multibody.model.constraints import Distance, KnifeEdge, Loop, Rolling
-from eom.multibody.model.model import GROUND, Tree
+from eom.multibody.model.model import Tree
 from eom.views.live.subject import Fitting
 
 KINDS: Mapping[str, str] = {

@@ -16,8 +16,9 @@ from functools import cached_property
 import numpy as np
 
 from eom.errors import InputError
+from eom.multibody.model.bodies import GROUND, Joint
 from eom.multibody.model.constraints import Coupling
-from eom.multibody.model.model import GROUND, Constraint, Joint, Tree
+from eom.multibody.model.model import Constraint, Tree
 from eom.views.draw.formulas import name, short
 from eom.views.draw.picture import Axis, Curve, Item, Panel, Picture, Words, check
 

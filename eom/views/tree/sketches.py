@@ -19,9 +19,10 @@ import sympy as sp
 from eom.mechanics.torques import Torque
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.files.scene import TreeScene
+from eom.multibody.model.bodies import GROUND, Joint
 from eom.multibody.model.constraints import Distance, KnifeEdge, Loop, Rolling
 from eom.multibody.model.jets import rates
-from eom.multibody.model.model import GROUND, Constraint, Joint, Tree
+from eom.multibody.model.model import Constraint, Tree
 from eom.multibody.recursion.motion import places
 from eom.multibody.system.vectors import GRADIENT, WEIGHT, vectors_of
 from eom.opening import AnyScene

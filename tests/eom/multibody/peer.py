@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from eom.multibody.model.bodies import Body, Joint, Placement
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import Body, Joint, Placement, Tree
+from eom.multibody.model.model import Tree
 from tests.eom.multibody.trees import MOVING, inertia, number, state, tree, turned
 
 SHARED = tuple(kind for kind in MOVING if kind != "cylindrical")

@@ -16,8 +16,9 @@ from codegen.ir.program import Builder
 from eom.kinematics.coordinates import SEQUENCES, quaternion, rotation_sequence
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import cross, matrix_of, plus, times, transposed
+from eom.multibody.model.bodies import Body, Joint, Placement
 from eom.multibody.model.joints import KINDS, QUATERNION
-from eom.multibody.model.model import Body, Joint, Placement, Tree
+from eom.multibody.model.model import Tree
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates, places, poses
 from eom.multibody.recursion.quantities import flow, jacobian, kinetic_energy, momentum

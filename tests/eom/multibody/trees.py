@@ -8,8 +8,10 @@ from fractions import Fraction
 
 from eom.kinematics.coordinates import SEQUENCES
 from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.model.attachments import Load
+from eom.multibody.model.bodies import Body, Joint, Placement
 from eom.multibody.model.joints import KINDS
-from eom.multibody.model.model import Body, Joint, Load, Placement, Tree
+from eom.multibody.model.model import Tree
 
 MOVING = tuple(k for k in KINDS if k != "fixed")
 
