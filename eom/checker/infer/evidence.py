@@ -38,7 +38,6 @@ DECISIVE = (
     "components in different frames meet",
     "these are of different kinds",
     "this has no skew matrix",
-    "these do not multiply side by side; got column",
 )
 """What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
 MARK = "mark "
@@ -140,8 +139,12 @@ class Evidence:
         return tuple(
             Doubt(f[0], self.meant.get(p, f[1]), self.guessed.get(p, f"preset {self.preset}"))
             for p, f in self.used[number].items()
-            if not self.is_sure(p, number)
+            if p in self.doubted(number)
         )
+
+    def doubted(self, number: int) -> frozenset[str]:
+        """Return the entries in a formula that nothing makes sure."""
+        return frozenset(p for p in self.used[number] if not self.is_sure(p, number))
 
     def is_proved(self, number: int) -> bool:
         """Return whether each meaning in a formula is sure and holds in another."""
@@ -281,6 +284,17 @@ def misfit(one: Understood, lexicon: Lexicon) -> frozenset[str]:
             rests = not any(map(misfits, reread(other, reading.tree)))
             found |= {entry.entry.latex} if rests else set()
     return frozenset(found)
+
+
+def is_amiss(one: Understood, lexicon: Lexicon, doubted: Container[str]) -> bool:
+    """Return whether dimensions or kinds do not fit, whatever the symbols of some entries mean."""
+    reading, here = one.formula.reading, one.lexicon
+    if reading is None or not any(map(misfits, one.claims)):
+        return False
+    for look in dict.fromkeys(operands_of(one.formula, lexicon)):
+        entry = _entry(look, lexicon)
+        here = _without(here, look) if entry and entry.entry.latex in doubted else here
+    return any(map(misfits, reread(replace(one, lexicon=here), reading.tree)))
 
 
 def _without(lexicon: Lexicon, look: Look) -> Lexicon:

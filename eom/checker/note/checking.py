@@ -16,6 +16,7 @@ from eom.checker.infer.evidence import (
     DECISIVE,
     Doubt,
     evidence,
+    is_amiss,
     misfit,
     readings,
     uncounted,
@@ -335,7 +336,9 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         ):
             yield one
         else:
-            taken = _taken(one, known.draft, known_by.doubts(number), system and not named, lines)
+            amiss = is_amiss(one.understood, known.lexicon, known_by.doubted(number))
+            doubts = () if amiss else known_by.doubts(number)
+            taken = _taken(one, known.draft, doubts, system and not named, lines)
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
             why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"

@@ -6,7 +6,7 @@ import eom
 from benchmarks.meanings import Count, quantities, report
 from eom.checker.infer.books import TOPICS, candidates
 from eom.checker.infer.draft import propose
-from eom.checker.infer.evidence import Evidence, misfit
+from eom.checker.infer.evidence import Evidence, is_amiss, misfit
 from eom.checker.infer.house import drafted as drafted_on
 from eom.checker.infer.house import fit, kept
 from eom.checker.infer.sayings import look_of
@@ -359,3 +359,21 @@ def test_lines_read_once_leave_the_same():
     with kept():
         assert [fit(formulas, lexicon) for lexicon in lexica] == plain
     assert len(set(plain)) > 3
+
+
+def test_a_line_is_amiss_whatever_its_doubtful_symbols_mean():
+    lexicon = parse_lexicon(
+        r"""
+[symbols]
+'\vec p' = "linear_momentum body"
+'\vec F' = "external_force body"
+'\vec v' = "velocity C OI I"
+'m' = "total_mass body"
+""",
+        "a lexicon",
+    )
+    (line,) = understand(read_document("$$\\vec p + m\\dot{\\vec v} = \\vec F$$"), lexicon)
+    assert is_amiss(line, lexicon, {r"\vec F"})
+    assert not is_amiss(line, lexicon, {r"\vec p"})
+    (fitting,) = understand(read_document("$$m\\dot{\\vec v} = \\vec F$$"), lexicon)
+    assert not is_amiss(fitting, lexicon, set())
