@@ -145,7 +145,7 @@ def test_bench_and_stress_as_json(monkeypatch):
     monkeypatch.setattr("eom.commands.stressing._material", lambda: None)
     done = run("stress", "--quick", "--json")
     assert json.loads(done.stdout)["checks"] == []
-    monkeypatch.setattr("eom.commands.benching._chosen", lambda names, everything: [])
+    monkeypatch.setattr("eom.commands.benching._chosen", lambda names, everything, t_end: [])
     done = run("bench", "t-handle", "--methods", "DOP853", "--json")
     assert json.loads(done.stdout) == {"problems": []}
 

@@ -248,7 +248,7 @@ def test_speeds_may_be_the_rates_of_coordinates(run):
         "derive", "rolling-disc", "--method", "kane", "--attitude", "3-1-2", "--rates", *names
     )
     assert done.exit_code == 0
-    assert "(5 sin²(θ) + 1) ψ̈ + 6 sin(θ) φ̈" in done.output
+    assert "(1 + 5 sin²(θ)) ψ̈ + 6 sin(θ) φ̈" in done.output
     assert "3 sin(θ) ψ̈ + 3 φ̈ + 5 cos(θ) ψ̇ θ̇" in done.output
     refused = run("derive", "double-pendulum", "--rates")
     assert "--rates is for closed forms" in refused.stderr
@@ -259,7 +259,7 @@ def test_constrained_scenes_have_closed_forms(run):
     words = ["derive", "rolling-disc", "--method", "all", "--attitude", "3-1-2"]
     done = run(*words)
     assert done.exit_code == 0
-    assert "v_(disc,1) = q̇_(disc,3) r cos(q_(disc,3))" in done.output
+    assert "v_(disc,1) = r q̇_(disc,3) cos(q_(disc,3))" in done.output
     words = ["derive", "slider-crank", "--method", "kane", "--absolute"]
     done = run(*words, "--independent", "u_piston", "--name", "u_piston=v")
     assert done.exit_code == 0

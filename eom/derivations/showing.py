@@ -200,7 +200,7 @@ def symbols(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, Prose]
             yield box, phrases(meaning, known)
 
 
-_ANY = frozenset({"scalar", "coordinate"})
+_ANY = frozenset({"scalar", "coordinate", "angle"})
 """Quantities that are any: of those with a symbol it is said what this is."""
 
 
@@ -210,6 +210,8 @@ def _letters_of(derivation: Shown, found: Iterable[Term]) -> Iterator[tuple[Any,
     told = {q.symbol: q.meaning for s in systems for q in (*s.parameters, *s.states, *s.inputs)}
     told |= derivation.letters
     used = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
+    formulas = (v for v in derivation.result.values() if isinstance(v, sp.MatrixBase | sp.Expr))
+    used |= {s for v in formulas for s in v.free_symbols}
     for s in sorted(used - set(derivation.scalars), key=sp.default_sort_key):
         if s in told:
             yield s, told[s]

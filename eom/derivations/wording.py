@@ -48,19 +48,42 @@ class Named:
 
 CENTRES = ("C", "G")
 """The letters of the centre of mass in books; of a derivation that calls a number C, the second."""
+FRAMES = ("C", "W")
+"""The letter of a frame, and that of a derivation that calls a number C."""
 
 
 def notation_of(derivation: Any, notation: Notation) -> Notation:
-    """Return a notation in which the centre of mass has no letter that a number of the derivation has."""
+    """Return a notation in which no number has the letter of the centre of mass or of the frame C."""
     first, second = map(Symbol, CENTRES)
     names = {s.name for s in derivation.scalars}
-    if notation.point(CENTRE) != first or CENTRES[0] not in names:
+    if CENTRES[0] not in names:
+        return notation
+    if notation.frame(FRAMES[0]) == first:
+        notation = _with_frame(notation, *FRAMES)
+    if notation.point(CENTRE) != first:
         return notation
 
     def point(label: str) -> Box:
         return second if label == CENTRE else notation.point(label)
 
     return replace(notation, point=point)
+
+
+def _with_frame(notation: Notation, label: str, letter: str) -> Notation:
+    """Return a notation that calls a frame and its axes by another letter."""
+    axes = notation.atoms["unit"]
+
+    def called(frame: str) -> str:
+        return letter if frame == label else frame
+
+    def unit_box(of: Notation, frame: str, axis: str) -> Box:
+        return axes(of, called(frame), axis)
+
+    return replace(
+        notation,
+        frame=lambda frame: notation.frame(called(frame)),
+        atoms={**notation.atoms, "unit": unit_box},
+    )
 
 
 def spelt(derivation: Any, notation: Notation) -> Any:

@@ -203,6 +203,10 @@ def _is_word(part: str) -> bool:
     return len(part) > 1 and part.replace("_", "").isalpha() and part not in GREEK_NAMES
 
 
+INDEXED = {"Js": ("J", "s"), "Jt": ("J", "t")}
+"""Names of quantities that are a letter with an index: moments of rotors about their axis and across."""
+
+
 def symbol(name: str) -> Box:
     """Return the box of a name: ``theta_dot``, ``omega_1``, ``I1``, ``h_G_2``, ``radial_2``."""
     parts = [p for p in name.split("_") if p]
@@ -212,9 +216,10 @@ def symbol(name: str) -> Box:
     found = _NAME.fullmatch(parts[0]) if parts else None
     if found is None:
         return Symbol(name, "roman")
-    base: Box = nucleus(found[1])
+    letter, *index = INDEXED.get(found[1], (found[1],))
+    base: Box = nucleus(letter)
     base = Accent(mark, base) if mark else base
-    sub = joined([nucleus(p) for p in (found[2], *parts[1:]) if p])
+    sub = joined([nucleus(p) for p in (*index, found[2], *parts[1:]) if p])
     return Scripts(base, sub) if sub is not None else base
 
 

@@ -512,9 +512,14 @@ def _grid(value: Expr, names: Names, environment: str) -> Box:
     return Grid(rows, environment)
 
 
+_DET = Sign("\\det", "det", "mi")
+
+
 def _determinant(value: Expr, names: Names) -> Box:
     if not isinstance(value.arg, sp.MatrixBase):
         return Formula(value, names)
+    if value.arg.shape == (1, 1):  # between bars it would be a magnitude
+        return Row((_DET, Fence(expression_box(value.arg[0, 0], names))))
     return Fence(_grid(value.arg, names, "matrix"), "|", "|")
 
 

@@ -344,7 +344,7 @@ _LATEX: dict[type, Callable[[Any, Render], str]] = {
     Operator: lambda b, _: OPERATORS[b.name][0],
     Formula: _opened(_latex_formula),
     Words: lambda b, _: f"\\text{{{escape_latex(b.text)}}}",
-    Unseen: lambda b, inner: f"\\phantom{{{inner(b.inner)}}}",
+    Unseen: lambda b, inner: f"\\hphantom{{{inner(b.inner)}}}",
 }
 
 # -- text ------------------------------------------------------------------------------------
@@ -541,6 +541,15 @@ def _mathml_sign(box: Sign, _: Render) -> str:
     return f"<{box.tag}>{words}</{box.tag}>"
 
 
+def _mathml_row(box: Row, inner: Render) -> str:
+    """Return the items of a row; before a function with its bracket there is a little room."""
+    first = box.items[0] if len(box.items) == 2 and isinstance(box.items[1], Fence) else None
+    name = first.base if isinstance(first, Scripts) else first
+    called = isinstance(name, Sign) and name.tag == "mi" and len(name.text) > 1
+    gap = '<mspace width="0.17em"/>' if called else ""
+    return f"<mrow>{gap}{''.join(inner(i) for i in box.items)}</mrow>"
+
+
 def _mathml_scripts(box: Scripts, inner: Render) -> str:
     sub, sup = (inner(b) if b else "" for b in (box.sub, box.sup))
     base = inner(box.base)
@@ -601,14 +610,16 @@ _MATHML: dict[type, Callable[[Any, Render], str]] = {
     Form: lambda b, inner: FORMS[b.name][2].format(*map(inner, b.parts)),
     Accent: _mathml_accent,
     Scripts: _mathml_scripts,
-    Row: lambda b, inner: f"<mrow>{''.join(inner(i) for i in b.items)}</mrow>",
+    Row: _mathml_row,
     Fence: lambda b, inner: _mathml_fenced(b, inner(b.inner)),
     Fraction: lambda b, inner: f"<mfrac>{inner(b.above)}{inner(b.below)}</mfrac>",
     Grid: _mathml_grid,
     Operator: _mathml_operator,
     Formula: _opened(_mathml_formula),
     Words: lambda b, _: f"<mtext>{html.escape(b.text)}</mtext>",
-    Unseen: lambda b, inner: f"<mphantom>{inner(b.inner)}</mphantom>",
+    Unseen: lambda b, inner: (
+        f'<mpadded height="0" depth="0"><mphantom>{inner(b.inner)}</mphantom></mpadded>'
+    ),
 }
 
 RENDERERS: dict[str, Mapping[type, Callable[[Any, Render], str]]] = {

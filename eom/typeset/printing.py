@@ -42,7 +42,7 @@ def blocks(system: System, *, primes: bool = False) -> list[Block]:
         *_section("Definitions", _definitions(system.definitions, names)),
         *_section(*_equations(system, names, primes)),
         *(block for s in system.sampled for block in _section(*_samples(s, names))),
-        *_section("Outputs", _definitions(_others(system.outputs), names, _named_parts(system))),
+        *_section("Outputs", _definitions(_others(system), names, _named_parts(system))),
         *_section(
             "Constants of the motion",
             _definitions(system.invariants, names, _named_parts(system)),
@@ -127,9 +127,11 @@ def _samples(sampling: Sampling, names: Names) -> tuple[str, list[Line]]:
     return heading, lines
 
 
-def _others(definitions: Iterable[Definition]) -> Iterator[Definition]:
-    """Yield what is not defined as itself: what is held, or defined before, may be an output."""
-    return (d for d in definitions if d.expression != d.symbol)
+def _others(system: System) -> Iterator[Definition]:
+    """Yield the outputs that are told nowhere else: what is held, or defined before, may be one."""
+    told = {(d.symbol, d.expression) for d in system.definitions}
+    outputs = ((d, (d.symbol, d.expression)) for d in system.outputs)
+    return (d for d, said in outputs if d.expression != d.symbol and said not in told)
 
 
 def _definitions(

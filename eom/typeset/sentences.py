@@ -38,7 +38,7 @@ _TOKEN = re.compile(
     rf"|(?P<name>(?:{_SPELT})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[A-Za-z]\d?)"
     r"(?P<marks>'*)(?:\^(?P<power>-?\d|[Tx]\b))?(?![\w(]))"
 )
-_AXES = re.compile(r"[abI][123]")
+_AXES = re.compile(r"[abiI][123]")
 _NOUN = re.compile(r" (?!(?:turns|is|and|or|to|in|as|has|moves|stays|follows|with)\b)[a-z]{2,}")
 """What follows an A that begins a sentence and is its article, and no frame that does something."""
 _BETWEEN = re.compile(r"[\s().,=+\-/0-9<>|]*")

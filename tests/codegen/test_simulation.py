@@ -602,7 +602,7 @@ def test_another_moment_for_a_symmetric_system_is_a_contradiction(built):
         ({"t_span": (0, math.inf)}, "t_span"),
         ({"t_span": (math.nan, 1)}, "t_span"),
         ({"method": "RK45"}, "unknown method 'RK45'"),
-        ({"method": "dop853"}, "unknown method 'dop853'"),
+        ({"method": "dop835"}, "unknown method 'dop835'"),
         ({"rtol": 0.0}, "rtol"),
         ({"rtol": -1e-6}, "rtol"),
         ({"rtol": math.nan}, "rtol"),

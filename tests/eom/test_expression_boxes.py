@@ -74,3 +74,11 @@ def test_numbers_beside_decimals_stay_where_they_are():
 
 def test_signs_between_terms_have_their_room_in_mathml():
     assert 'form="infix">+' in render(expression_box(of("p + q")), "mathml")
+
+
+def test_a_determinant_of_one_entry_is_no_magnitude():
+    b, c = LETTERS["b"], LETTERS["c"]
+    one, two = (sp.Determinant(sp.ImmutableMatrix(m)) for m in ([[b - c]], [[b, c], [c, b]]))
+    assert render(expression_box(one), "text") == "det(b \u2212 c)"
+    assert render(expression_box(one), "latex") == r"\det\left( b - c \right)"
+    assert render(expression_box(two), "text").startswith("|")

@@ -42,6 +42,10 @@ def test_solving_a_scalar_and_a_vector_line():
     assert solved(expr(x)).conclude(Equation(expr(2 * x + y), expr(y**2))) == Equation(
         expr(x), expr(y * (y - 1) / 2)
     )
+    product = (y + 1) * (y**2 + y / y)
+    assert solved(expr(x)).conclude(Equation(expr(2 * x), expr(product))) == Equation(
+        expr(x), expr(product / 2)
+    )
     line = Equation(A, add(mul(expr(y), B), cross(A, V)))
     assert solved(B).conclude(line).right == add(
         mul(expr(1 / y), A), -mul(expr(1 / y), cross(A, V))

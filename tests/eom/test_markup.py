@@ -24,6 +24,7 @@ from eom.typeset.boxes import (
     accented,
     symbol,
 )
+from eom.typeset.expressions import expression_box
 from eom.typeset.markup import (
     ACCENTS,
     FORMS,
@@ -44,6 +45,8 @@ NAMES = {
     "omega_1_dot": (r"\dot{\omega}_{1}", "ω̇₁"),
     "I1": ("I_{1}", "I₁"),
     "J12": ("J_{12}", "J₁₂"),
+    "Js_1": ("J_{s,1}", "J_(s,1)"),
+    "Jt": ("J_{t}", "Jₜ"),
     "h_G_2": ("h_{G,2}", "h_(G,2)"),
     "radial_2": (r"\mathrm{radial}_{2}", "radial₂"),
     "ring_radius": (r"\mathrm{ring\_radius}", "ring_radius"),
@@ -91,7 +94,7 @@ BOXES = {
         "I₁ ψ̇²",
     ),
     "words": (Words("a & b"), r"\text{a \& b}", "a & b"),
-    "room": (Unseen(Symbol("h")), r"\phantom{h}", " "),
+    "room": (Unseen(Symbol("h")), r"\hphantom{h}", " "),
 }
 
 
@@ -164,3 +167,16 @@ def test_width_counts_letters_not_commands():
 def test_unknown_markup_is_refused():
     with pytest.raises(InputError, match="did you mean mathml"):
         render(R, "mathlm")
+
+
+@pytest.mark.parametrize(("sign", "grows"), [("integral", True), ("sum", True), ("times", False)])
+def test_brackets_of_mathml_grow_about_signs_that_are_tall(sign, grows):
+    under = Accent("underline", Symbol("r"))
+    written = render(Fence(Row((Operator(sign), under))), "mathml")
+    assert ('stretchy="false"' not in written) == grows
+
+
+def test_a_function_with_its_bracket_stands_a_little_apart_in_mathml():
+    m, n, c = sp.symbols("m n c")
+    assert "mspace" in render(expression_box(c * sp.log(m / n)), "mathml")
+    assert "mspace" not in render(expression_box(c * (m + n)), "mathml")

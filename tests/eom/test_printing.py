@@ -6,6 +6,7 @@ import pytest
 import sympy as sp
 
 from eom import Scene, load_scene
+from eom.derivations import derive
 from eom.errors import InputError
 from eom.quantities import Definition, Quantity
 from eom.scenes import catalogue
@@ -42,6 +43,12 @@ def test_constants_keep_the_names_of_definitions():
     energy = next(line for line in shown.splitlines() if line.startswith("  E "))
     assert "radial_1**2" in energy
     assert "q0" not in energy
+
+
+def test_an_output_that_is_defined_is_not_told_twice():
+    system = next(r for r in derive("gyrostat").result.values() if isinstance(r, System))
+    shown = show(system, "text")
+    assert [shown.count(f"# angular momentum along b{k}") for k in (1, 2, 3)] == [1, 1, 1]
 
 
 def test_long_equations_are_broken_between_terms():

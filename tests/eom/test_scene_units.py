@@ -312,7 +312,7 @@ def test_equilibria_and_ensembles_take_values_with_units():
     [
         (["simulate", "t-handle", "--t-end", "500 ms"], 0, "t = 0.5 s"),
         (["simulate", "t-handle", "--t-end", "5 m"], 1, "another dimension"),
-        (["simulate", "t-handle", "--t-end", "soon"], 2, "not a valid float"),
+        (["simulate", "t-handle", "--t-end", "soon"], 2, "'soon' is no time"),
         (["linearise", "double-pendulum", "--at", "q_shoulder=180 deg"], 0, "3.14159"),
         (["linearise", "double-pendulum", "--at", "q_shoulder=2 m"], 1, "another dimension"),
         (

@@ -31,6 +31,7 @@ def latex(words, known=None):
             "no row 2 lacks dOmega/dt; a body, I say",
             r"no row 2 lacks $\mathrm{d}\Omega/\mathrm{d}t$; a body, I say",
         ),
+        ("momentum along a1, b2", "momentum along $a_{1}$, $b_{2}$"),
         ("in 002:E16 the mean_value(x) of phase", "in 002:E16 the mean_value(x) of phase"),
         ("", ""),
     ],
@@ -76,3 +77,15 @@ def test_a_name_with_primes_may_be_known():
 def test_a_letter_with_a_superscript_can_have_a_prime():
     known = {"r": Scripts(Symbol("p"), sup=Symbol("P"))}
     assert latex("as r' is", known) == "as ${p^{P}}'$ is"
+
+
+def test_a_letter_that_ends_the_words_is_no_article():
+    assert latex("any vector a", KNOWN) == "any vector $a$"
+    assert latex("any vector a body has", KNOWN) == "any vector a body has"
+
+
+def test_axes_are_letters_in_any_sentence():
+    assert (
+        latex("the axle b2 is parallel to a3 or i1")
+        == "the axle $b_{2}$ is parallel to $a_{3}$ or $i_{1}$"
+    )

@@ -145,7 +145,7 @@ def the_least_energy_is_in_spin_about_the_greatest_moment():
     "derive energy-dissipation momentum-parts",
     "momenta add: of the body, with its own inertia, and of the slug",
 )
-@says("derive energy-dissipation slug-momentum", "the slug turns with omega + sigma")
+@says("derive energy-dissipation slug-momentum", "the slug turns with the body, and in it")
 def moments_are_those_of_the_body_and_the_slug_adds_its_own():
     """The principal moments of this chapter are the body's: with the slug at rest in it each grows by J_s."""
     energy, h = energy_and_momentum()

@@ -345,13 +345,21 @@ class _Drafted:
                     self.drafts, self.lexicon = other, lexicon
 
     def by_parts(self, document: Document) -> Iterator[tuple[str, tuple[Draft, ...]]]:
-        """Yield what parts of the note say otherwise."""
+        """Yield what parts of the note say otherwise; letters of a part's own system are its."""
 
         def reads(latex: str, means: str) -> bool:
             return _reads(Draft("symbols", latex, means, "", 0))
 
         for heading, rows in sections(document, _body(self.text), self.lexicon, reads):
-            yield heading, tuple(Draft("symbols", o.latex, o.means, o.words, o.line) for o in rows)
+            own = {
+                latex_of(tie.look)
+                for one in self.systems
+                if heading in one.headings
+                for tie in one.ties
+            }
+            told = (Draft("symbols", o.latex, o.means, o.words, o.line) for o in rows)
+            if kept := tuple(d for d in told if d.latex not in own):
+                yield heading, kept
 
     def by_labels(self) -> None:
         """Take what displays define by raised labels, and components of that as the text says."""

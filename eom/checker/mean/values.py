@@ -607,7 +607,9 @@ def trace(value: Value, span: Span) -> Value:
 
 
 def determinant(value: Value, span: Span) -> Value:
-    """Return the determinant of a square matrix, written out by Leibniz' formula."""
+    """Return the determinant of a square matrix, written out by Leibniz' formula; of a scalar, itself."""
+    if value.shape == SCALAR:
+        return value
     rows = _square(value, "determinant", span)
     size = len(rows)
     if size > MAX_SQUARE:

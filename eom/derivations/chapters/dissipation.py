@@ -82,13 +82,13 @@ def energy_dissipation() -> Derived:
     )
     _balance(d)
     _energy(d)
-    rule = _major_axis(d)
+    excess = _major_axis(d).equation.right.expression
     system = model.viscous_slug()
     rates = _equations(d, system)
     _stability(d, rates)
     _energy_sink(d)
     sink = d.recall("sink-nutation").equation.right.expression
-    return d.finish(equations=system, excess_energy=rule, nutation_rate=sink)
+    return d.finish(equations=system, excess_energy=excess, nutation_rate=sink)
 
 
 # -- body and slug ---------------------------------------------------------------------------
@@ -108,7 +108,7 @@ def _balance(d: Derivation) -> None:
         "momentum of a rigid body, of a sphere with the same inertia about all axes",
         label="slug-sphere",
     ).then(
-        "the slug turns with omega + sigma",
+        "the slug turns with the body, and in it",
         use(turning.equation),
         distribute,
         dyads,
@@ -169,7 +169,7 @@ def dyads_of_sphere(term: Term) -> Term:
 def _body_rate(d: Derivation, parts: Chain) -> None:
     """Derive Euler's equation of the body, which feels the opposite viscous torque."""
     alone = parts.infer(
-        "the momentum that J.omega is: of the whole, as if the slug did not slip",
+        "the momentum J.omega: of the whole, as if the slug did not slip",
         solved(dot(J, W), dyads, distribute),
         label="body-momentum",
     ).both(
@@ -198,7 +198,7 @@ def _body_rate(d: Derivation, parts: Chain) -> None:
         alone,
         label="body-balance",
     ).infer(
-        "solved for the rates: the body feels the torque c sigma, opposite to the slug's",
+        "solved for the rates: the body feels the viscous torque, opposite to the slug's",
         solved(dot(J, der(W, "B"))),
         label="body-euler",
     )
@@ -246,7 +246,7 @@ def _body_power(d: Derivation, energy: Term) -> Chain:
         label="body-power-terms",
     )
     return terms.then(
-        "the body feels the torque c sigma, whose power is c sigma.omega",
+        "the viscous torque on the body has power by its angular velocity",
         use(d.recall("body-euler").equation),
         distribute,
         triple_zero(W),
@@ -258,7 +258,7 @@ def _body_power(d: Derivation, energy: Term) -> Chain:
 
 def _slug_power(d: Derivation, energy: Term) -> Chain:
     return d.start(der(energy)).then(
-        "the slug feels the opposite one, whose power is -c sigma.(omega + sigma)",
+        "the opposite one on the slug, by the angular velocity of the slug",
         *_slug_constant(d),
         commute,
         combine,
@@ -273,7 +273,7 @@ def _slug_power(d: Derivation, energy: Term) -> Chain:
 # -- the major-axis rule ---------------------------------------------------------------------
 
 
-def _major_axis(d: Derivation) -> tuple[tuple[Expr, Expr], ...]:
+def _major_axis(d: Derivation) -> Chain:
     """Write the energy above that of a spin with the same momentum as a sum of squares."""
     h = angular_momentum(sp.diag(*MOMENTS), OMEGA) + model.slug_momentum()
     squares = model.excess_energy(3)
@@ -288,7 +288,7 @@ def _major_axis(d: Derivation) -> tuple[tuple[Expr, Expr], ...]:
     square = d.name_scalar(
         S, expr(h.dot(h)), "square of their angular momentum", label="momentum-components"
     )
-    d.show(
+    return d.show(
         Equation(
             expr(E - S / (2 * (MOMENTS[2] + model.SLUG))),
             expr(sp.Add(*(c * base**2 for c, base in squares))),
@@ -301,7 +301,6 @@ def _major_axis(d: Derivation) -> tuple[tuple[Expr, Expr], ...]:
         put_in(energy.equation, square.equation),
         label="excess",
     )
-    return squares
 
 
 # -- equations of motion and stability -------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations_with_replacement
 from typing import Any
 
 import sympy as sp
@@ -285,6 +286,9 @@ def _inertia_matrix(d: Derivation) -> sp.Matrix:
         states=["000:E16"],
     )
     S = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S_{min(i, j) + 1}{max(i, j) + 1}", real=True))
+    for i, j in combinations_with_replacement(range(3), 2):
+        product = f"r_{i + 1} r_{j + 1}" if i < j else f"r_{i + 1}^2"
+        d.letter(S[i, j], f"integral of {product} dm over the body")
     return sp.Matrix(inertia_of_second_moments(S))
 
 

@@ -42,11 +42,13 @@ LETTERS = {
 
 
 def tidied(value: Expr) -> Expr:
-    """Return an expression or a matrix in factors where there is more than numbers in a denominator."""
+    """Return an expression or a matrix in factors where a denominator holds letters or a sum is over pi."""
     if isinstance(value, sp.MatrixBase):
         return value.applyfunc(tidied)
     divided = any(p.exp.is_negative and p.free_symbols for p in value.atoms(sp.Pow))
-    return sp.factor(value) if divided else value
+    if divided:
+        return sp.factor(value)
+    return sp.factor_terms(value) if value.has(sp.pi) else value
 
 
 def names() -> dict[str, str]:
@@ -80,9 +82,17 @@ def _letters(d: Derivation, region: Region) -> None:
     ends = free_symbols(as_expression(e) for bound in region.bounds for e in bound[1:])
     inside = free_symbols(map(as_expression, region.position))
     for size in (ends | inside) - set(region.parameters):
-        words = str(size).replace("_", " ")
-        d.letter(in_letters(size), words if size.name in LETTERS else "size along an axis")
+        named = size.name in LETTERS
+        words = str(size).replace("_", " ") if named else _along(size, region)
+        d.letter(in_letters(size), words)
     d.letter(in_letters(MASS), "mass")
+
+
+def _along(size: Expr, region: Region) -> str:
+    """Return what a size without a name of its own is: of an ellipse half of its axis."""
+    places = ((k, as_expression(x)) for k, x in enumerate(region.position, 1))
+    k, place = next((k, x) for k, x in places if size in x.free_symbols)
+    return f"{'half the size' if place.has(sp.sin, sp.cos) else 'size'} along axis {k}"
 
 
 def _moments(d: Derivation, region: Region) -> MassProperties:
@@ -190,8 +200,10 @@ def _place(r: Expr) -> str:
 
 
 def _spelt(value: Expr) -> str:
-    """Return an expression as words spell it."""
-    return str(value).replace("**", "^").replace("*", " ")
+    """Return an expression as words spell it, a sum from its number on."""
+    numbered = value.is_Add and value.args[0].is_Number
+    spelt = sp.sstr(value, order="none" if numbered else None)
+    return str(spelt).replace("**", "^").replace("*", " ")
 
 
 def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str, Expr]:

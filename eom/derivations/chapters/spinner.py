@@ -63,8 +63,9 @@ def spinning_symmetric_body() -> Derived:
 
 
 def _name_angles(d: Derivation) -> None:
-    for symbol, name in ((PSI, "psi"), (THETA, "theta"), (PHI, "phi")):
-        d.name_scalar(symbol, quantity("angle", name), f"the angle {name}")
+    turns = ((PSI, "psi", "first"), (THETA, "theta", "second"), (PHI, "phi", "third"))
+    for symbol, name, turn in turns:
+        d.name_scalar(symbol, quantity("angle", name), f"angle of the {turn} turn")
     for symbol, of, words in (
         (PSI_DOT, PSI, "rate of psi"),
         (THETA_DOT, THETA, "rate of theta"),

@@ -73,6 +73,9 @@ def solved(unknown: Term, *applied: Rule) -> Inference:
 
 def _solved_plainly(equation: Equation, unknown: Term, applied: Sequence[Rule]) -> Equation:
     symbol = unknown.data[0]
+    factor, right = equation.left.data[0].as_independent(symbol)[0], equation.right.data[0]
+    if equation.left.data[0] == factor * symbol and factor != 0 and not right.has(symbol):
+        return Equation(unknown, apply(applied, expr(right / factor)))
     balance = sp.expand(equation.left.data[0] - equation.right.data[0])
     slope = balance.diff(symbol)
     if slope == 0 or slope.has(symbol):

@@ -19,7 +19,7 @@ from eom.derivations.wording import frames_of, letters_in_words, notation_of, te
 from eom.terms.terms import Term
 from eom.terms.vocabulary import unit, words
 from eom.typeset.blocks import Drawing
-from eom.typeset.boxes import Box
+from eom.typeset.boxes import Box, Operator
 from eom.typeset.letters import Notation
 from eom.typeset.markup import render
 from eom.typeset.notation import notation_named, term_box
@@ -174,7 +174,10 @@ def _triad(frame: str, moved: bool, notation: Notation) -> Iterator[Item]:
 
 
 def _positions(places: list[Term], notation: Notation) -> Iterator[Item]:
-    """Yield an arrow for each position, with its letter beside its middle, and its points."""
+    """Yield an arrow for each position, with its letter beside its middle, and its points.
+
+    A point that the notation calls by a bullet is its own name.
+    """
     points = dict.fromkeys(p for a in places for p in a.data[1:])
     for a in places:
         end, start = (np.array(PLACES[p]) for p in a.data[1:])
@@ -184,8 +187,9 @@ def _positions(places: list[Term], notation: Notation) -> Iterator[Item]:
             yield Words(beside, f"${render(term_box(a, notation), 'latex')}$", "orange")
     for p in points:
         yield Marks(np.array([PLACES[p]]))
-        label = render(notation.point(p), "latex")
-        yield Words(np.array(PLACES[p]) + np.array([0.0, 0.0, -0.17]), f"${label}$")
+        if notation.point(p) != Operator("bullet"):
+            label = render(notation.point(p), "latex")
+            yield Words(np.array(PLACES[p]) + np.array([0.0, 0.0, -0.17]), f"${label}$")
 
 
 _VECTORS = (

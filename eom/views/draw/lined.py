@@ -40,6 +40,19 @@ SHORT = 0.5
 """The shortest line that LaTeX draws, mm."""
 AWAY = 3.0
 """How far from the tip of an arrow its name is, mm."""
+LETTER, RAISED, HIGH = 1.7, 1.2, 4.0
+"""Width of a letter and of one of an index, and height of a name, mm."""
+ROUND = np.array(
+    [(0.0, 0.0)]
+    + [
+        (r * np.cos(a), r * np.sin(a))
+        for r in np.arange(1.0, 11.0)
+        for a in np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+    ]
+)
+"""Places round that of a name that are tried, mm, the nearest first."""
+COVERED, CROWDED = 0.7, 100.0
+"""Weights of a millimetre of line under a name and of a name under it, against one of distance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +98,8 @@ def drawing(picture: Picture) -> tuple[list[Stroke], list[Name], Floats]:
         Stroke(placed(p), s.colour, s.width, s.head) for p, s in zip(lines, raw, strict=True)
     ]
     called = [Name(placed(place), text, colour) for place, text, colour in names]
-    called += _tips(panel, strokes, raw)
-    return strokes, called, np.asarray((high - low) * scale + 2 * margin)
+    size = np.asarray((high - low) * scale + 2 * margin)
+    return strokes, apart([*_tips(panel, strokes, raw), *called], strokes, size), size
 
 
 def _tips(panel: Panel, strokes: list[Stroke], raw: list[Stroke]) -> Iterator[Name]:
@@ -98,6 +111,40 @@ def _tips(panel: Panel, strokes: list[Stroke], raw: list[Stroke]) -> Iterator[Na
             way = stroke.points[-1] - stroke.points[0]
             size = float(np.hypot(*way)) or 1.0
             yield Name(stroke.points[-1] + AWAY * way / size, item.words, item.colour)
+
+
+def half(name: Name) -> Floats:
+    """Return half the width and height of a name, mm."""
+    wide = sum(len(w) * (RAISED if level else LETTER) for w, _, level in as_runs(name.text))
+    return np.array([wide, HIGH]) / 2.0
+
+
+def apart(names: list[Name], strokes: list[Stroke], size: Floats) -> list[Name]:
+    """Return names, each at the place near its own where it covers no earlier one and little that is drawn.
+
+    ``size``: of the paper, mm, within which names stay.
+    """
+    drawn = np.concatenate([_sampled(s.points) for s in strokes])
+    placed: list[Name] = []
+    for name in names:
+        room, places = half(name), name.place + ROUND
+        under = np.abs(drawn[None] - places[:, None]) < room
+        costs = np.hypot(*ROUND.T) + COVERED * np.all(under, axis=2).sum(axis=1)
+        for other in placed:
+            costs += CROWDED * np.all(np.abs(other.place - places) < room + half(other), axis=1)
+        costs += CROWDED * np.any((places < room) | (places > size - room), axis=1)
+        placed.append(Name(places[int(np.argmin(costs))], name.text, name.colour))
+    return placed
+
+
+def _sampled(points: Floats) -> Floats:
+    """Return points along a line, one a millimetre."""
+    way = np.diff(points, axis=0)
+    counts = [int(np.hypot(*w)) + 1 for w in way]
+    between = [
+        p + np.linspace(0, 1, n)[:, None] * w for p, w, n in zip(points, way, counts, strict=False)
+    ]
+    return np.concatenate([*between, points[-1:]])
 
 
 def _lines(panel: Panel) -> Iterator[Stroke]:

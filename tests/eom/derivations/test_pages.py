@@ -11,7 +11,7 @@ from eom.derivations import derive, names
 from eom.derivations.forms import FORMS
 from eom.derivations.handout import behind, key_steps
 from eom.derivations.showing import FORMATS, numbers, symbols
-from eom.derivations.wording import letters_in_words, named
+from eom.derivations.wording import letters_in_words, named, notation_of
 from eom.errors import InputError
 from eom.terms.terms import nodes
 from eom.typeset.boxes import symbol
@@ -42,7 +42,7 @@ def test_no_line_of_text_is_longer_than_100_letters(name):
 def test_a_letter_names_one_thing(name):
     for notation in NOTATIONS:
         found = {}
-        for one in named(derive(name), notation_named(notation)):
+        for one in named(derive(name), notation_of(derive(name), notation_named(notation))):
             thing = (SAME.get(one.thing[0], one.thing[0]), *one.thing[1:])
             letter = render(one.box, "latex")
             assert found.setdefault(letter, thing) == thing, f"{letter} in {notation}"
@@ -76,6 +76,42 @@ def test_words_have_the_letters_of_the_notation():
     assert "frame I" not in shown
     known = letters_in_words(derive("euler-equations"), notation_named("superscript"))
     assert render(known["C"], "text") == "G"
+
+
+@pytest.mark.parametrize(
+    ("name", "letter", "wanted"),
+    [
+        ("euler-equations", "J", "\U0001d540\u0332"),
+        ("inertia-properties", "J", "\U0001d541\u0332"),
+        ("inertia-properties", "C_AB", "C_AB"),
+        ("particle-system", "M", "m"),
+        ("point-mass", "m", "m"),
+        ("virtual-work", "n", "n"),
+    ],
+)
+def test_words_have_the_letters_of_the_formulas(name, letter, wanted):
+    known = letters_in_words(derive(name), notation_named("underline"))
+    assert render(known[letter], "text") == wanted
+
+
+def test_no_frame_has_the_letter_of_a_number():
+    page = derive("spinning-symmetric-body").page("text", "underline")
+    assert "W is fixed in the body" in page
+    assert "w\u0332\u2082 = b\u0332\u2082" in page
+    assert "C := " in page
+    assert "frame C" not in page
+
+
+def test_words_have_the_inertia_of_the_formulas():
+    assert "\U0001d540\u0332 is constant" in derive("energy-dissipation").page("text", "underline")
+
+
+def test_sizes_and_angles_are_told_apart():
+    axes = "along axis 1", "along axis 2"
+    for name, words in (("box", " size "), ("ellipsoid", " half the size ")):
+        page = derive(f"inertia-of-{name}").page("text", steps=False)
+        assert all(re.search(rf"^ +[ab] +{words.strip()} {a}$", page, re.MULTILINE) for a in axes)
+    assert "from 0 to 1 \u2212 s\u2082 \u2212 s\u2083" in derive("inertia-of-tetrahedron").page()
 
 
 def test_terms_of_euler_stand_in_cyclic_order():
@@ -135,3 +171,8 @@ def test_every_page_is_compiled_and_each_handout_is_one_page(name):
     for notation in ("arrow", "kane"):
         assert pdf_pages(derive(name).page("latex", notation, form="handout")) == 1
         assert pdf_pages(derive(name).page("latex", notation)) >= 1
+
+
+def test_symbols_of_a_result_alone_are_listed():
+    shown = derive("rigid-body-momentum").page("text", steps=False)
+    assert "integral of r\u2081 r\u2082 dm over the body" in shown

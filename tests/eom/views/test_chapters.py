@@ -1,5 +1,6 @@
 """Sketches of derivations: what their lines speak of is drawn, in the letters of the notation."""
 
+import itertools
 import re
 from xml.etree import ElementTree
 
@@ -67,3 +68,39 @@ def test_an_arrow_has_its_name_beyond_its_tip():
     assert name.place[1] > stroke.points[-1][1]
     assert 'aria-label="one &lt; two"' in lined.svg(picture)
     assert "\\put" in lined.latex(picture)
+
+
+@pytest.mark.parametrize("notation", NOTATIONS)
+def test_no_name_in_a_sketch_covers_another(notation):
+    for name in ("particle-system", "rigid-body-momentum", "inertia-properties"):
+        picture = _picture(derive(name), notation)
+        _, names, size = lined.drawing(picture)
+        for a, b in itertools.combinations(names, 2):
+            assert np.any(np.abs(a.place - b.place) >= lined.half(a) + lined.half(b)), (
+                a.text,
+                b.text,
+            )
+        assert all(np.all((n.place >= 0) & (n.place <= size)) for n in names)
+
+
+def _picture(derivation, notation):
+    """The picture that is drawn, as it goes to the page."""
+    seen = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lined, "svg", lambda p: seen.append(p) or "")
+        drawn(derivation, notation)
+    return seen[0]
+
+
+def test_a_name_that_covers_nothing_stays():
+    name = lined.Name(np.array([10.0, 10.0]), "$a$", "black")
+    far = lined.Stroke(np.array([[0.0, 0.0], [30.0, 0.0]]), "black", 1.0)
+    first, second = lined.apart([name, name], [far], np.array([30.0, 30.0]))
+    assert first.place == pytest.approx(name.place)
+    assert second.place != pytest.approx(name.place)
+
+
+def test_the_centre_that_is_a_bullet_is_one():
+    svg = drawn(derive("particle-system"), "underline")[0].drawing.svg
+    assert "bullet" not in svg
+    assert "\u2022" in svg
