@@ -25,7 +25,7 @@ from typing import Any
 
 from eom.checker.infer.attitude import angles, components, turned
 from eom.checker.infer.books import TOPICS, looks_in, taken
-from eom.checker.infer.house import drafted, fit, houses
+from eom.checker.infer.house import drafted, fit, houses, kept
 from eom.checker.infer.letters import (
     BOOKS,
     CUSTOMARY,
@@ -45,7 +45,7 @@ from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
-from eom.checker.infer.shown import bare, known, primed, symbols
+from eom.checker.infer.shown import bare, known, mended, primed, symbols
 from eom.checker.infer.systems import USUAL, Guess, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
@@ -69,6 +69,7 @@ from eom.checker.read.syntax import (
     Node,
     Number,
     Sequence,
+    Words,
 )
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
@@ -162,6 +163,11 @@ def propose(document: Document) -> Proposal:
     First what words say, on the preset that fits them best; then what letters and labels stand for that go
     with those; then formulas of the text and the usual books, for what is left.
     """
+    with kept():
+        return _proposed(document)
+
+
+def _proposed(document: Document) -> Proposal:
     formulas, text = read(document), prose(document)
     first = _Drafted(formulas, text, tuple(symbols(formulas)))
     first.by_words()
@@ -364,7 +370,7 @@ class _Drafted:
             (s, f.piece.line)
             for f in self.formulas
             if f.piece.kind == "display"
-            for s in f.statements
+            for s in (*f.statements, *mended(f))
         ]
         texts = zip(self.text.formulas, self.text.lines, strict=True)
         for statement, line in (*shown, *texts):
@@ -486,7 +492,7 @@ def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
             look is None
             or not usual
             or look.name in INDICES
-            or isinstance(right, Number | Sequence)
+            or isinstance(right, Number | Sequence | Words)
         ):
             continue
         found.setdefault(look, _indexed(look, _written(left, look), latex(right), line, lexicon))

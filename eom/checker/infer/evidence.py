@@ -19,6 +19,7 @@ from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
 from eom.checker.infer.shown import bare, operands_of, symbols_in
 from eom.checker.infer.systems import IN_A_MOTION, USUAL, Guess
+from eom.checker.judge.notes import Understood, reread
 from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import AXES, Found, Lexicon
@@ -68,7 +69,9 @@ class Evidence:
 
     ``firm``: those that words give, or a preset as a whole; ``spoken``: words alone; ``guessed``: why some
     were taken; ``meant``: what quantities of a system are; ``families``: symbols that speak for each other;
-    ``bases``: symbols by which others are defined that stand for their norms, directions and components.
+    ``bases``: symbols by which others are defined that stand for their norms, directions and components;
+    ``fails``: on which meanings it rests that a formula does not fit; ``agreed``: those that words and
+    preset give.
     """
 
     used: tuple[Mapping[str, tuple[str, str]], ...]
@@ -79,24 +82,26 @@ class Evidence:
     meant: Mapping[str, str]
     bases: Mapping[str, frozenset[str]]
     preset: str
-    fails: tuple[bool, ...] = ()
+    fails: tuple[frozenset[str], ...] = ()
     spoken: frozenset[str] = frozenset()
+    agreed: frozenset[str] = frozenset()
 
     @cached_property
     def certain(self) -> frozenset[str]:
         """The families of which words give one, and so all; none with which lines fail and none holds."""
         said = {f for p, f in self.families.items() if p in self.firm}
-        failed = self._counted(self.fails)
-        return frozenset(f for f in said if self.count[f] or failed[f] < MISREAD)
+        agreed = {f for p, f in self.families.items() if p in self.agreed}
+        failed = Counter(
+            f
+            for rests in self.fails
+            for f in {self.families[p] for p in rests & self.families.keys()}
+        )
+        return frozenset(f for f in said if self.count[f] or f in agreed or failed[f] < MISREAD)
 
     @cached_property
     def count(self) -> Counter[str]:
         """Formulas that hold, by the families that stand in them."""
-        return self._counted(self.hold)
-
-    def _counted(self, which: Sequence[bool]) -> Counter[str]:
-        """Return how many of the formulas that are meant have each family."""
-        pairs = zip(self.used, which, strict=False)
+        pairs = zip(self.used, self.hold, strict=True)
         return Counter(
             f for u, held in pairs if held for f in {self.families[p] for p in self._all(u)}
         )
@@ -134,8 +139,12 @@ class Evidence:
         return tuple(
             Doubt(f[0], self.meant.get(p, f[1]), self.guessed.get(p, f"preset {self.preset}"))
             for p, f in self.used[number].items()
-            if not self.is_sure(p, number)
+            if p in self.doubted(number)
         )
+
+    def doubted(self, number: int) -> frozenset[str]:
+        """Return the entries in a formula that nothing makes sure."""
+        return frozenset(p for p in self.used[number] if not self.is_sure(p, number))
 
     def is_proved(self, number: int) -> bool:
         """Return whether each meaning in a formula is sure and holds in another."""
@@ -158,9 +167,9 @@ def evidence(
     hold: Sequence[bool],
     lexicon: Lexicon,
     draft: Proposal,
-    fails: Sequence[bool] = (),
+    fails: Sequence[frozenset[str]] = (),
 ) -> Evidence:
-    """Return what speaks for the meanings in formulas; ``hold``: which do, ``fails``: which do not fit."""
+    """Return what speaks for the meanings in formulas; ``hold``: which do, ``fails``: see `Evidence`."""
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
@@ -172,7 +181,6 @@ def evidence(
     told = {t.latex for t in ties if t.words != USUAL}
     told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
-    meant = {t.latex: f"the {t.means} of the system" for t in ties}
     used = tuple(_whole([dict(_used(f, lexicon)) for f in formulas], formulas, lexicon))
     every = {p: f for u in used for p, f in u.items()}
     looks = (k for f in formulas for k in operands_of(f, lexicon))
@@ -188,11 +196,12 @@ def evidence(
         families,
         frozenset(firm),
         guessed,
-        meant,
+        {t.latex: f"the {t.means} of the system" for t in ties},
         dict(_bases(draft, lexicon, every)),
         draft.preset,
         tuple(fails),
         frozenset({*said, *told, *draft.confirmed}),
+        draft.confirmed,
     )
 
 
@@ -260,6 +269,42 @@ def _simplified(formulas: Sequence[Formula], guess: Guess) -> bool:
 def misfits(claim: Claim) -> bool:
     """Return whether dimensions or kinds of a claim do not fit together."""
     return bool(claim.findings) and claim.verdict in GRAVE
+
+
+def misfit(one: Understood, lexicon: Lexicon) -> frozenset[str]:
+    """Return the entries of a lexicon without which dimensions or kinds of a formula would fit together."""
+    reading = one.formula.reading
+    if reading is None or not any(map(misfits, one.claims)):
+        return frozenset()
+    found: set[str] = set()
+    for look in dict.fromkeys(operands_of(one.formula, lexicon)):
+        entry = _entry(look, lexicon)
+        if entry is not None and entry.entry.latex not in found:
+            other = replace(one, lexicon=_without(one.lexicon, look))
+            rests = not any(map(misfits, reread(other, reading.tree)))
+            found |= {entry.entry.latex} if rests else set()
+    return frozenset(found)
+
+
+def is_amiss(one: Understood, lexicon: Lexicon, doubted: Container[str]) -> bool:
+    """Return whether dimensions or kinds do not fit, whatever the symbols of some entries mean."""
+    reading, here = one.formula.reading, one.lexicon
+    if reading is None or not any(map(misfits, one.claims)):
+        return False
+    for look in dict.fromkeys(operands_of(one.formula, lexicon)):
+        entry = _entry(look, lexicon)
+        here = _without(here, look) if entry and entry.entry.latex in doubted else here
+    return any(map(misfits, reread(replace(one, lexicon=here), reading.tree)))
+
+
+def _without(lexicon: Lexicon, look: Look) -> Lexicon:
+    """Return a lexicon in which a symbol has no meaning."""
+    while (found := _entry(look, lexicon)) is not None:
+        kept = tuple(tuple(e for e in y if e is not found.entry) for y in lexicon.layers)
+        if kept == lexicon.layers:
+            break
+        lexicon = replace(lexicon, layers=kept)
+    return lexicon
 
 
 def uncounted(claim: Claim) -> Iterator[str]:

@@ -311,6 +311,8 @@ def free_vectors(
     letters = {k.name for k in marked | said}
     plain = {Look(n) for n in letters} & unknown
     free = marked | plain | said | {Look(n, accents=("tilde",)) for n in letters}
+    free |= {Look(n, sub=(axis,)) for n in letters for axis in AXES}
+    free |= {replace(k, accents=tuple(sorted(("tilde", *k.accents)))) for k in marked | said}
     shown = [set(operands_of(f)) for f in formulas if f.piece.kind == "display"]
     for look in sorted(marked | plain, key=lambda k: (k.text, k.accents)):
         lines = [s for s in shown if look in s]

@@ -108,9 +108,14 @@ def prose(document: Document) -> Prose:
         elif piece.kind != "inline":
             led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
             left = _left(shown.get(id(piece)), mentions) if led else ""
+            so_far = "".join(text)
+            taken = _TAKEN.search(so_far) if not led else None
+            what = _left(shown.get(id(piece)), mentions) if taken else ""
             if left:
                 text[-1] = text[-1].rstrip().rstrip(":,")
-            text.append(f"{left}{BREAK}")
+            elif taken and what:
+                text = [f"{so_far[: taken.start()]}{what} is the {taken['what']}."]
+            text.append(f"{left}{BREAK}{_glosses(shown.get(id(piece)), mentions)}")
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
             text.append(_marks(formula, mentions, cases if CASE.search(lead) else formulas))
@@ -206,6 +211,12 @@ _LED = re.compile(
 """The end of words that say what the left side of the display behind them is."""
 
 
+_TAKEN = re.compile(
+    r"(?:^|(?<=[.!?\n‡])\s*)(?:[Nn]ow,?\s+)?[Tt]ake\s+the\s+(?P<what>[^.;:!?\n‡]+)[.:]\s*\Z"
+)
+"""A sentence of its own that says what the left side of the display behind it is: "Take the momentum."."""
+
+
 def _left(formula: Formula | None, mentions: list[Mention]) -> str:
     """Return the mark of a symbol that stands alone on the left of a display, which words lead to."""
     first = next((s for s in formula.statements if s.relational), None) if formula else None
@@ -218,6 +229,17 @@ def _left(formula: Formula | None, mentions: list[Mention]) -> str:
         return ""
     mentions.append(Mention(look, node, formula.piece.line))
     return f" ⟦{len(mentions) - 1}⟧"
+
+
+def _glosses(formula: Formula | None, mentions: list[Mention]) -> str:
+    """Return the sentences within a display that say what a symbol is: one alone, with words behind it."""
+    found = ""
+    for one in formula.statements if formula is not None else ():
+        look = look_of(one.members[0]) if len(one.members) == 1 else None
+        if look is not None and not one.relational and len(one.words) == 1:
+            mentions.append(Mention(look, one.members[0], formula.piece.line if formula else 0))
+            found += f"⟦{len(mentions) - 1}⟧ {one.words[0].rstrip(' .:;,')}.{BREAK}"
+    return found
 
 
 def _items(node: Node) -> tuple[Node, ...]:

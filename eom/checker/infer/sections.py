@@ -62,7 +62,7 @@ def sections(
         if new != whose:
             earlier = {k: o for k, o in earlier.items() if whose not in o.means.split()}
         whose = new
-        spoken = {o.latex: o for o in _said(part, whose) if reads(o.latex, o.means)}
+        spoken = {o.latex: o for o in _said(part, whose, lexicon) if reads(o.latex, o.means)}
         turned = {
             o.latex: o for o in _turned(part, body, whose, lexicon) if reads(o.latex, o.means)
         }
@@ -87,10 +87,14 @@ def _whose(title: str) -> str:
     return next((b for words, b in _TITLES if re.search(words, title, re.IGNORECASE)), "")
 
 
-def _said(part: Part, whose: str) -> Iterator[Own]:
-    """Yield what the words of a part give its symbols, what they say first in front."""
+def _said(part: Part, whose: str, lexicon: Lexicon) -> Iterator[Own]:
+    """Yield what the words of a part give its symbols, what they say first in front.
+
+    Its frames are called as in the whole note.
+    """
     sayings = tuple(said(part.text))
     found = places(part.text, sayings, part.looks[0])
+    found.frames.update({k: n for k, n in lexicon.frames.items() if k in found.frames})
     phrases, done = Phrases(part.text, found, whose), set[str]()
     for one in sayings:
         for meant in fitting(phrases, one):

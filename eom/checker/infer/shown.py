@@ -9,7 +9,8 @@ from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import FUNCTIONS, TRANSPOSED
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import Refusal
-from eom.checker.read.statements import Formula, Statement
+from eom.checker.read.damage import variants
+from eom.checker.read.statements import Formula, Statement, split
 from eom.checker.read.symbol_shape import Look, labels, seen
 from eom.checker.read.syntax import (
     Derivative,
@@ -21,6 +22,7 @@ from eom.checker.read.syntax import (
     Symbol,
     children,
 )
+from eom.checker.read.tokens import tokenize
 
 
 def symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
@@ -33,6 +35,16 @@ def symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
                 yield node, formula.piece.source.line_column(node.span.start)[0]
             elif not isinstance(node, Number):
                 stack += reversed(operands(node))
+
+
+def mended(formula: Formula) -> tuple[Statement, ...]:
+    """Return the statements of a formula in the reading in which most that a scan damaged is mended."""
+    if formula.reading is None:
+        return ()
+    piece = formula.piece
+    tokens = tokenize(piece.source, piece.body, piece.span.start, piece.macros)
+    found = variants(piece.source, tokens)
+    return split(found[0].reading.tree) if found else ()
 
 
 def symbols_in(formula: Formula) -> Iterator[Node]:

@@ -16,7 +16,8 @@ from eom.checker.infer.evidence import (
     DECISIVE,
     Doubt,
     evidence,
-    misfits,
+    is_amiss,
+    misfit,
     readings,
     uncounted,
     with_meaning,
@@ -316,7 +317,7 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
-    fails = [any(misfits(j.claim) for j in f.verdict.claims) for f in found]
+    fails = [misfit(f.understood, known.lexicon) for f in found]
     plain = {HOLDS, UNDER} if known.draft.words else {HOLDS}
     firmly = [f.finding.verdict in plain for f in found]
     known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
@@ -335,7 +336,9 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         ):
             yield one
         else:
-            taken = _taken(one, known.draft, known_by.doubts(number), system and not named, lines)
+            amiss = is_amiss(one.understood, known.lexicon, known_by.doubted(number))
+            doubts = () if amiss else known_by.doubts(number)
+            taken = _taken(one, known.draft, doubts, system and not named, lines)
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
             why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"

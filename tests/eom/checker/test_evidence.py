@@ -6,12 +6,16 @@ import eom
 from benchmarks.meanings import Count, quantities, report
 from eom.checker.infer.books import TOPICS, candidates
 from eom.checker.infer.draft import propose
-from eom.checker.infer.evidence import Evidence
+from eom.checker.infer.evidence import Evidence, is_amiss, misfit
+from eom.checker.infer.house import drafted as drafted_on
+from eom.checker.infer.house import fit, kept
 from eom.checker.infer.sayings import look_of
+from eom.checker.judge.notes import understand
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.mean.lexicon_files import PRESETS, parse_lexicon
 from eom.checker.read.documents import read_document
 from eom.checker.read.grammar import read_formula
+from eom.checker.read.statements import read
 
 
 def drafted(text):
@@ -250,3 +254,126 @@ def test_the_count_tells_what_is_right_of_what():
         "right of told as sure: 1 of 2",
     ]
     assert "n: c: no meaning" in lines[-1]
+
+
+# -- misfits, displays with words, one reading for many drafts -----------------------------------
+
+
+def test_words_are_doubted_only_by_misfits_that_rest_on_them():
+    firm, rests, other = {"firm": frozenset("FG")}, frozenset("F"), frozenset("G")
+    assert not known_by((False,) * 4, fails=(rests, rests), **firm).is_sure("F", 0)
+    assert known_by((False,) * 4, fails=(rests, other), **firm).is_sure("F", 0)
+    agreed = {**firm, "agreed": frozenset("F")}
+    assert known_by((False,) * 4, fails=(rests, rests), **agreed).is_sure("F", 0)
+
+
+def test_a_misfit_rests_on_the_symbols_without_which_the_rest_fits():
+    lexicon = parse_lexicon(
+        r"""
+[symbols]
+'\vec F' = "external_force body"
+'\vec p' = "linear_momentum body"
+'\vec v' = "velocity C OI I"
+'m' = "total_mass body"
+""",
+        "a lexicon",
+    )
+    note = read_document("$$\\vec F = m\\vec v$$\n\n$$\\vec p + m\\dot{\\vec v} = \\vec F$$")
+    first, second = (misfit(one, lexicon) for one in understand(note, lexicon))
+    assert r"\vec F" in first
+    assert r"\vec F" not in second
+    assert r"\vec p" in second
+
+
+def test_a_sentence_that_takes_a_quantity_names_the_display_behind_it():
+    note = (
+        "Take the angular momentum about the origin $O$.\n\n$$\\vec J_O = \\vec a \\times \\vec b$$"
+    )
+    assert drafted(note)[r"\vec{J}_{O}"].startswith("angular_momentum body")
+    assert r"\vec{J}_{O}" not in drafted(note.replace("Take", "Forget"))
+
+
+def test_a_display_says_what_a_symbol_in_it_is():
+    note = (
+        r"$$\vec{a} \text{ is a vector: } [\tilde{\vec a}] = \begin{bmatrix} 0 & -a_3 & a_2 \\ "
+        r"a_3 & 0 & -a_1 \\ -a_2 & a_1 & 0 \end{bmatrix}$$"
+        "\n\nThen\n\n"
+        r"$$\vec a \times \vec b = [\tilde{\vec a}] \vec b$$"
+    )
+    found = drafted(note)
+    assert (found[r"\vec{a}"], found[r"\vec{b}"]) == ("vector a", "vector b")
+    assert found["a_{3}"] == "vector a in B component 3"
+
+
+def test_a_display_that_a_scan_damaged_gives_a_factor_of_a_unit_vector():
+    note = (
+        r"In the frames $\mathcal{B}$ and $\mathcal{C}$ we have"
+        "\n\n"
+        r"$$\mathcal{B}_{\boldsymbol{\omega}}^{\mathcal{C}} = \Omega \mathbf{b}_2$$"
+        "\n\n"
+        r"$${}^{\mathcal{I}}\frac{d}{dt}{}^{\mathcal{I}}\mathbf{h}_G = \mathbf{M}_G$$"
+    )
+    assert drafted(note)[r"\Omega"].endswith(r"\cdot \mathbf{b}_{2}")
+
+
+def test_a_constant_is_no_meaning():
+    assert "H" not in drafted(r"The length $H = \text{constant}$ of the vector.")
+
+
+def test_frames_of_a_part_are_called_as_in_the_note():
+    note = (
+        "# Bodies\n\nLet $\\mathcal{F}_I$ be an inertial frame and $\\mathcal{F}_B$ the body frame.\n\n"
+        "$$\\underline{r} = \\underline{\\mathcal{F}}_B^T \\underline{r}_B$$\n\n"
+        "## Turning\n\nConsider two body-fixed frames, $\\mathcal{F}_A$ and $\\mathcal{F}_B$. Let "
+        "$\\mathbf{C}_{BA}$ represent the rotation matrix from the former to the latter.\n\n"
+        "$$\\mathbf{J}_B = \\mathbf{C}_{BA}\\mathbf{J}_A\\mathbf{C}_{AB}$$\n"
+    )
+    assert '"rotation A B"' not in propose(read_document(note)).toml
+
+
+def test_lines_read_once_leave_the_same():
+    text = (
+        "$$\\vec h = \\vec r \\times m\\vec v$$\n\n$$\\vec p := m\\vec v$$\n\n$$\\vec F = \\dot{\\vec p}$$"
+        "\n\n$$\\vec q = \\vec p + m\\vec r$$\n\n$$T = \\frac12 I\\omega^2$$"
+    )
+    formulas = read(read_document(text))
+    tables = [
+        {"symbols": dict(rows)}
+        for rows in (
+            (),
+            ((r"\vec r", "position C OI"),),
+            ((r"\vec r", "position C OI"), (r"\vec v", "velocity C OI I")),
+            ((r"\vec v", r"= \dot{\vec r}"),),
+            ((r"\vec v", r"= \dot{\vec r}"), (r"\vec r", "position C OI")),
+            ((r"\vec v", r"= \dot{\vec r}"), (r"\vec r", "external_force body")),
+            (
+                ("m", "total_mass body"),
+                (r"\vec v", "velocity C OI I"),
+                (r"\vec r", "position C OI"),
+            ),
+            (("m", "total_mass body"), (r"\vec v", "acceleration C OI I")),
+        )
+    ]
+    lexica = [drafted_on(name, t) for name in ("", *PRESETS) for t in tables]
+    plain = [fit(formulas, lexicon) for lexicon in lexica]
+    with kept():
+        assert [fit(formulas, lexicon) for lexicon in lexica] == plain
+    assert len(set(plain)) > 3
+
+
+def test_a_line_is_amiss_whatever_its_doubtful_symbols_mean():
+    lexicon = parse_lexicon(
+        r"""
+[symbols]
+'\vec p' = "linear_momentum body"
+'\vec F' = "external_force body"
+'\vec v' = "velocity C OI I"
+'m' = "total_mass body"
+""",
+        "a lexicon",
+    )
+    (line,) = understand(read_document("$$\\vec p + m\\dot{\\vec v} = \\vec F$$"), lexicon)
+    assert is_amiss(line, lexicon, {r"\vec F"})
+    assert not is_amiss(line, lexicon, {r"\vec p"})
+    (fitting,) = understand(read_document("$$m\\dot{\\vec v} = \\vec F$$"), lexicon)
+    assert not is_amiss(fitting, lexicon, set())
