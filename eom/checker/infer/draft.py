@@ -174,15 +174,9 @@ def _proposed(document: Document) -> Proposal:
     first.by_systems(document)
     others = [replace(first, drafts={}, others=[], confirmed=set(), only=n) for n in first.rivals]
     others += [
-        replace(
-            note,
-            drafts={("marks", "prime"): LABEL},
-            others=[],
-            confirmed=set(),
-            only=note.preset,
-        )
+        replace(note, drafts={PRIME: LABEL}, others=[], confirmed=set(), only=note.preset)
         for note in (first, *others[:1])
-        if note.primed() and ("marks", "prime") not in first.drafts
+        if note.primed() and PRIME not in first.drafts
     ]
     for other in others:
         other.by_words()
@@ -207,7 +201,8 @@ _WORD = re.compile(r"[A-Za-z]{3}")
 RIVALS = 2
 """Presets that are tried with the usual books; of those that go best with what words say."""
 BESIDE = "beside what words call any vector, in identities"
-LABEL = Draft("marks", "prime", "", CUSTOMARY, 0)
+PRIME = "marks", "prime"
+LABEL = Draft(*PRIME, "", CUSTOMARY, 0)
 """That a prime is no derivative."""
 
 
@@ -351,12 +346,8 @@ class _Drafted:
             return _reads(Draft("symbols", latex, means, "", 0))
 
         for heading, rows in sections(document, _body(self.text), self.lexicon, reads):
-            own = {
-                latex_of(tie.look)
-                for one in self.systems
-                if heading in one.headings
-                for tie in one.ties
-            }
+            ties = (t for one in self.systems if heading in one.headings for t in one.ties)
+            own = {latex_of(tie.look) for tie in ties}
             told = (Draft("symbols", o.latex, o.means, o.words, o.line) for o in rows)
             if kept := tuple(d for d in told if d.latex not in own):
                 yield heading, kept
