@@ -116,7 +116,7 @@ def euler_equations(
 
     Returns
     -------
-    tuple of matrix or None, tuple of expressions
+    tuple of matrix or None, tuple of Expr
         The mass matrix, 3 x 3, or None where axes are principal, and the three rates.
 
     Raises

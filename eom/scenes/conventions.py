@@ -200,13 +200,13 @@ class Stated:
     ----------
     convention : Convention
         In which all is told.
-    matrix : rows of numbers
+    matrix : sequence of sequence of floats
         (3, 3).
     quaternion : four numbers
         Of unit norm.
     angles : three numbers
         In radians, of the convention's sequence.
-    inertia : rows of numbers, optional
+    inertia : sequence of sequence of floats, optional
         ``inertia`` in kg m^2, (3, 3), in the body's axes; None where it was not given.
     omega : three numbers, optional
         In rad/s, in the body's axes; None where it was not given.
@@ -232,7 +232,7 @@ def attitude_of_matrix(rows: Sequence[Sequence[float]], convention: Convention =
 
     Returns
     -------
-    rows of numbers
+    list of list of floats
         C, as rows; it takes components in the reference axes (east, north, up) to components in the
         body's (forward, left, up).
 

@@ -363,7 +363,7 @@ def where_rates_are_constant():
 )
 @says(
     "derive torque-free-motion energy-ellipsoid",
-    "the energy ellipsoid, of squared semi-axes 2T/I1, 2T/I2, 2T/I3",
+    "the energy ellipsoid, of squared semi-axes 2 T/I1, 2 T/I2, 2 T/I3",
 )
 @says("derive torque-free-motion normal-1", "the gradient of T over the rates is h")
 @says(
