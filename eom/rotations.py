@@ -112,7 +112,7 @@ def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
 
     Returns
     -------
-    rows of numbers
+    list of list of floats
         C, (3, 3) as rows; it takes components in the reference axes to components in the body's.
 
     References

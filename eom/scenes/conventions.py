@@ -279,7 +279,7 @@ def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -
 
     Returns
     -------
-    rows of numbers
+    list of list of floats
         C as of `attitude_of_matrix`.
 
     Raises
@@ -316,7 +316,7 @@ def attitude_of_angles(angles: Sequence[float], convention: Convention = HOUSE) 
 
     Returns
     -------
-    rows of numbers
+    list of list of floats
         C as of `attitude_of_matrix`.
 
     Raises
@@ -424,11 +424,11 @@ def state(
 
     Parameters
     ----------
-    C : rows of numbers
+    C : sequence of sequence of floats
         (3, 3), as of `attitude_of_matrix`.
     convention : Convention
         In which it is told.
-    inertia : rows of numbers, optional
+    inertia : sequence of sequence of floats, optional
         (3, 3), kg m^2, off-diagonal entries minus the products of inertia, in the body's axes
         (forward, left, up).
     omega : sequence of floats, optional
