@@ -50,8 +50,6 @@ OWN = (
     "collisions",
     "virtual-work",
     "heavy-symmetric-top",
-    "gyrostat",
-    "energy-dissipation",
     "gravity-gradient-stability",
 )
 """Topics whose chapters have laws of their own: judged where these hold, not by the checker."""
