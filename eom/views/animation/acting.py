@@ -65,10 +65,10 @@ STYLES = {
     "joint": Style("N", "grey", "$R$, reaction in a joint"),
     "weight": Style("N", "sky", "$m g$, weight"),
 }
+"""What is drawn alike; reactions are those of constraints, and of the fixed point of one body."""
 FEW = {"joint": 3}
 MANY = 8
 """Vectors of one kind that are seen at first, at most."""
-"""What is drawn alike; reactions are those of constraints, and of the fixed point of one body."""
 MOVES = {OMEGA: r"\omega", MOMENTUM: "H"}
 GROUPS = {
     (LOAD, FORCE): "force", (JET, FORCE): "force", (JOINT, FORCE): "force", (SPRING, FORCE): "force",

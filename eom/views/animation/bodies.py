@@ -19,11 +19,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eom.errors import InputError
+from eom.expressions import free_symbols
 from eom.kinematics.coordinates import quaternion_of_sequence
 from eom.multibody.files.scene import FORCES, TreeScene, start_values
 from eom.multibody.files.sections import Reading
 from eom.multibody.model.attachments import Rotor
-from eom.multibody.model.bodies import GROUND, Body, Joint
+from eom.multibody.model.bodies import GROUND, Body, Joint, Placement
 from eom.multibody.model.constraints import Distance, Loop, Rolling
 from eom.multibody.model.jets import changes
 from eom.multibody.model.names import inputs_of
@@ -293,10 +294,31 @@ class ManyBodies:
         forces = (FORCES,) if made.tree.constraints else ()
         return made.asking((*made.control.laws, *forces, *self.scene.outputs))
 
+    @cached_property
+    def wheels(self) -> tuple[Joint, ...]:
+        """Hinges at the origin of bodies that carry no other, whose angle no equation reads."""
+        tree, system = self.scene.tree, self.scene.full_system
+        read = set[Any](free_symbols(system.right_sides))
+        read |= set() if system.mass_matrix is None else system.mass_matrix.free_symbols
+        for d in reversed(system.definitions):
+            read |= free_symbols((d.expression,)) if d.symbol in read else set()
+        carrying = {j.parent for j in tree.joints}
+        unread = {q.name for q in system.states if q.symbol not in read}
+        return tuple(
+            j
+            for j in tree.joints
+            if j.kind == "revolute" and not j.motion and j.child not in carrying
+            and j.on_child == Placement() and j.coordinates[0].symbol.name in unread
+        )  # fmt: skip
+
     def tracks(self, motion: Motion) -> Tracks:
         """Return the motion of all bodies, and of rotors with a name of their own, after their bodies."""
         posture = Posture(self.scene.tree, motion)
-        bodies = tuple(posture.track(b.name) for b in self.scene.tree.bodies)
+        wheels = {j.child: j for j in self.wheels}
+        bodies = tuple(
+            posture.wheel(wheels[b.name]) if b.name in wheels else posture.track(b.name)
+            for b in self.scene.tree.bodies
+        )
         rotors = tuple(posture.rotor(k) for k in range(len(self.scene.tree.rotors)))
         whole, N = posture.flow, len(motion.t)
         heavy = mass(whole)

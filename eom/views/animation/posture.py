@@ -256,6 +256,17 @@ class Posture:
             slower,
         )
 
+    def wheel(self, joint: Joint) -> Track:
+        """Return the motion of a body on a hinge, drawn slower about it where it is too fast."""
+        found = self.track(joint.child)
+        angle = np.broadcast_to(self.lift(joint.coordinates[0].symbol), (self.count,))
+        slower = slowed(angle)
+        half = (angle / slower - angle) / 2
+        axis = np.array([float(self.lift(a)) for a in joint.axis])
+        spin = np.column_stack([np.cos(half), np.sin(half)[:, None] * axis / np.linalg.norm(axis)])
+        quaternions = continuous(multiplied(found.quaternions, spin))
+        return replace(found, quaternions=quaternions, slower=slower)
+
 
 def _integrated(t: Floats, rate: Floats) -> Floats:
     """Return the integral of a rate from the first time, shape (N,), by trapezoids."""

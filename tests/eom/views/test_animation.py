@@ -32,7 +32,7 @@ from eom.views.animation.animation_page import data, page
 from eom.views.animation.bodies import bodies_of, tracks_of, with_attitude
 from eom.views.animation.figures import equivalent, shapes_of_file
 from eom.views.animation.filming import Film, Filming, film_bytes
-from eom.views.animation.tracks import continuous, matrices, of_matrices
+from eom.views.animation.tracks import continuous, matrices, of_matrices, turned
 from eom.views.draw.meshes import of_solid
 from tests.eom.rows import only
 
@@ -212,6 +212,29 @@ def test_a_wheel_too_fast_to_be_seen_is_shown_slower_and_said_to_be(speed, slowe
     said = [n for n in shown.notes if "slower" in n]
     told = f"wheel: shown turning {slower:.0f} times slower, too fast to be seen otherwise"
     assert said == ([told] if slower > 1 else [])
+
+
+def test_a_wheel_on_a_hinge_is_shown_slower_where_no_equation_reads_its_angle():
+    data = {
+        "bodies": {"hub": {"mass": 1.0, "moments": (2, 3, 4)},
+                   "wheel": {"mass": 1.0, "moments": (0.02, 0.03, 0.02)}},
+        "joints": {"hub": {"kind": "spherical", "parent": "ground", "child": "hub"},
+                   "axle": {"kind": "revolute", "parent": "hub", "child": "wheel", "axis": "y"}},
+        "initial": {"w_hub_3": 0.01, "u_axle": 500.0},
+        "integration": {"t_end": 60.0},
+    }  # fmt: skip
+    shown = animation_of(TreeScene(**data), integrate)
+    hub, wheel = shown.tracks.bodies
+    assert hub.slower == 0
+    assert wheel.slower > 1
+    assert np.linalg.norm(wheel.omega, axis=1) == pytest.approx(500, rel=1e-2)
+    axes = [turned(b.quaternions, np.broadcast_to([0.0, 1.0, 0.0], (len(shown.times), 3)))
+            for b in (hub, wheel)]  # fmt: skip
+    assert axes[0] == pytest.approx(axes[1], abs=1e-9)
+    assert any("wheel: shown turning" in n for n in shown.notes)
+    data["bodies"]["wheel"]["moments"] = (0.02, 0.03, 0.04)
+    with pytest.raises(InputError, match="too many turns"):
+        animation_of(TreeScene(**data), integrate)
 
 
 quaternions = st.lists(st.floats(-1, 1).filter(lambda x: abs(x) > 1e-3), min_size=4, max_size=4)
@@ -408,8 +431,10 @@ def test_every_ready_scene_fits_into_a_page(name):
         q = np.frombuffer(base64.b64decode(body["quaternions"]), "<f4").reshape(-1, 4)
         assert np.abs(q - track.quaternions).max() < 1e-7
         assert np.all(np.einsum("ij,ij->i", q[1:], q[:-1]) > 0)
-        turn = np.linalg.norm(track.omega, axis=1).max() * steps[0]
+        turn = np.linalg.norm(track.omega, axis=1).max() * steps[0] / max(track.slower, 1)
         assert turn < 3  # less than half a turn: the shorter way is the right one
+        shown = 2 * np.arccos(np.minimum(np.abs(np.einsum("ij,ij->i", q[1:], q[:-1])), 1))
+        assert shown.max() < 3
 
 
 def test_what_a_scene_brings_along_is_escaped():
