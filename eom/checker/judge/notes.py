@@ -18,6 +18,7 @@ from eom.checker.judge.judge import HOLDS, judge, row_of
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.scalars import Known
 from eom.checker.judge.systems import LEVELS, Solutions, agreeing, levelled
+from eom.checker.judge.worlds import apart
 from eom.checker.mean.calculus import MINUS, PLUS, POISSON, is_fundamental
 from eom.checker.mean.claims import DEFINITION, Claim, Relation, claims, defined
 from eom.checker.mean.elaborate import elaborator
@@ -449,7 +450,10 @@ class _Context:
 
 
 def _with_motion(claim: Claim, moving: Moving | None) -> Claim:
-    """Return a claim that knows what the note declares to move; undecided where letters clash."""
+    """Return a claim that knows what the note declares to move, if it speaks of that.
+
+    It is undecided where letters clash.
+    """
     if moving is None:
         return claim
     known = moving.scalars
@@ -458,7 +462,8 @@ def _with_motion(claim: Claim, moving: Moving | None) -> Claim:
         what = "a letter has another meaning where motions are declared"
         finding = Finding(UNDECIDED, what, claim.span, str(clash[0]))
         claim = replace(claim, findings=(*claim.findings, finding))
-    return replace(claim, moving=moving, scalars={**claim.scalars, **known})
+    told = replace(claim, moving=moving, scalars={**claim.scalars, **known})
+    return apart(told) or told
 
 
 def _of_system(claim: Claim) -> bool:

@@ -34,8 +34,8 @@ OPEN = {
     },
     ("energy-dissipation", "arrow"): {
         r"J_{s} \ge 0": UNSEEN,
-        r"-I_{1} + I_{3} \ge 0": "a condition",
-        r"-I_{2} + I_{3} \ge 0": "a condition",
+        r"I_{3} - I_{1} \ge 0": "a condition",
+        r"I_{3} - I_{2} \ge 0": "a condition",
         r"I_{3} + J_{s} \ge 0": UNSEEN,
         r"2 I_{1} I_{2} + I_{1} J_{s} + I_{2} J_{s} \ge 0": UNSEEN,
         "\\begin{aligned}\n & 2 J_{s}^{5}": "a condition",

@@ -12,15 +12,16 @@ from tests.eom.own_derivations import OWN
 
 CHAPTERS = [n for n in names() if not n.startswith("inertia-of-")]
 SIGN = "only equations between these are judged"
+CONDITION = "a condition: it does not hold for all bodies and motions"
 OPEN = {
     "rigid-body-momentum": "not an integral over a body",  # of dF
-    "energy-dissipation": "no motion is known here",  # rates of a body with a slug
+    "energy-dissipation": CONDITION,
     "torque-free-motion": "it is not known how this depends on the variable",
-    "gyrostat": "it may follow from the laws that the note assumes",  # rates by Js1 alone
+    "gyrostat": CONDITION,
     "rocket-equation": "a number that is given; nothing here determines it",  # m_0, away from t_0
     "collisions": SIGN,
     "heavy-symmetric-top": SIGN,
-    "gravity-gradient-stability": SIGN,
+    "gravity-gradient-stability": CONDITION,
 }
 """Chapters with a line that the reader of notes leaves undecided, and why."""
 UNSAID = {"virtual-work": "places of all masses as functions of coordinates"}
