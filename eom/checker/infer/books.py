@@ -147,6 +147,13 @@ class _Search:
             k for f in self.formulas if f.piece.kind == "display" for k in operands_of(f)
         )
 
+    @cached_property
+    def about(self) -> str:
+        """The one point about which words take all momenta and torques; "" for none or several."""
+        words = (w.split() for w in self.given.values())
+        found = {w[2] for w in words if w[0] in {"angular_momentum", "torque"} and len(w) > 2}
+        return found.pop() if len(found) == 1 else ""
+
     @property
     def given(self) -> Mapping[str, str]:
         """What words say of symbols."""
@@ -191,7 +198,8 @@ class _Search:
             if formula:
                 yield indexed(look, formula)
             yield from component(look, lexicon, self.looks)
-            yield from dict.fromkeys(candidates(look, self.body, lexicon, absent=self.absent))
+            found = dict.fromkeys(candidates(look, self.body, lexicon, absent=self.absent))
+            yield from sorted(found, key=lambda c: self.about not in ("", *c[1].split()[1:]))
 
 
 def taken(

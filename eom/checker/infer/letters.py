@@ -130,10 +130,13 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
 
 
 def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> Iterator[Draft]:
-    """Yield components that a preset takes about another point than words take the vector of their letter.
+    """Yield what a preset takes about another point than words do.
 
-    ``said``: the patterns that words give.
+    These are components of a vector that words take about one, and positions where words see all that they
+    name from one point. ``said``: the patterns that words give.
     """
+    looks = tuple(looks)
+    yield from _seen_from(lexicon, looks, said)
     whole = [
         e
         for layer in lexicon.layers
@@ -150,6 +153,26 @@ def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> I
             if same and means.labels != found.entry.meaning.labels:
                 new = replace(found.entry.meaning, labels=means.labels)
                 yield Draft("symbols", found.entry.latex, new.words, LETTER, 0)
+
+
+def _seen_from(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> Iterator[Draft]:
+    """Yield positions that a preset sees from the inertial origin, from the point of which words speak."""
+    entries = [e for layer in lexicon.layers for e in layer if e.where.startswith("draft")]
+    placed = {e.meaning.labels[1] for e in entries if e.latex in said and _is_place(e.meaning)}
+    if len(placed) != 1 or "OI" in placed:
+        return
+    for look in looks:
+        found = lexicon.find(look)
+        if found is None or found.entry.latex in said or not _is_place(found.entry.meaning):
+            continue
+        of, start = found.entry.meaning.labels
+        if start == "OI" and of not in placed:
+            new = replace(found.entry.meaning, labels=(of, *placed))
+            yield Draft("symbols", found.entry.latex, new.words, LETTER, 0)
+
+
+def _is_place(meaning: Meaning) -> bool:
+    return meaning.quantity == "position" and len(meaning.labels) == 2
 
 
 _RATES = {"v": ("r", r"\dot"), "V": ("R", r"\dot"), "a": ("r", r"\ddot")}

@@ -83,7 +83,9 @@ class Phrases:
             if mention.look.name in INDICES and not mention.look.sub:
                 continue
             row, start = found[k] if several else found[0]
-            means = self._filled(row, words if several else words[start:], one, k)
+            own = words if several else words[start:]
+            seen_from = one.before and row.means.startswith("position") and _FROM.match(one.behind)
+            means = self._filled(row, f"{own} {one.behind}" if seen_from else own, one, k)
             if means:
                 marked = bool(mention.look.accents or mention.look.style)
                 if (row.mark == "vector" and marked) or means.startswith("inertia "):
@@ -363,6 +365,8 @@ _REST = re.compile(
     r"(?:\s+(?:is|are|be|by|at|(?:one|we) (?:finds?|gets?|has|have|obtains?|writes?)))?\s*"
 )
 """What may stand between a noun and the symbol behind it."""
+_FROM = re.compile(r"(?:measured )?(?:from|relative to|with respect to)\b")
+"""Words behind a position that say from where it is seen."""
 _PARTLY = re.compile(
     r"\b(?:but|except|besides|without|other than) (?:for )?(?:the )?(?:weight|gravity)"
 )

@@ -19,6 +19,7 @@ from eom.checker.read.syntax import Group, Marks, Node, Product, Quotient, Scrip
 from eom.checker.read.syntax import Sequence as Items
 
 MARK = r"⟦\d+⟧"
+MARKS = re.compile(MARK)
 BREAK = "‡"
 LIST = rf"{MARK}(?:(?:\s*,\s*(?:and |or |then )?|\s+and\s+|\s+or\s+|\s*/\s*){MARK})*"
 _VERB = (
@@ -106,15 +107,17 @@ def prose(document: Document) -> Prose:
         if piece.kind == "prose":
             text.append(_plain(piece.body))
         elif piece.kind != "inline":
-            led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
-            left = _left(shown.get(id(piece)), mentions) if led else ""
             so_far = "".join(text)
-            taken = _TAKEN.search(so_far) if not led else None
+            led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
+            taken = _TAKEN.search(so_far) or _APPOSED.search(so_far)
+            led = None if taken and MARKS.search(taken["what"]) else led
+            taken = None if led else taken
+            left = _left(shown.get(id(piece)), mentions) if led else ""
             what = _left(shown.get(id(piece)), mentions) if taken else ""
             if left:
                 text[-1] = text[-1].rstrip().rstrip(":,")
             elif taken and what:
-                text = [f"{so_far[: taken.start()]}{what} is the {taken['what']}."]
+                text = [f"{so_far[: taken.start('what')]}{BREAK}{what} is the {taken['what']}."]
             text.append(f"{left}{BREAK}{_glosses(shown.get(id(piece)), mentions)}")
         elif (formula := inline.get(id(piece))) is not None:
             lead = _END.split("".join(text[-3:]))[-1]
@@ -215,6 +218,12 @@ _TAKEN = re.compile(
     r"(?:^|(?<=[.!?\n‡])\s*)(?:[Nn]ow,?\s+)?[Tt]ake\s+the\s+(?P<what>[^.;:!?\n‡]+)[.:]\s*\Z"
 )
 """A sentence of its own that says what the left side of the display behind it is: "Take the momentum."."""
+_APPOSED = re.compile(
+    r"(?:^|[.!?;,:‡]|\n\s*\n|\b(?:and|then|hence|so|has|have|gets?|obtains?|finds?|writes?|defines?|introduces?))"
+    rf"\s+(?:[Tt]he|[Ii]ts|[Tt]heir)\s+(?P<what>(?:[\w-]+\s+){{0,8}}?(?:[\w-]+|{MARK}))"
+    r"(?P<verb>\s+(?:is|are|reads?|becomes?))?\s*[:,]?\s*\Z"
+)
+"""The end of words that name the left side of the display behind them: "... and the momentum about $O$"."""
 
 
 def _left(formula: Formula | None, mentions: list[Mention]) -> str:

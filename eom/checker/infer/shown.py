@@ -107,7 +107,10 @@ def known(lexicon: Lexicon, node: Node) -> bool:
     """Return whether a lexicon gives a symbol a meaning, or it names a frame or a point."""
     look = bare(node, lexicon)
     names = {**lexicon.frames, **lexicon.points}
-    if look is not None and (as_label(look) in names or look.name in {"infty", "bullet"}):
+    marked = look is not None and bool(look.accents or look.style in {"bold", "sans"})
+    if look is not None and (
+        (not marked and as_label(look) in names) or look.name in {"infty", "bullet"}
+    ):
         return True
     found = None if look is None else lexicon.find(look)
     if found is not None and found.meaning.quantity in FUNCTIONS:

@@ -27,6 +27,7 @@ Lagrange), and particular motions, of which derived quantities are meant (`Parti
     [system.values]
     v = { is = "R*theta_dot", unit = "m/s" }
     e_r = { is = ["sin(theta)", 0, "-cos(theta)"] }
+    M = { is = "-V_by_theta", unit = "N*m" } # how the potential energy changes with a coordinate
     [system.motions]
     cone = { constant = ["theta"], nonzero = ["sin(theta)"] }
     slide = { start = { x_dot = "v_0", phi_dot = 0 }, until = "x_dot - R*phi_dot" }
@@ -189,6 +190,7 @@ def _with_own(model: Model, table: Mapping[str, Any], where: str, assume: Iterab
     read = _Read(table, where, {n: q.symbol for n, q in model.quantities.items()})
     read.names["t"] = model.system.time
     read.names.update({f"{q}_ddot": rate(rate(model.symbol(q))) for q in model.coordinates})
+    read.names.update(_slopes(model))
     for name, given in own_names.items():
         place = f"{where} > values > {name}"
         row = _of_type(given, Mapping, place)
@@ -209,6 +211,14 @@ def _with_own(model: Model, table: Mapping[str, Any], where: str, assume: Iterab
         canonical=model.canonical | frozenset(functions),
     )
     return model_of(made, assume)
+
+
+def _slopes(model: Model) -> Mapping[str, Expr]:
+    """Return how the potential energy changes with each coordinate, ``V_by_theta``."""
+    energy = next((d.expression for d in model.system.outputs if d.name == "V"), None)
+    if energy is None:
+        return {}
+    return {f"V_by_{q}": energy.diff(model.symbol(q)) for q in model.coordinates}
 
 
 def _aside(d: Definition, taken: Container[str]) -> Definition:

@@ -55,7 +55,7 @@ from eom.checker.report.questions import Question
 from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
-from eom.worlds.worlds import closure
+from eom.worlds.worlds import ASSUMPTIONS, SPECIAL, closure
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene
@@ -318,8 +318,7 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
     fails = [misfit(f.understood, known.lexicon) for f in found]
-    plain = {HOLDS, UNDER} if known.draft.words else {HOLDS}
-    firmly = [f.finding.verdict in plain for f in found]
+    firmly = [_supports(f.finding, words=known.draft.words) for f in found]
     known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
@@ -344,6 +343,14 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
+
+
+def _supports(finding: Finding, *, words: bool) -> bool:
+    """Return whether a formula speaks for the meanings in it: it holds, by no special case left unsaid."""
+    if finding.verdict != UNDER:
+        return finding.verdict == HOLDS
+    general = any(all(ASSUMPTIONS[n].kind != SPECIAL for n in s) for s in finding.sets)
+    return words and (general or all(r.kind != "not stated" for r in finding.remarks))
 
 
 def _taken(
