@@ -39,10 +39,11 @@ from eom.checker.infer.letters import (
     derived,
     followed,
     free_vectors,
+    introduced,
     labelled,
 )
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
-from eom.checker.infer.places import marks, places
+from eom.checker.infer.places import DOT, marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
 from eom.checker.infer.shown import bare, known, mended, primed, symbols
@@ -104,7 +105,7 @@ class Proposal:
     def toml(self) -> str:
         """The draft as a lexicon, with its sources as comments."""
         lines = [f'preset = "{self.preset}"'] if self.preset else []
-        for table in ("frames", "points", "marks", "symbols"):
+        for table in ("notation", "frames", "points", "marks", "symbols"):
             rows = [d for d in self.drafts if d.table == table]
             lines += ["", f"[{table}]"] if rows else []
             lines += [_row(d) for d in rows]
@@ -302,6 +303,9 @@ class _Drafted:
         self.by_labels()
         new = _defined(self.formulas, self.lexicon)
         self.by_books(new)
+        for draft in introduced(self.formulas, self.lexicon):
+            self.add(draft)
+        self.settle()
         return new
 
     def _added(self, lexicon: Lexicon) -> Lexicon:
@@ -460,7 +464,7 @@ def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -
             yield Draft(table, spelt(label), name, words, line)
     yield from _attitude(text)
     for mark, name, words, line in marks(text, found):
-        yield Draft("marks", mark, name, words, line)
+        yield Draft("notation" if mark == DOT else "marks", mark, name, words, line)
     phrases = Phrases(text, found, _body(text))
     for one in sayings:
         for meant in fitting(phrases, one):
@@ -474,6 +478,8 @@ def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
     """Return what formulas in the text say of symbols that stand alone on their left."""
     found: dict[Look, Draft] = {}
     for statement, line in zip(text.formulas, text.lines, strict=True):
+        for look, draft in _renamed(statement, line, lexicon):
+            found.setdefault(look, draft)
         left, right = statement.members[:2]
         if look_of(left) is None and look_of(right) is not None:
             left, right = right, left
@@ -492,6 +498,19 @@ def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
             if other is not None:
                 found.setdefault(other, _indexed(other, _written(term, other), rest, line, lexicon))
     return found
+
+
+def _renamed(statement: Statement, line: int, lexicon: Lexicon) -> Iterator[tuple[Look, Draft]]:
+    """Yield letters without a meaning that are equal to a symbol that has one: $I_1 = I_2 = A$."""
+    if {s.name for s in statement.signs} != {"="}:
+        return
+    looks = [(m, k) for m in statement.members if (k := bare(m)) is not None]
+    if len(looks) < len(statement.members):
+        return
+    first = next((m for m, k in looks if lexicon.find(k) is not None), None)
+    for node, look in looks:
+        if first is not None and lexicon.find(look) is None and look.name not in INDICES:
+            yield look, Draft("symbols", _written(node, look), f"= {latex(first)}", FORMULA, line)
 
 
 def _is(lexicon: Lexicon, latex: str) -> bool:

@@ -24,6 +24,7 @@ from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import AXES, Found, Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
+from eom.checker.mean.values import atoms_in
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
@@ -46,6 +47,8 @@ LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
 """Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
+TURNS = ("turn_angle", "angle")
+"""Quantities of sequences, of which books have as many as there are: words or lines make them sure alone."""
 TRUSTED, WHOLE = 3, 0.4
 """Lines that hold, and the share of symbols that it names, by which a preset beside words is sure."""
 
@@ -189,7 +192,8 @@ def evidence(
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
-    firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
+    turns = {p for p, f in every.items() if f[1].startswith(TURNS)}
+    firm = {*said, *told, *draft.confirmed, *(own - turns if whole else ())}
     return Evidence(
         used,
         tuple(hold),
@@ -317,6 +321,12 @@ def uncounted(claim: Claim) -> Iterator[str]:
     for name in model.free_coordinates:
         if name in bare and model.symbol(name) not in laws:
             yield name
+
+
+def is_turned(claim: Claim) -> bool:
+    """Return whether a claim is about a wheel whose axis it does not name."""
+    names = {str(a.data[0]) for m in claim.members for a in atoms_in(m.term, claim.scalars)}
+    return any(n.startswith("rotor_") for n in names) and "rotor_axis" not in names
 
 
 def _bare(term: Term, scalars: Mapping[Any, Term]) -> Iterator[Term]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from eom.checker.infer.places import USUAL
 from eom.checker.infer.sayings import Prose, look_of
-from eom.checker.infer.shown import bare, known, operands_of
+from eom.checker.infer.shown import bare, known, operands_of, symbols_of
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
 from eom.checker.mean.values import Refusal
@@ -115,6 +115,9 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
             continue
         if plain and said and lexicon.find(vector) is not None:
             return rf"= \left|{whole}\right|"
+        skew = len(look.accents) == 1 and look.accents[0] in lexicon.notation.skew
+        if skew and not look.style and lexicon.find(vector) is not None:
+            return rf"= \{look.accents[0]}{{{whole}}}"
         if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
             return rf"= {whole} / \left|{whole}\right|"
         if plain and axis and not entry.meaning.component and len(look.sub) == 1 and not e.sub:
@@ -300,6 +303,27 @@ def labelled(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:
             if first and look is not None and lexicon.find(look) is None:
                 yield Draft("symbols", latex_of(look), "defined", DISPLAY, formula.piece.line)
             done |= {k for m in statement.members for n in walk(m) if (k := _labelled(n, lexicon))}
+
+
+def introduced(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:
+    r"""Yield symbols that first stand alone on the left of a display in which all else has a meaning."""
+    new: dict[Look, Draft] = {}
+    before: set[Look] = set()
+    for formula in formulas:
+        for statement in formula.statements if formula.relational else ():
+            first, *rest = statement.members
+            others = tuple(symbols_of(rest))
+            told = others and all(known(lexicon, n) or bare(n, lexicon) in new for n in others)
+            equal = bool(rest) and {g.name for g in statement.signs} == {"="}
+            left = seen(first)
+            plain = left is not None and not left.dots and not left.raised
+            look = bare(first, lexicon) if plain else None
+            if look is None or look in before or known(lexicon, first):
+                pass
+            elif told and equal and formula.piece.kind == "display":
+                new[look] = Draft("symbols", latex_of(look), "defined", DISPLAY, formula.piece.line)
+            before.update(k for n in symbols_of(statement.members) if (k := bare(n, lexicon)))
+    yield from new.values()
 
 
 def _labelled(node: Node, lexicon: Lexicon) -> Look | None:

@@ -161,7 +161,8 @@ class Phrases:
         labels = filled.split()[1:3]
         same = len(set(labels)) < len(labels) and filled.startswith(_BETWEEN)
         partly = filled.startswith("external_force") and _PARTLY.search(one.sentence) is not None
-        return "" if UNKNOWN in filled or same or partly else filled
+        alone = filled == "rotor_inertia k" and _WHEEL.search(one.sentence) is None
+        return "" if UNKNOWN in filled or same or partly or alone else filled
 
     def _turning(self, row: Row, one: Said, k: int, named: Sequence[str]) -> str:
         """Return the frame that is meant, in order; a vectrix is that of its label, where that is usual."""
@@ -371,6 +372,7 @@ _PARTLY = re.compile(
     r"\b(?:but|except|besides|without|other than) (?:for )?(?:the )?(?:weight|gravity)"
 )
 """Words by which a force is not all of what acts."""
+_WHEEL = re.compile(r"\b(?:wheel|rotor|flywheel)s?\b", re.IGNORECASE)
 _NAME = re.compile(r"[A-Z]")
 _LEADS = {
     "of": r"\b(?:of|fixed in|along)",

@@ -190,16 +190,20 @@ def _first(rows: Sequence[Sequence[str]], words: str) -> int | None:
 
 
 _CALLED_MARK = re.compile(
-    r"\b(?:an?|the|small|open|over|raised)\s+(?P<mark>prime|circle|ring|bullet|star|asterisk)\b[^.;]*?"
+    r"\b(?:(?:an?|the|small|open|over|raised)\s+(?P<mark>prime|circle|ring|bullet|star|asterisk)|"
+    r"(?P<dot>(?:over)?dots?)(?! product))\b[^.;]*?"
     r"(?:derivative|rate of change|the one|differentiat)(?P<what>[^.;]*)",
     re.IGNORECASE,
 )
 """A mark in words, and what is said of the derivative that it is."""
+DOT = "dot"
+"""The mark that the notation of a lexicon explains."""
 _SIGNS = {
     "prime": ("prime",),
     "circle": ("circ", "ring"),
     "ring": ("circ", "ring"),
     "bullet": ("bullet",),
+    DOT: (DOT,),
 }
 _SEEN = re.compile(
     r"(?:relative to|with respect to|\bin|\bfrom|\bby)\s+(?:the |frame |an? |[a-z]+ (?=frame))*"
@@ -208,11 +212,12 @@ _SEEN = re.compile(
 
 
 def marks(text: Prose, found: Places) -> Iterator[tuple[str, str, str, int]]:
-    """Yield raised marks that words call derivatives: mark, frame, words, line."""
+    """Yield the dot and raised marks that words call derivatives: mark, frame, words, line."""
     for sentence in text.sentences:
         match = _CALLED_MARK.search(sentence)
         frames = _seen(text, found, match["what"]) if match is not None else []
-        for mark in _SIGNS.get(match["mark"].lower(), ()) if match is not None and frames else ():
+        name = (match["mark"] or "dot").lower() if match is not None and frames else ""
+        for mark in _SIGNS.get(name, ()):
             yield mark, frames[0], text.shown(sentence)[-70:], 0
         of = [m for m in text.marked(sentence) if m.look.name == MARKED]
         frames = _seen(text, found, sentence) if of and "derivative" in sentence else []

@@ -109,7 +109,7 @@ def prose(document: Document) -> Prose:
         elif piece.kind != "inline":
             so_far = "".join(text)
             led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
-            taken = _TAKEN.search(so_far) or _APPOSED.search(so_far)
+            taken = next((m for p in _NAMED if (m := p.search(so_far))), None)
             led = None if taken and MARKS.search(taken["what"]) else led
             taken = None if led else taken
             left = _left(shown.get(id(piece)), mentions) if led else ""
@@ -224,6 +224,12 @@ _APPOSED = re.compile(
     r"(?P<verb>\s+(?:is|are|reads?|becomes?))?\s*[:,]?\s*\Z"
 )
 """The end of words that name the left side of the display behind them: "... and the momentum about $O$"."""
+
+_TITLED = re.compile(
+    rf"(?:^|[.!?‡]|\n\s*\n)\s*(?P<what>[A-Z](?:[\w-]*\s+){{1,8}}?(?:[\w-]+|{MARK}))\s*:\s*\Z"
+)
+"""A sentence without a verb in front of a colon and a display: "Total momentum about the centre of mass:"."""
+_NAMED = (_TAKEN, _APPOSED, _TITLED)
 
 
 def _left(formula: Formula | None, mentions: list[Mention]) -> str:

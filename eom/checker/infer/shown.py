@@ -2,7 +2,7 @@ r"""Symbols of a note's formulas: each with its line, what it looks like, and wh
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from eom.checker.infer.places import as_label
 from eom.checker.mean.elaborate import elaborator
@@ -28,13 +28,19 @@ from eom.checker.read.tokens import tokenize
 def symbols(formulas: tuple[Formula, ...]) -> Iterator[tuple[Node, int]]:
     """Yield every symbol with its line, whole ones only."""
     for formula in formulas:
-        stack = [m for s in formula.statements for m in _members(s)]
-        while stack:
-            node = stack.pop()
-            if seen(node) is not None:
-                yield node, formula.piece.source.line_column(node.span.start)[0]
-            elif not isinstance(node, Number):
-                stack += reversed(operands(node))
+        for node in symbols_of(m for s in formula.statements for m in _members(s)):
+            yield node, formula.piece.source.line_column(node.span.start)[0]
+
+
+def symbols_of(nodes: Iterable[Node]) -> Iterator[Node]:
+    """Yield the symbols of nodes, whole ones; the last node first."""
+    stack = list(nodes)
+    while stack:
+        node = stack.pop()
+        if seen(node) is not None:
+            yield node
+        elif not isinstance(node, Number):
+            stack += reversed(operands(node))
 
 
 def mended(formula: Formula) -> tuple[Statement, ...]:

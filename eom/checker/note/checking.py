@@ -17,6 +17,7 @@ from eom.checker.infer.evidence import (
     Doubt,
     evidence,
     is_amiss,
+    is_turned,
     misfit,
     readings,
     uncounted,
@@ -349,7 +350,8 @@ def _supports(finding: Finding, *, words: bool) -> bool:
     """Return whether a formula speaks for the meanings in it: it holds, by no special case left unsaid."""
     if finding.verdict != UNDER:
         return finding.verdict == HOLDS
-    general = any(all(ASSUMPTIONS[n].kind != SPECIAL for n in s) for s in finding.sets)
+    special = {n for n, row in ASSUMPTIONS.items() if row.kind == SPECIAL}
+    general = any(special.isdisjoint(s) for s in finding.sets)
     return words and (general or all(r.kind != "not stated" for r in finding.remarks))
 
 
@@ -367,6 +369,8 @@ def _taken(
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]
         taken += _changed(one, draft)
+    if any(map(is_turned, (j.claim for j in one.verdict.claims))):
+        taken += ["the axis of the wheel may be any"]
     if _PLACED.search(one.finding.special):
         taken += ["points and frames are as drafted"]
     return taken
