@@ -190,20 +190,22 @@ def _first(rows: Sequence[Sequence[str]], words: str) -> int | None:
 
 
 _CALLED_MARK = re.compile(
-    r"\b(?:(?:an?|the|small|open|over|raised)\s+(?P<mark>prime|circle|ring|bullet|star|asterisk)|"
-    r"(?P<dot>(?:over)?dots?)(?! product))\b[^.;]*?"
+    r"\b(?:an?|the|small|open|over|raised)\s+(?P<mark>prime|circle|ring|bullet|star|asterisk)\b[^.;]*?"
     r"(?:derivative|rate of change|the one|differentiat)(?P<what>[^.;]*)",
     re.IGNORECASE,
 )
 """A mark in words, and what is said of the derivative that it is."""
 DOT = "dot"
 """The mark that the notation of a lexicon explains."""
+_CALLED_DOT = re.compile(
+    r"\b(?:over)?dots?\b(?! product)[^.;,]*?(?:derivative|rate of change|differentiat)(?P<what>[^.;,]*)",
+    re.IGNORECASE,
+)
 _SIGNS = {
     "prime": ("prime",),
     "circle": ("circ", "ring"),
     "ring": ("circ", "ring"),
     "bullet": ("bullet",),
-    DOT: (DOT,),
 }
 _SEEN = re.compile(
     r"(?:relative to|with respect to|\bin|\bfrom|\bby)\s+(?:the |frame |an? |[a-z]+ (?=frame))*"
@@ -216,9 +218,12 @@ def marks(text: Prose, found: Places) -> Iterator[tuple[str, str, str, int]]:
     for sentence in text.sentences:
         match = _CALLED_MARK.search(sentence)
         frames = _seen(text, found, match["what"]) if match is not None else []
-        name = (match["mark"] or "dot").lower() if match is not None and frames else ""
-        for mark in _SIGNS.get(name, ()):
+        for mark in _SIGNS.get(match["mark"].lower(), ()) if match is not None and frames else ():
             yield mark, frames[0], text.shown(sentence)[-70:], 0
+        dotted = _CALLED_DOT.search(sentence)
+        frames = _seen(text, found, dotted["what"]) if dotted is not None else []
+        if frames:
+            yield DOT, frames[0], text.shown(sentence)[-70:], 0
         of = [m for m in text.marked(sentence) if m.look.name == MARKED]
         frames = _seen(text, found, sentence) if of and "derivative" in sentence else []
         for mention, frame in zip(of, frames, strict=False):
