@@ -25,6 +25,7 @@ from typing import Any
 
 from eom.checker.infer.attitude import angles, components, turned
 from eom.checker.infer.books import TOPICS, looks_in, taken
+from eom.checker.infer.densities import densities
 from eom.checker.infer.house import drafted, fit, houses, kept
 from eom.checker.infer.letters import (
     BOOKS,
@@ -302,6 +303,9 @@ class _Drafted:
         self.by_labels()
         new = _defined(self.formulas, self.lexicon)
         self.by_books(new)
+        for draft in densities(self.formulas, self.lexicon, self.text):
+            self.add(draft)
+        self.settle()
         return new
 
     def _added(self, lexicon: Lexicon) -> Lexicon:

@@ -18,7 +18,7 @@ from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
 from eom.checker.mean.values import Refusal
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula, Statement
-from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.symbol_shape import Labels, Look, seen
 from eom.checker.read.syntax import Addition, Marks, Node, Product, Symbol, Words, walk
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
@@ -99,6 +99,9 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     bare = lexicon.find(replace(look, sub=())) if len(look.sub) == 1 else None
     if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
         return "linear_momentum <i>"
+    own = _of_particle(lexicon, look)
+    if own:
+        return own
     plain = not look.accents and not look.style
     moment = _moment(lexicon, look) if plain else ""
     if moment:
@@ -127,6 +130,21 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
         ):
             return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
     return ""
+
+
+_LABELLED = re.compile(r"(?P<point>\w+?)_?(?P<index>[ijk])")
+"""A point with the index of a particle behind it, as in ``H_{O_i}``."""
+_ABOUT = frozenset({"angular_momentum", "absolute_angular_momentum", "torque"})
+
+
+def _of_particle(lexicon: Lexicon, look: Look) -> str:
+    """Return what a letter is of a particle that is of all of them with a point alone below it."""
+    match = _LABELLED.fullmatch("".join(look.sub)) if look.accents or look.style else None
+    whole = replace(look, sub=(match["point"],)) if match is not None else None
+    found = lexicon.find(whole) if whole is not None and whole.sub in lexicon.points else None
+    if match is None or found is None or found.meaning.quantity not in _ABOUT:
+        return ""
+    return f"{found.meaning.quantity} {match['index']} {found.meaning.labels[-1]}"
 
 
 def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> Iterator[Draft]:
@@ -204,6 +222,7 @@ def by_custom(
     """Yield frames and points that labels of the note name by custom."""
     labels = dict.fromkeys((w,) for look in looks for c in look.corners for w in c if w != "d")
     yield from _free_point(lexicon, looks)
+    yield from _drawn_points(lexicon, labels)
     pairs = any(c[i : i + 2] == ("d", "m") for k in looks for c in k.corners for i in range(len(c)))
     if pairs and ("d", "m") not in lexicon.points:
         yield Draft("points", "dm", "dm", CUSTOMARY, 0)
@@ -216,6 +235,15 @@ def by_custom(
             if name and not known and (table == "frames" or name not in said):
                 word = "".join(label)
                 yield Draft(table, rf"\{word}" if len(word) > 1 else word, name, CUSTOMARY, 0)
+
+
+def _drawn_points(lexicon: Lexicon, labels: Iterable[Labels]) -> Iterator[Draft]:
+    """Yield labels in another alphabet that name the point of their letter, and no frame."""
+    for label in labels:
+        plain = (label[0].removeprefix("cal "),)
+        drawn = plain != label and label not in {*lexicon.points, *lexicon.frames}
+        if drawn and plain in lexicon.points and plain not in lexicon.frames:
+            yield Draft("points", rf"\mathcal{{{plain[0]}}}", lexicon.points[plain], CUSTOMARY, 0)
 
 
 def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:

@@ -391,7 +391,7 @@ _WORDS = (
     r"origin|reference point|fixed point|pivot"
 )
 _LEAD = re.compile(
-    r"(?:the|an?|its|their|again|total|whole|with|column|vector|of|corresponding|inertial|external|"
+    r"(?:the|an?|its|their|again|total|relative|whole|with|column|vector|of|corresponding|inertial|external|"
     r"right-handed|respectively|so|called|\W)*",
     re.IGNORECASE,
 )

@@ -109,7 +109,7 @@ def prose(document: Document) -> Prose:
             led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
             left = _left(shown.get(id(piece)), mentions) if led else ""
             so_far = "".join(text)
-            taken = _TAKEN.search(so_far) if not led else None
+            taken = (_TAKEN.search(so_far) or _DEFINES.search(so_far)) if not led else None
             what = _left(shown.get(id(piece)), mentions) if taken else ""
             if left:
                 text[-1] = text[-1].rstrip().rstrip(":,")
@@ -121,7 +121,7 @@ def prose(document: Document) -> Prose:
             text.append(_marks(formula, mentions, cases if CASE.search(lead) else formulas))
     whole = _ROW.sub(_told, _LISTED.sub(_spelt_out, "".join(text)))
     whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
-    sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
+    sentences = tuple(re.sub(r"\s+", " ", s.strip()) for s in _END.split(whole) if s.strip())
     return Prose(
         sentences,
         tuple(mentions),
@@ -217,6 +217,14 @@ _TAKEN = re.compile(
 """A sentence of its own that says what the left side of the display behind it is: "Take the momentum."."""
 
 
+_DEFINES = re.compile(
+    r"(?<=[.!?\n‡])[^.!?\n‡]*\b(?:we|one)\s+(?:define|introduce)s?\s+(?:the\s+)?"
+    r"(?P<what>[^.,;:!?\n‡]*?)\s*"
+    r"(?:,?\s*and\s+[^.;:!?‡]*?)?,?\s*(?:as\s+follows|as|by)\s*:?\s*\Z"
+)
+"""A sentence that says what the display behind it defines: "We define the momentum about $O$ as follows:"."""
+
+
 def _left(formula: Formula | None, mentions: list[Mention]) -> str:
     """Return the mark of a symbol that stands alone on the left of a display, which words lead to."""
     first = next((s for s in formula.statements if s.relational), None) if formula else None
@@ -291,8 +299,16 @@ def said(text: Prose) -> Iterator[Said]:
             behind = re.split(r"[,;.:()]", sentence[match.end() :])[0].strip()
             named = text.marked(match["of"] or match["within"])
             yield Said(named, match["what"].strip(), sentence, True, behind, match.start())
+        for match in _ABOUT.finditer(sentence):
+            words = re.sub(r"^.*\bfor\s+", "", match["what"])
+            yield Said(text.marked(match["of"]), words, sentence, start=match.start())
 
 
+_ABOUT = re.compile(
+    rf"\b(?P<what>(?:[a-z]+\s+){{1,3}}about\s+(?:the\s+)?(?:point\s+)?{MARK})\s*,\s+"
+    rf"(?P<of>{MARK})(?=\s*(?:[,:.)]|$))"
+)
+"""What is taken about a point, with its symbol behind a comma: "the torque about $O$, $M_O$:"."""
 _EQUATES = re.compile(
     r"is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|designates?|signif(?:y|ies)"
 )
