@@ -38,6 +38,8 @@ DECISIVE = (
     "components in different frames meet",
     "these are of different kinds",
     "this has no skew matrix",
+    "these do not multiply side by side; got column",
+    "these do not multiply side by side; got matrix",
 )
 """What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
 MARK = "mark "
@@ -148,13 +150,15 @@ class Evidence:
 
     def is_proved(self, number: int) -> bool:
         """Return whether each meaning in a formula is sure and holds in another."""
-        used = self.used[number].items()
-        free = {p for p, f in used if f[1].startswith("vector ")}
-        return (
-            bool(used)
-            and not self.doubts(number)
-            and all(p in free or self.held[p] - self.hold[number] for p, _ in used)
-        )
+        return bool(self.used[number]) and not self.unproved(number)
+
+    def unproved(self, number: int) -> frozenset[str]:
+        """Return the entries in a formula that are not sure, or hold in no other."""
+        return self.doubted(number) | {
+            p
+            for p, f in self.used[number].items()
+            if not f[1].startswith("vector ") and not self.held[p] - self.hold[number]
+        }
 
     @cached_property
     def held(self) -> Counter[str]:

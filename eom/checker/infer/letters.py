@@ -19,7 +19,7 @@ from eom.checker.mean.values import Refusal
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula, Statement
 from eom.checker.read.symbol_shape import Labels, Look, seen
-from eom.checker.read.syntax import Addition, Marks, Node, Product, Symbol, Words, walk
+from eom.checker.read.syntax import Addition, Group, Marks, Node, Product, Symbol, Words, walk
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
 from eom.terms.terms import INDICES, VECTOR
@@ -59,7 +59,7 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
         if found is None or found in done or lexicon.find(found) or known(lexicon, node):
             continue
         done.add(found)
-        means = _of_letter(lexicon, found, looks) or (_short(lexicon, found) if short else "")
+        means = _of_letter(lexicon, found, looks) or _norm(lexicon, found, text) or (_short(lexicon, found) if short else "")
         pattern, means = indexed(found, means)
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
@@ -99,7 +99,7 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     bare = lexicon.find(replace(look, sub=())) if len(look.sub) == 1 else None
     if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
         return "linear_momentum <i>"
-    own = _of_particle(lexicon, look)
+    own = _of_particle(lexicon, look) or _without_mark(lexicon, look)
     if own:
         return own
     plain = not look.accents and not look.style
@@ -130,6 +130,29 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
         ):
             return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
     return ""
+
+
+def _norm(lexicon: Lexicon, look: Look, text: Prose) -> str:
+    """Return the norm of the one vector of a letter of which the text has a norm in a formula."""
+    if look.accents or look.style or any(look.corners):
+        return ""
+    members = (m for s in text.formulas for m in s.members)
+    groups = (n for m in members for n in walk(m) if isinstance(n, Group) and n.open == "|")
+    inside = {k.look for g in groups if (k := seen(g.body)) is not None and not k.dots}
+    vectors = [k for k in inside if k.name == look.name and (k.accents or k.style)]
+    known = vectors and lexicon.find(vectors[0]) is not None
+    return rf"= \left|{latex_of(vectors[0])}\right|" if known and len(vectors) == 1 else ""
+
+
+def _without_mark(lexicon: Lexicon, look: Look) -> str:
+    """Return what words say of the same letter without its mark, where that is a vector all the same."""
+    plain = replace(look, style="", accents=())
+    found = lexicon.find(plain) if plain != look and "hat" not in look.accents else None
+    means = found.entry.meaning if found is not None else None
+    said = found is not None and found.entry.where.startswith("draft")
+    if means is None or not said or means.formula or means.component or means.frame:
+        return ""
+    return means.words if means.kind == VECTOR and "<" not in means.words else ""
 
 
 _LABELLED = re.compile(r"(?P<point>\w+?)_?(?P<index>[ijk])")

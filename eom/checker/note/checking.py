@@ -326,7 +326,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     names = named_in(j.claim for f in found for j in f.verdict.claims)
     for number, (one, system) in enumerate(zip(found, about, strict=True)):
         if one.finding.verdict == ILL_FORMED and not (
-            one.finding.reason.startswith(DECISIVE) and known_by.is_proved(number)
+            one.finding.reason.startswith(DECISIVE)
+            and (known_by.is_proved(number) or _is_amiss(one, known, known_by, number))
         ):
             yield replace(one, finding=_unconfirmed(one.finding))
         elif (
@@ -344,6 +345,14 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
+
+
+def _is_amiss(one: Found, known: Meanings, known_by: Evidence, number: int) -> bool:
+    """Return whether kinds do not fit by meanings alone that are sure and hold elsewhere."""
+    unproved = known_by.unproved(number)
+    return bool(unproved < known_by.used[number].keys()) and is_amiss(
+        one.understood, known.lexicon, unproved
+    )
 
 
 def _taken(
