@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from importlib.resources import files
 
 from eom.checker.infer.house import Tables, drafted, fit
-from eom.checker.infer.letters import indexed, rate
+from eom.checker.infer.letters import indexed, rate, turning
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands, operands_of
 from eom.checker.mean.lexicon import AXES, Lexicon
@@ -190,6 +190,9 @@ class _Search:
             formula = rate(lexicon, look)
             if formula:
                 yield indexed(look, formula)
+            pattern, formula = turning(lexicon, look)
+            if formula:
+                yield pattern, formula
             yield from component(look, lexicon, self.looks)
             yield from dict.fromkeys(candidates(look, self.body, lexicon, absent=self.absent))
 

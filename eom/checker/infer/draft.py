@@ -28,6 +28,7 @@ from eom.checker.infer.books import TOPICS, looks_in, taken
 from eom.checker.infer.densities import densities
 from eom.checker.infer.house import drafted, fit, houses, kept
 from eom.checker.infer.letters import (
+    ANY,
     BOOKS,
     CUSTOMARY,
     DISPLAY,
@@ -40,13 +41,15 @@ from eom.checker.infer.letters import (
     derived,
     followed,
     free_vectors,
+    is_any,
     labelled,
 )
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
-from eom.checker.infer.shown import bare, known, mended, primed, symbols
+from eom.checker.infer.shown import bare, has_dyads, known, mended, primed, symbols
+from eom.checker.infer.slots import by_places
 from eom.checker.infer.systems import USUAL, Guess, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
@@ -71,6 +74,7 @@ from eom.checker.read.syntax import (
     Number,
     Sequence,
     Words,
+    walk,
 )
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
@@ -280,7 +284,10 @@ class _Drafted:
     @property
     def rivals(self) -> tuple[str, ...]:
         """The presets that are tried beside the one that was chosen, if one was."""
-        return tuple(n for n in self.ranked[:RIVALS] if n != self.preset and self.preset)
+        found = [n for n in self.ranked[:RIVALS] if n != self.preset and self.preset]
+        if any(map(has_dyads, self.formulas)) and not self.lexicon.notation.dyads:
+            found += [n for n in PRESETS if preset(n).notation.dyads and n not in found]
+        return tuple(found)
 
     @property
     def cost(self) -> int:
@@ -299,6 +306,10 @@ class _Drafted:
         self.refine()
         for draft in by_custom(self.lexicon, self.looks, self.drafts):
             self.drafts[draft.table, draft.latex] = draft
+        self.settle()
+        members = [m for f in self.formulas for s in f.statements for m in s.members]
+        for draft in by_places(self.lexicon, self.looks, (n for m in members for n in walk(m))):
+            self.add(draft)
         self.settle()
         self.by_labels()
         new = _defined(self.formulas, self.lexicon)
@@ -390,6 +401,14 @@ class _Drafted:
             words = BESIDE if told else CUSTOMARY
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, 0)
 
+    def last_vectors(self, defined: Container[Look]) -> None:
+        """Take vectors of which nothing is known for any: identities hold for all of them."""
+        for look in self.unknown():
+            pattern, plain = latex_of(look), self.lexicon.notation.plain(look)
+            if is_any(look) and (look.accents or look.style) and plain not in defined:
+                self.add(Draft("symbols", pattern, f"vector {look.name}", ANY, self.looks.get(look, 0)))
+        self.settle()
+
     def by_books(self, defined: Container[Look]) -> None:
         """Take formulas of the text and the usual books for symbols without a meaning."""
         self.any_vectors(told=True)
@@ -418,6 +437,7 @@ class _Drafted:
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, line)
         self.any_vectors(told=False)
         self.settle()
+        self.last_vectors(defined)
         for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
             self.add(draft)
         self.settle()

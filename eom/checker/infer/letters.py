@@ -29,7 +29,9 @@ LETTER = "by its letter"
 FORMULA = "by its formula in the text"
 BOOKS = "as in the usual books"
 DISPLAY = "by its display"
-GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS, DISPLAY})
+PLACED = "by the place of the label"
+ANY = "any vector, as nothing is said of it"
+GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS, DISPLAY, PLACED, ANY})
 """What stands in the place of words where they say nothing."""
 
 
@@ -208,6 +210,21 @@ def rate(lexicon: Lexicon, look: Look) -> str:
     return rf"= {dots}{{{latex_of(of)}}}"
 
 
+def turning(lexicon: Lexicon, look: Look) -> tuple[str, str]:
+    r"""Return the formula of an angular acceleration between frames, with its pattern; "" where none is.
+
+    ``{}^{A}\vec\alpha^{B}`` is the derivative in A of ``{}^{A}\vec\omega^{B}``, for any two frames.
+    """
+    of = replace(look, name="omega")
+    found = lexicon.find(of) if look.name == "alpha" and look.presup and look.sup else None
+    if found is None or found.meaning.quantity != "angular_velocity":
+        return "", ""
+    both = {"presup": ("<F>",), "sup": ("<G>",)}
+    of = latex_of(replace(of, **both))
+    formula = rf"= \left(\frac{{d}}{{dt}} {of}\right)_{{<F>}}"
+    return latex_of(replace(look, **both)), formula
+
+
 def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
     """Return whether a symbol is a vector by its formula."""
     if not meaning.formula:
@@ -356,7 +373,7 @@ def free_vectors(
     components of the vector with one, as in ``[\tilde u] v``.
     """
     unknown = set(unknown)
-    marked = {k for k in unknown if (k.accents or k.style) and _is_any(k)}
+    marked = {k for k in unknown if (k.accents or k.style) and is_any(k)}
     entries = (e for layer in lexicon.layers for e in layer)
     said = {e.look for e in entries if e.meaning.quantity == "vector"}
     letters = {k.name for k in marked | said}
@@ -371,7 +388,7 @@ def free_vectors(
             yield look, f"vector {look.name}{' in B' if look in plain else ''}"
 
 
-def _is_any(look: Look) -> bool:
+def is_any(look: Look) -> bool:
     """Return whether a vector may be any: of a usual letter, without labels or the mark of a matrix."""
     return (
         bool(_ANY_VECTOR.fullmatch(look.name))

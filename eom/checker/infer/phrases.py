@@ -382,7 +382,7 @@ def spelt(label: Labels) -> str:
         if word.startswith(shaped):
             name, _, below = word.removeprefix(shaped).partition("_")
             return rf"\{command}{{{name}}}" + (f"_{below}" if below else "")
-    return word
+    return re.sub(r"\^([a-z]{2,})", r"^{\\\1}", word)
 
 
 _THINGS = r"point mass|(?:each|ith) (?:mass|particle)|(?:mass )?element"

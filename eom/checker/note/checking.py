@@ -22,6 +22,7 @@ from eom.checker.infer.evidence import (
     uncounted,
     with_meaning,
 )
+from eom.checker.infer.slots import guessed_labels, labels_of
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
@@ -320,7 +321,9 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     fails = [misfit(f.understood, known.lexicon) for f in found]
     plain = {HOLDS, UNDER} if known.draft.words else {HOLDS}
     firmly = [f.finding.verdict in plain for f in found]
-    known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
+    under = [] if known.draft.words else hold
+    known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails, under)
+    guessed = guessed_labels(known.draft.drafts)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
     names = named_in(j.claim for f in found for j in f.verdict.claims)
@@ -339,7 +342,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         else:
             amiss = is_amiss(one.understood, known.lexicon, known_by.doubted(number))
             doubts = () if amiss else known_by.doubts(number)
-            taken = _taken(one, known.draft, doubts, system and not named, lines)
+            placed = bool(guessed & labels_of(one.understood.formula))
+            taken = _taken(one, known.draft, doubts, system and not named, lines, labelled=placed)
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
             why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"
@@ -356,11 +360,18 @@ def _is_amiss(one: Found, known: Meanings, known_by: Evidence, number: int) -> b
 
 
 def _taken(
-    one: Found, draft: Proposal, guessed: Sequence[Doubt], system: bool, lines: int
+    one: Found,
+    draft: Proposal,
+    guessed: Sequence[Doubt],
+    system: bool,
+    lines: int,
+    *,
+    labelled: bool = False,
 ) -> list[str]:
     """Return what a wrong line rests on that nothing makes sure.
 
-    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold.
+    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold; ``labelled``:
+    whether it has frames or points that only the places of their labels suggest.
     """
     taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
     if system and (lines < CREDIBLE or guessed):
@@ -369,7 +380,7 @@ def _taken(
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]
         taken += _changed(one, draft)
-    if _PLACED.search(one.finding.special):
+    if _PLACED.search(one.finding.special) or labelled:
         taken += ["points and frames are as drafted"]
     return taken
 
