@@ -1,4 +1,4 @@
-r"""Letters with a place behind them under an integral over a volume: what there is of a quantity per volume.
+r"""Letters with a place behind them under integrals over a volume: quantities per volume.
 
 ``\iiint_V \vec f(\vec r)\,dV`` is a force, so ``\vec f(\vec r)`` is that on an element for its volume;
 ``\sigma(\vec r)`` without a mark is the density of mass.
@@ -72,5 +72,7 @@ def _of_element(look: Look, lexicon: Lexicon) -> str:
     if len(kinds) != 1:
         return ""
     (kind,) = kinds
-    about = f" {'O' if 'O' in lexicon.points.values() else 'C'}" if kind == "angular_momentum" else ""
+    about = (
+        f" {'O' if 'O' in lexicon.points.values() else 'C'}" if kind == "angular_momentum" else ""
+    )
     return f"{kind} dm{about}"

@@ -24,9 +24,10 @@ from pathlib import Path
 from typing import Any
 
 from eom.checker.infer.attitude import angles, components, turned
-from eom.checker.infer.books import TOPICS, looks_in, taken
+from eom.checker.infer.books import TOPICS, taken
 from eom.checker.infer.densities import densities
 from eom.checker.infer.house import drafted, fit, houses, kept
+from eom.checker.infer.in_text import by_formulas
 from eom.checker.infer.letters import (
     ANY,
     BOOKS,
@@ -67,19 +68,14 @@ from eom.checker.read.documents import Document
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import printable
 from eom.checker.read.statements import Formula, Statement, read
-from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import (
-    Addition,
     Node,
-    Number,
-    Sequence,
-    Words,
     walk,
 )
-from eom.checker.read.writing import latex, latex_of
+from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.limits import Overdue
-from eom.terms.terms import INDICES
 
 MAX_UNKNOWN = 40
 """Symbols that are looked for in books, those that stand in most places first."""
@@ -384,7 +380,7 @@ class _Drafted:
                 self.add(draft)
         for statement, line in self.text.cases:
             self.others += along(statement, line, self.lexicon, known=True)
-        for look, draft in _by_formulas(self.text, self.lexicon).items():
+        for look, draft in by_formulas(self.text, self.lexicon).items():
             if "<k>" in draft.latex and look.sup and _reads(draft):
                 one = lexicon_of(_tables((draft,)), DRAFT)[0]
                 same = {
@@ -406,7 +402,9 @@ class _Drafted:
         for look in self.unknown():
             pattern, plain = latex_of(look), self.lexicon.notation.plain(look)
             if is_any(look) and (look.accents or look.style) and plain not in defined:
-                self.add(Draft("symbols", pattern, f"vector {look.name}", ANY, self.looks.get(look, 0)))
+                self.add(
+                    Draft("symbols", pattern, f"vector {look.name}", ANY, self.looks.get(look, 0))
+                )
         self.settle()
 
     def by_books(self, defined: Container[Look]) -> None:
@@ -416,7 +414,7 @@ class _Drafted:
         plain = lexicon_of(_tables(self.drafts.values()), DRAFT)[0]
         own = {
             k: (d.latex, d.meaning)
-            for k, d in _by_formulas(self.text, self.lexicon).items()
+            for k, d in by_formulas(self.text, self.lexicon).items()
             if plain.find(k) is None and _reads(d)
         }
         count = Counter(k for n, _ in self.symbols if (k := bare(n)) is not None)
@@ -494,68 +492,10 @@ def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -
                 yield Draft("symbols", latex_of(part), more, meant.words, meant.line)
 
 
-def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
-    """Return what formulas in the text say of symbols that stand alone on their left."""
-    found: dict[Look, Draft] = {}
-    for statement, line in zip(text.formulas, text.lines, strict=True):
-        left, right = statement.members[:2]
-        if look_of(left) is None and look_of(right) is not None:
-            left, right = right, left
-        look = look_of(left)
-        usual = {g.name for g in statement.signs[:1]} <= {"=", "triangleq", ":=", "equiv"}
-        if (
-            look is None
-            or not usual
-            or look.name in INDICES
-            or isinstance(right, Number | Sequence | Words)
-        ):
-            continue
-        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line, lexicon))
-        for term, rest in _solved(left, right):
-            other = look_of(term)
-            if other is not None:
-                found.setdefault(other, _indexed(other, _written(term, other), rest, line, lexicon))
-    return found
-
-
 def _is(lexicon: Lexicon, latex: str) -> bool:
     """Return whether a lexicon knows a symbol by its LaTeX."""
     look = look_of(read_formula(latex).tree)
     return look is not None and lexicon.find(look) is not None
-
-
-def _written(node: Node, look: Look) -> str:
-    """Return the LaTeX of a symbol that reads as it looks."""
-    powers = seen(node)
-    own = latex_of(look)
-    plain = powers is None or not powers.raised
-    return own if plain and look_of(read_formula(own).tree) == look else latex(node)
-
-
-def _solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
-    """Yield each term of a sum of symbols with what the others make of it."""
-    terms = right.terms if isinstance(right, Addition) and set(right.signs) <= {"", "+"} else ()
-    for k, term in enumerate(terms if all(look_of(t) for t in terms) else ()):
-        others = " - ".join(latex(t) for j, t in enumerate(terms) if j != k)
-        yield term, f"{latex(left)} - {others}"
-
-
-def _indexed(look: Look, left: str, right: str, line: int, lexicon: Lexicon) -> Draft:
-    """Return the entry by a formula, for any particle, or axis, where the symbol carries an index."""
-    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in {*INDICES, "r", "s"} else ""
-    axes = bool(index) and _counts_axes(right, index, lexicon)
-    if axes or index in INDICES:
-        below = rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])"
-        slot = "<k>" if axes else "<i>"
-        left, right = (re.sub(below, f"_{{{slot}}}", t) for t in (left, right))
-    return Draft("symbols", left, f"= {right}", FORMULA, line)
-
-
-def _counts_axes(formula: str, index: str, lexicon: Lexicon) -> bool:
-    """Return whether an index in a formula is that of a unit vector."""
-    looks = looks_in(read_formula(formula).tree)
-    units = (lexicon.find(replace(k, sub=("1",))) for k in looks if k.sub == (index,))
-    return any(u is not None and u.meaning.quantity == "unit" for u in units)
 
 
 def _body(text: Prose) -> str:

@@ -38,10 +38,13 @@ DECISIVE = (
     "components in different frames meet",
     "these are of different kinds",
     "this has no skew matrix",
+)
+"""What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
+UNFIT = (
     "these do not multiply side by side; got column",
     "these do not multiply side by side; got matrix",
 )
-"""What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
+"""What is false whatever else stands in the line, if the symbols that it is about are known."""
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
 LINES = 2

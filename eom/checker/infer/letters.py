@@ -61,7 +61,8 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
         if found is None or found in done or lexicon.find(found) or known(lexicon, node):
             continue
         done.add(found)
-        means = _of_letter(lexicon, found, looks) or _norm(lexicon, found, text) or (_short(lexicon, found) if short else "")
+        means = _others(lexicon, found) or _of_letter(lexicon, found, looks)
+        means = means or _norm(lexicon, found, text) or (_short(lexicon, found) if short else "")
         pattern, means = indexed(found, means)
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
@@ -95,15 +96,17 @@ def _short(lexicon: Lexicon, look: Look) -> str:
     return rf"= \{_FUNCTIONS[look.name]} {latex_of(angle)}" if known and angle is not None else ""
 
 
+def _others(lexicon: Lexicon, look: Look) -> str:
+    """Return what a letter stands for that has a meaning with a point alone, or without its mark."""
+    return _of_particle(lexicon, look) or _without_mark(lexicon, look)
+
+
 def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     """Return what a letter stands for that a vector has, too: its norm, direction, component, column."""
     axis = AXES.get(look.sub[-1]) if look.sub else None
     bare = lexicon.find(replace(look, sub=())) if len(look.sub) == 1 else None
     if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
         return "linear_momentum <i>"
-    own = _of_particle(lexicon, look) or _without_mark(lexicon, look)
-    if own:
-        return own
     plain = not look.accents and not look.style
     moment = _moment(lexicon, look) if plain else ""
     if moment:
@@ -193,6 +196,19 @@ def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> I
             if same and means.labels != found.entry.meaning.labels:
                 new = replace(found.entry.meaning, labels=means.labels)
                 yield Draft("symbols", found.entry.latex, new.words, LETTER, 0)
+
+
+def solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
+    """Yield each term of a sum or difference of symbols with what the others make of it."""
+    terms = right.terms if isinstance(right, Addition) and len(right.terms) > 1 else ()
+    signs = ["-" if s == "-" else "+" for s in right.signs] if isinstance(right, Addition) else []
+    for k, term in enumerate(terms if all(look_of(t) for t in terms) else ()):
+        turned = "+-" if signs[k] == "+" else "-+"
+        others = "".join(
+            f" {turned[signs[j] == '+']} {latex(t)}" for j, t in enumerate(terms) if j != k
+        )
+        first = latex(left) if signs[k] == "+" else f"- {latex(left)}"
+        yield term, f"{first}{others}"
 
 
 _RATES = {"v": ("r", r"\dot"), "V": ("R", r"\dot"), "a": ("r", r"\ddot")}

@@ -222,7 +222,7 @@ _DEFINES = re.compile(
     r"(?P<what>[^.,;:!?\n‡]*?)\s*"
     r"(?:,?\s*and\s+[^.;:!?‡]*?)?,?\s*(?:as\s+follows|as|by)\s*:?\s*\Z"
 )
-"""A sentence that says what the display behind it defines: "We define the momentum about $O$ as follows:"."""
+"""A sentence that says what the display behind it defines: "We define the momentum as follows:"."""
 
 
 def _left(formula: Formula | None, mentions: list[Mention]) -> str:

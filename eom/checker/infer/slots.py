@@ -48,7 +48,7 @@ def by_places(lexicon: Lexicon, looks: Iterable[Look], nodes: Iterable[Node]) ->
     looks = tuple(looks)
     seers = {as_label(k)[0] for n in nodes if (k := _observer(n)) is not None}
     frames = dict.fromkeys(w for k in looks for w in _frames(k))
-    points = dict.fromkeys(w for k in looks for w in (*_welded(k), *_points(k)))
+    points = dict.fromkeys(w for k in looks for w in (*_welded(k), *_points(k, lexicon)))
     welded = {w for k in looks for w in _welded(k)}
     known = {k: n for k, n in lexicon.points.items() if n != "P" or k[0] not in welded}
     frames |= dict.fromkeys(sorted(seers))
@@ -77,11 +77,12 @@ def _frames(look: Look) -> Iterator[str]:
         yield from (w for corner in (look.sup, look.sub) if len(corner) in {1, 3} for w in corner)
 
 
-def _points(look: Look) -> Iterator[str]:
-    """Yield labels of a symbol that stand where points do."""
+def _points(look: Look, lexicon: Lexicon) -> Iterator[str]:
+    """Yield labels of a symbol that stand where points do; one alone may be the frame of components."""
     marked = bool(look.accents or look.style)
     for corner in (look.sub, look.sup) if marked else ():
-        if look.name in _PLACES | _MOVING and len(corner) in {1, 3}:
+        alone = len(corner) == 1 and corner not in lexicon.frames
+        if look.name in _PLACES | _MOVING and (alone or len(corner) == 3):
             yield from corner
 
 

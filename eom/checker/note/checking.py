@@ -14,7 +14,9 @@ from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
+    UNFIT,
     Doubt,
+    Evidence,
     evidence,
     is_amiss,
     misfit,
@@ -329,8 +331,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     names = named_in(j.claim for f in found for j in f.verdict.claims)
     for number, (one, system) in enumerate(zip(found, about, strict=True)):
         if one.finding.verdict == ILL_FORMED and not (
-            one.finding.reason.startswith(DECISIVE)
-            and (known_by.is_proved(number) or _is_amiss(one, known, known_by, number))
+            (one.finding.reason.startswith(DECISIVE) and known_by.is_proved(number))
+            or (one.finding.reason.startswith(UNFIT) and _is_amiss(one, known, known_by, number))
         ):
             yield replace(one, finding=_unconfirmed(one.finding))
         elif (
@@ -370,8 +372,8 @@ def _taken(
 ) -> list[str]:
     """Return what a wrong line rests on that nothing makes sure.
 
-    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold; ``labelled``:
-    whether it has frames or points that only the places of their labels suggest.
+    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold;
+    ``labelled``: whether it has frames or points that only the places of their labels suggest.
     """
     taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
     if system and (lines < CREDIBLE or guessed):

@@ -1,4 +1,4 @@
-"""Drafts of lexica and questions, of every note that is kept: valid TOML, the same meanings when read back."""
+"""Drafts and questions of every kept note: valid TOML, the same meanings when read back."""
 
 import tomllib
 from pathlib import Path
