@@ -194,11 +194,10 @@ def _proposed(document: Document) -> Proposal:
         frozenset(note.confirmed),
         note.systems,
         tuple(note.by_parts(document)),
-        any(_WORD.search(s) for s in text.sentences),
+        text.has_words,
     )
 
 
-_WORD = re.compile(r"[A-Za-z]{3}")
 RIVALS = 2
 """Presets that are tried with the usual books; of those that go best with what words say."""
 BESIDE = "beside what words call any vector, in identities"
@@ -281,7 +280,11 @@ class _Drafted:
     def rivals(self) -> tuple[str, ...]:
         """The presets that are tried beside the one that was chosen, if one was."""
         found = [n for n in self.ranked[:RIVALS] if n != self.preset and self.preset]
-        if any(map(has_dyads, self.formulas)) and not self.lexicon.notation.dyads:
+        if (
+            not self.text.has_words
+            and any(map(has_dyads, self.formulas))
+            and not self.lexicon.notation.dyads
+        ):
             found += [n for n in PRESETS if preset(n).notation.dyads and n not in found]
         return tuple(found)
 
@@ -303,10 +306,7 @@ class _Drafted:
         for draft in by_custom(self.lexicon, self.looks, self.drafts):
             self.drafts[draft.table, draft.latex] = draft
         self.settle()
-        members = [m for f in self.formulas for s in f.statements for m in s.members]
-        for draft in by_places(self.lexicon, self.looks, (n for m in members for n in walk(m))):
-            self.add(draft)
-        self.settle()
+        self.by_places()
         self.by_labels()
         new = _defined(self.formulas, self.lexicon)
         self.by_books(new)
@@ -397,14 +397,22 @@ class _Drafted:
             words = BESIDE if told else CUSTOMARY
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, 0)
 
+    def by_places(self) -> None:
+        """Take labels for frames and points by where they stand, in a note without words."""
+        members = [m for f in self.formulas for s in f.statements for m in s.members]
+        nodes = [] if self.text.has_words else [n for m in members for n in walk(m)]
+        for draft in by_places(self.lexicon, self.looks, nodes) if nodes else ():
+            self.add(draft)
+        self.settle()
+
     def last_vectors(self, defined: Container[Look]) -> None:
-        """Take vectors of which nothing is known for any: identities hold for all of them."""
-        for look in self.unknown():
+        """Take vectors of which no words speak for any: identities hold for all of them."""
+        for look in () if self.text.has_words else self.unknown():
             pattern, plain = latex_of(look), self.lexicon.notation.plain(look)
             if is_any(look) and (look.accents or look.style) and plain not in defined:
-                self.add(
-                    Draft("symbols", pattern, f"vector {look.name}", ANY, self.looks.get(look, 0))
-                )
+                components = not self.lexicon.has_vector(look)
+                means = f"vector {look.name}" + " in B" * components
+                self.add(Draft("symbols", pattern, means, ANY, self.looks.get(look, 0)))
         self.settle()
 
     def by_books(self, defined: Container[Look]) -> None:

@@ -49,8 +49,6 @@ MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
 LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
-UNDER_LINES = 4
-"""The same where they hold under conditions, in a note without words to say these."""
 MISREAD = 2
 """Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
 TRUSTED, WHOLE = 3, 0.4
@@ -78,7 +76,7 @@ class Evidence:
     were taken; ``meant``: what quantities of a system are; ``families``: symbols that speak for each other;
     ``bases``: symbols by which others are defined that stand for their norms, directions and components;
     ``fails``: on which meanings it rests that a formula does not fit; ``agreed``: those that words and
-    preset give; ``under``: which hold under conditions, where that counts less.
+    preset give.
     """
 
     used: tuple[Mapping[str, tuple[str, str]], ...]
@@ -92,7 +90,6 @@ class Evidence:
     fails: tuple[frozenset[str], ...] = ()
     spoken: frozenset[str] = frozenset()
     agreed: frozenset[str] = frozenset()
-    under: tuple[bool, ...] = ()
 
     @cached_property
     def certain(self) -> frozenset[str]:
@@ -109,16 +106,7 @@ class Evidence:
     @cached_property
     def count(self) -> Counter[str]:
         """Formulas that hold, by the families that stand in them."""
-        return self._counted(self.hold)
-
-    @cached_property
-    def count_under(self) -> Counter[str]:
-        """Formulas that hold, always or under conditions, by the families that stand in them."""
-        every = (h or u for h, u in zip(self.hold, self.under, strict=True)) if self.under else ()
-        return self._counted(tuple(every))
-
-    def _counted(self, hold: Sequence[bool]) -> Counter[str]:
-        pairs = zip(self.used, hold, strict=False)
+        pairs = zip(self.used, self.hold, strict=True)
         return Counter(
             f for u, held in pairs if held for f in {self.families[p] for p in self._all(u)}
         )
@@ -139,8 +127,6 @@ class Evidence:
         if self.guessed.get(pattern) == ANY:
             return False
         if self.families[pattern] in self.certain or self.others(pattern, number) >= LINES:
-            return True
-        if self.under and self.count_under[self.families[pattern]] >= UNDER_LINES:
             return True
         bases = self.bases.get(pattern, frozenset())
         return bool(bases) and all(self._is_base(b, number) for b in bases)
@@ -191,7 +177,6 @@ def evidence(
     lexicon: Lexicon,
     draft: Proposal,
     fails: Sequence[frozenset[str]] = (),
-    under: Sequence[bool] = (),
 ) -> Evidence:
     """Return what speaks for the meanings in formulas; ``hold``: which do, ``fails``: see `Evidence`."""
     said = {
@@ -226,7 +211,6 @@ def evidence(
         tuple(fails),
         frozenset({*said, *told, *draft.confirmed}),
         draft.confirmed,
-        tuple(under),
     )
 
 

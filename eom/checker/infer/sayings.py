@@ -71,6 +71,9 @@ class Said:
     start: int = 0
 
 
+_WORD = re.compile(r"[A-Za-z]{3}")
+
+
 @dataclass(frozen=True)
 class Prose:
     """The sentences of a note with marks for formulas, the mentions, and formulas that define letters.
@@ -83,6 +86,11 @@ class Prose:
     formulas: tuple[Statement, ...]
     lines: tuple[int, ...]
     cases: tuple[tuple[Statement, int], ...] = ()
+
+    @property
+    def has_words(self) -> bool:
+        """Whether there are words in it."""
+        return any(_WORD.search(s) for s in self.sentences)
 
     def shown(self, words: str) -> str:
         """Return words with the letters of symbols in the place of marks."""

@@ -23,7 +23,8 @@ _TURNING = frozenset({"omega", "Omega", "alpha"})
 _MOVING = frozenset({"v", "V", "a"})
 _PLACES = frozenset({"r", "R", "p", "rho", "s", "d"})
 _TABLES = frozenset({"I", "J", "H", "h", "L"})
-_LABEL = re.compile(r"(?:cal )?[A-Z](?:\^ast|_[A-Z])?")
+_LABEL = re.compile(r"(?:cal )?[A-T](?:\^ast)?")
+"""Labels that name something: no letters of any point, no points of a frame that others pass."""
 _FRAMES = ("A", "C", "D", "E", "B")
 _POINTS = ("OB", "O", "OA", "P")
 """Names of the house in the order in which they are given."""

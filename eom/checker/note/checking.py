@@ -323,8 +323,7 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     fails = [misfit(f.understood, known.lexicon) for f in found]
     plain = {HOLDS, UNDER} if known.draft.words else {HOLDS}
     firmly = [f.finding.verdict in plain for f in found]
-    under = [] if known.draft.words else hold
-    known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails, under)
+    known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
     guessed = guessed_labels(known.draft.drafts)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
