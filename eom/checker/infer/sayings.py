@@ -226,7 +226,7 @@ _TAKEN = re.compile(
 
 
 _DEFINES = re.compile(
-    r"(?<=[.!?\n‡])[^.!?\n‡]*\b(?:we|one)\s+(?:define|introduce)s?\s+(?:the\s+)?"
+    r"(?:\A|(?<=[.!?\n‡]))[^.!?\n‡]*\b(?:[Ww]e|[Oo]ne)\s+(?:define|introduce)s?\s+(?:the\s+)?"
     r"(?P<what>[^.,;:!?\n‡]*?)\s*"
     r"(?:,?\s*and\s+[^.;:!?‡]*?)?,?\s*(?:as\s+follows|as|by)\s*:?\s*\Z"
 )
