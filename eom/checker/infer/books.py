@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from importlib.resources import files
 
 from eom.checker.infer.house import Tables, drafted, fit
-from eom.checker.infer.letters import indexed, rate
+from eom.checker.infer.letters import indexed, rate, turning
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands, operands_of
 from eom.checker.mean.lexicon import AXES, Lexicon
@@ -197,6 +197,9 @@ class _Search:
             formula = rate(lexicon, look)
             if formula:
                 yield indexed(look, formula)
+            pattern, formula = turning(lexicon, look)
+            if formula:
+                yield pattern, formula
             yield from component(look, lexicon, self.looks)
             found = dict.fromkeys(candidates(look, self.body, lexicon, absent=self.absent))
             yield from sorted(found, key=lambda c: self.about not in ("", *c[1].split()[1:]))

@@ -24,9 +24,12 @@ from pathlib import Path
 from typing import Any
 
 from eom.checker.infer.attitude import angles, components, turned
-from eom.checker.infer.books import TOPICS, looks_in, taken
+from eom.checker.infer.books import TOPICS, taken
+from eom.checker.infer.densities import densities
 from eom.checker.infer.house import drafted, fit, houses, kept
+from eom.checker.infer.in_text import by_formulas
 from eom.checker.infer.letters import (
+    ANY,
     BOOKS,
     CUSTOMARY,
     DISPLAY,
@@ -40,13 +43,15 @@ from eom.checker.infer.letters import (
     followed,
     free_vectors,
     introduced,
+    is_any,
     labelled,
 )
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import DOT, marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
-from eom.checker.infer.shown import bare, known, mended, primed, symbols
+from eom.checker.infer.shown import bare, has_dyads, known, mended, primed, symbols
+from eom.checker.infer.slots import by_places
 from eom.checker.infer.systems import USUAL, Guess, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
@@ -64,18 +69,14 @@ from eom.checker.read.documents import Document
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import printable
 from eom.checker.read.statements import Formula, Statement, read
-from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import (
-    Addition,
     Node,
-    Number,
-    Sequence,
-    Words,
+    walk,
 )
-from eom.checker.read.writing import latex, latex_of
+from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.limits import Overdue
-from eom.terms.terms import INDICES
 
 MAX_UNKNOWN = 40
 """Symbols that are looked for in books, those that stand in most places first."""
@@ -194,11 +195,10 @@ def _proposed(document: Document) -> Proposal:
         frozenset(note.confirmed),
         note.systems,
         tuple(note.by_parts(document)),
-        any(_WORD.search(s) for s in text.sentences),
+        text.has_words,
     )
 
 
-_WORD = re.compile(r"[A-Za-z]{3}")
 RIVALS = 2
 """Presets that are tried with the usual books; of those that go best with what words say."""
 BESIDE = "beside what words call any vector, in identities"
@@ -280,7 +280,14 @@ class _Drafted:
     @property
     def rivals(self) -> tuple[str, ...]:
         """The presets that are tried beside the one that was chosen, if one was."""
-        return tuple(n for n in self.ranked[:RIVALS] if n != self.preset and self.preset)
+        found = [n for n in self.ranked[:RIVALS] if n != self.preset and self.preset]
+        if (
+            not self.text.has_words
+            and any(map(has_dyads, self.formulas))
+            and not self.lexicon.notation.dyads
+        ):
+            found += [n for n in PRESETS if preset(n).notation.dyads and n not in found]
+        return tuple(found)
 
     @property
     def cost(self) -> int:
@@ -300,10 +307,15 @@ class _Drafted:
         for draft in by_custom(self.lexicon, self.looks, self.drafts):
             self.drafts[draft.table, draft.latex] = draft
         self.settle()
+        self.by_places()
         self.by_labels()
         new = _defined(self.formulas, self.lexicon)
         self.by_books(new)
-        for draft in introduced(self.formulas, self.lexicon):
+        more = (
+            *introduced(self.formulas, self.lexicon),
+            *densities(self.formulas, self.lexicon, self.text),
+        )
+        for draft in more:
             self.add(draft)
         self.settle()
         return new
@@ -373,7 +385,7 @@ class _Drafted:
                 self.add(draft)
         for statement, line in self.text.cases:
             self.others += along(statement, line, self.lexicon, known=True)
-        for look, draft in _by_formulas(self.text, self.lexicon).items():
+        for look, draft in by_formulas(self.text, self.lexicon).items():
             if "<k>" in draft.latex and look.sup and _reads(draft):
                 one = lexicon_of(_tables((draft,)), DRAFT)[0]
                 same = {
@@ -390,6 +402,24 @@ class _Drafted:
             words = BESIDE if told else CUSTOMARY
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, 0)
 
+    def by_places(self) -> None:
+        """Take labels for frames and points by where they stand, in a note without words."""
+        members = [m for f in self.formulas for s in f.statements for m in s.members]
+        nodes = [] if self.text.has_words else [n for m in members for n in walk(m)]
+        for draft in by_places(self.lexicon, self.looks, nodes) if nodes else ():
+            self.add(draft)
+        self.settle()
+
+    def last_vectors(self, defined: Container[Look]) -> None:
+        """Take vectors of which no words speak for any: identities hold for all of them."""
+        for look in () if self.text.has_words else self.unknown():
+            pattern, plain = latex_of(look), self.lexicon.notation.plain(look)
+            if is_any(look) and (look.accents or look.style) and plain not in defined:
+                components = not self.lexicon.has_vector(look)
+                means = f"vector {look.name}" + " in B" * components
+                self.add(Draft("symbols", pattern, means, ANY, self.looks.get(look, 0)))
+        self.settle()
+
     def by_books(self, defined: Container[Look]) -> None:
         """Take formulas of the text and the usual books for symbols without a meaning."""
         self.any_vectors(told=True)
@@ -397,7 +427,7 @@ class _Drafted:
         plain = lexicon_of(_tables(self.drafts.values()), DRAFT)[0]
         own = {
             k: (d.latex, d.meaning)
-            for k, d in _by_formulas(self.text, self.lexicon).items()
+            for k, d in by_formulas(self.text, self.lexicon).items()
             if plain.find(k) is None and _reads(d)
         }
         count = Counter(k for n, _ in self.symbols if (k := bare(n)) is not None)
@@ -418,6 +448,7 @@ class _Drafted:
             self.drafts["symbols", pattern] = Draft("symbols", pattern, means, words, line)
         self.any_vectors(told=False)
         self.settle()
+        self.last_vectors(defined)
         for draft in derived(self.lexicon, (n for n, _ in self.symbols), self.text):
             self.add(draft)
         self.settle()
@@ -474,83 +505,10 @@ def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -
                 yield Draft("symbols", latex_of(part), more, meant.words, meant.line)
 
 
-def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
-    """Return what formulas in the text say of symbols that stand alone on their left."""
-    found: dict[Look, Draft] = {}
-    for statement, line in zip(text.formulas, text.lines, strict=True):
-        for look, draft in _renamed(statement, line, lexicon):
-            found.setdefault(look, draft)
-        left, right = statement.members[:2]
-        if look_of(left) is None and look_of(right) is not None:
-            left, right = right, left
-        look = look_of(left)
-        usual = {g.name for g in statement.signs[:1]} <= {"=", "triangleq", ":=", "equiv"}
-        if (
-            look is None
-            or not usual
-            or look.name in INDICES
-            or isinstance(right, Number | Sequence | Words)
-        ):
-            continue
-        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line, lexicon))
-        for term, rest in _solved(left, right):
-            other = look_of(term)
-            if other is not None:
-                found.setdefault(other, _indexed(other, _written(term, other), rest, line, lexicon))
-    return found
-
-
-def _renamed(statement: Statement, line: int, lexicon: Lexicon) -> Iterator[tuple[Look, Draft]]:
-    """Yield letters without a meaning that are equal to a symbol that has one: $I_1 = I_2 = A$."""
-    if {s.name for s in statement.signs} != {"="}:
-        return
-    looks = [(m, k) for m in statement.members if (k := bare(m)) is not None]
-    if len(looks) < len(statement.members):
-        return
-    first = next((m for m, k in looks if lexicon.find(k) is not None), None)
-    for node, look in looks:
-        if first is not None and lexicon.find(look) is None and look.name not in INDICES:
-            yield look, Draft("symbols", _written(node, look), f"= {latex(first)}", FORMULA, line)
-
-
 def _is(lexicon: Lexicon, latex: str) -> bool:
     """Return whether a lexicon knows a symbol by its LaTeX."""
     look = look_of(read_formula(latex).tree)
     return look is not None and lexicon.find(look) is not None
-
-
-def _written(node: Node, look: Look) -> str:
-    """Return the LaTeX of a symbol that reads as it looks."""
-    powers = seen(node)
-    own = latex_of(look)
-    plain = powers is None or not powers.raised
-    return own if plain and look_of(read_formula(own).tree) == look else latex(node)
-
-
-def _solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
-    """Yield each term of a sum of symbols with what the others make of it."""
-    terms = right.terms if isinstance(right, Addition) and set(right.signs) <= {"", "+"} else ()
-    for k, term in enumerate(terms if all(look_of(t) for t in terms) else ()):
-        others = " - ".join(latex(t) for j, t in enumerate(terms) if j != k)
-        yield term, f"{latex(left)} - {others}"
-
-
-def _indexed(look: Look, left: str, right: str, line: int, lexicon: Lexicon) -> Draft:
-    """Return the entry by a formula, for any particle, or axis, where the symbol carries an index."""
-    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in {*INDICES, "r", "s"} else ""
-    axes = bool(index) and _counts_axes(right, index, lexicon)
-    if axes or index in INDICES:
-        below = rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])"
-        slot = "<k>" if axes else "<i>"
-        left, right = (re.sub(below, f"_{{{slot}}}", t) for t in (left, right))
-    return Draft("symbols", left, f"= {right}", FORMULA, line)
-
-
-def _counts_axes(formula: str, index: str, lexicon: Lexicon) -> bool:
-    """Return whether an index in a formula is that of a unit vector."""
-    looks = looks_in(read_formula(formula).tree)
-    units = (lexicon.find(replace(k, sub=("1",))) for k in looks if k.sub == (index,))
-    return any(u is not None and u.meaning.quantity == "unit" for u in units)
 
 
 def _body(text: Prose) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 
 from eom.checker.infer.books import candidates, looks_in
 from eom.checker.infer.draft import Proposal
-from eom.checker.infer.letters import BOOKS, DISPLAY, GUESSED, LETTER
+from eom.checker.infer.letters import ANY, BOOKS, DISPLAY, GUESSED, LETTER
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.sections import TITLE
 from eom.checker.infer.shown import bare, operands_of, symbols_in
@@ -41,6 +41,11 @@ DECISIVE = (
     "this has no skew matrix",
 )
 """What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
+UNFIT = (
+    "these do not multiply side by side; got column",
+    "these do not multiply side by side; got matrix",
+)
+"""What is false whatever else stands in the line, if the symbols that it is about are known."""
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
 LINES = 2
@@ -122,6 +127,8 @@ class Evidence:
 
     def is_sure(self, pattern: str, number: int) -> bool:
         """Return whether words, two other formulas, or what makes its base sure, speak for a meaning."""
+        if self.guessed.get(pattern) == ANY:
+            return False
         if self.families[pattern] in self.certain or self.others(pattern, number) >= LINES:
             return True
         bases = self.bases.get(pattern, frozenset())
@@ -151,13 +158,15 @@ class Evidence:
 
     def is_proved(self, number: int) -> bool:
         """Return whether each meaning in a formula is sure and holds in another."""
-        used = self.used[number].items()
-        free = {p for p, f in used if f[1].startswith("vector ")}
-        return (
-            bool(used)
-            and not self.doubts(number)
-            and all(p in free or self.held[p] - self.hold[number] for p, _ in used)
-        )
+        return bool(self.used[number]) and not self.unproved(number)
+
+    def unproved(self, number: int) -> frozenset[str]:
+        """Return the entries in a formula that are not sure, or hold in no other."""
+        return self.doubted(number) | {
+            p
+            for p, f in self.used[number].items()
+            if not f[1].startswith("vector ") and not self.held[p] - self.hold[number]
+        }
 
     @cached_property
     def held(self) -> Counter[str]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from eom.checker.infer.shown import bare, symbols_of
 from eom.checker.mean.claims import claims, defined
 from eom.checker.mean.lexicon import FREE, Lexicon
 from eom.checker.mean.lexicon_files import PRESETS, lexicon_of, preset
@@ -53,16 +54,16 @@ def fit(formulas: Iterable[Formula], lexicon: Lexicon) -> Fit:
     read = _Letters(lexicon, _KEPT.get())
     for formula in formulas:
         for statement in formula.statements if formula.piece.kind == "display" else ():
-            verdicts, new = read.said(statement, known)
+            verdicts, new, unknown = read.said(statement, known)
             ill += any(v != UNDECIDED for v in verdicts)
             left += UNDECIDED in verdicts
-            places += verdicts.count(UNDECIDED)
+            places += verdicts.count(UNDECIDED) + (unknown if UNDECIDED in verdicts else 0)
             known |= new
     return Fit(ill, left, places)
 
 
-Spoken = tuple[tuple[str, ...], Mapping[Look, Value]]
-"""The verdicts of all that is found in a statement by its kinds, and what it defines."""
+Spoken = tuple[tuple[str, ...], Mapping[Look, Value], int]
+"""The verdicts of all that is found in a statement by its kinds, what it defines, its unknown symbols."""
 
 
 @dataclass
@@ -111,7 +112,7 @@ class _Letters:
     def said(self, statement: Statement, known: Mapping[Look, Value]) -> Spoken:
         """Return what a statement says beside what is defined before it."""
         if not statement.relational:
-            return (), {}
+            return (), {}, 0
         if self.kept is None or self.lexicon.system is not None or self.lexicon.moving is not None:
             return self._read(statement, known)
         key = self._key(statement, known, self.kept)
@@ -121,7 +122,15 @@ class _Letters:
 
     def _read(self, statement: Statement, known: Mapping[Look, Value]) -> Spoken:
         found = claims(statement, self.lexicon, known)
-        return tuple(f.verdict for c in found for f in c.findings), defined(found)
+        verdicts = tuple(f.verdict for c in found for f in c.findings)
+        return verdicts, defined(found), self._unknown(statement, known)
+
+    def _unknown(self, statement: Statement, known: Mapping[Look, Value]) -> int:
+        """Return how many symbols of a statement have no meaning."""
+        looks = {
+            k for n in symbols_of(statement.members) if (k := bare(n, self.lexicon)) is not None
+        }
+        return sum(k not in known and self.lexicon.find(k) is None for k in looks)
 
     def _key(
         self, statement: Statement, known: Mapping[Look, Value], kept: _Kept

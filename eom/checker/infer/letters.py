@@ -18,8 +18,8 @@ from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
 from eom.checker.mean.values import Refusal
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula, Statement
-from eom.checker.read.symbol_shape import Look, seen
-from eom.checker.read.syntax import Addition, Marks, Node, Product, Symbol, Words, walk
+from eom.checker.read.symbol_shape import Labels, Look, seen
+from eom.checker.read.syntax import Addition, Group, Marks, Node, Product, Symbol, Words, walk
 from eom.checker.read.writing import latex, latex_of
 from eom.errors import InputError
 from eom.terms.terms import INDICES, VECTOR
@@ -29,7 +29,9 @@ LETTER = "by its letter"
 FORMULA = "by its formula in the text"
 BOOKS = "as in the usual books"
 DISPLAY = "by its display"
-GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS, DISPLAY})
+PLACED = "by the place of the label"
+ANY = "any vector, as nothing is said of it"
+GUESSED = frozenset({CUSTOMARY, LETTER, BOOKS, DISPLAY, PLACED, ANY})
 """What stands in the place of words where they say nothing."""
 
 
@@ -59,7 +61,8 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
         if found is None or found in done or lexicon.find(found) or known(lexicon, node):
             continue
         done.add(found)
-        means = _of_letter(lexicon, found, looks) or (_short(lexicon, found) if short else "")
+        means = _others(lexicon, found) or _of_letter(lexicon, found, looks)
+        means = means or _norm(lexicon, found, text) or (_short(lexicon, found) if short else "")
         pattern, means = indexed(found, means)
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
@@ -91,6 +94,11 @@ def _short(lexicon: Lexicon, look: Look) -> str:
     angle = Look(look.sub[0]) if len(look.sub) == 1 and not look.accents else None
     known = angle is not None and lexicon.find(angle) is not None and look.name in _FUNCTIONS
     return rf"= \{_FUNCTIONS[look.name]} {latex_of(angle)}" if known and angle is not None else ""
+
+
+def _others(lexicon: Lexicon, look: Look) -> str:
+    """Return what a letter stands for that has a meaning with a point alone, or without its mark."""
+    return _of_particle(lexicon, look) or _without_mark(lexicon, look)
 
 
 def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
@@ -130,6 +138,44 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
         ):
             return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
     return ""
+
+
+def _norm(lexicon: Lexicon, look: Look, text: Prose) -> str:
+    """Return the norm of the one vector of a letter of which the text has a norm in a formula."""
+    if look.accents or look.style or any(look.corners):
+        return ""
+    members = (m for s in text.formulas for m in s.members)
+    groups = (n for m in members for n in walk(m) if isinstance(n, Group) and n.open == "|")
+    inside = {k.look for g in groups if (k := seen(g.body)) is not None and not k.dots}
+    vectors = [k for k in inside if k.name == look.name and (k.accents or k.style)]
+    known = vectors and lexicon.find(vectors[0]) is not None
+    return rf"= \left|{latex_of(vectors[0])}\right|" if known and len(vectors) == 1 else ""
+
+
+def _without_mark(lexicon: Lexicon, look: Look) -> str:
+    """Return what words say of the same letter without its mark, where that is a vector all the same."""
+    plain = replace(look, style="", accents=())
+    found = lexicon.find(plain) if plain != look and "hat" not in look.accents else None
+    means = found.entry.meaning if found is not None else None
+    said = found is not None and found.entry.where.startswith("draft")
+    if means is None or not said or means.formula or means.component or means.frame:
+        return ""
+    return means.words if means.kind == VECTOR and "<" not in means.words else ""
+
+
+_LABELLED = re.compile(r"(?P<point>\w+?)_?(?P<index>[ijk])")
+"""A point with the index of a particle behind it, as in ``H_{O_i}``."""
+_ABOUT = frozenset({"angular_momentum", "absolute_angular_momentum", "torque"})
+
+
+def _of_particle(lexicon: Lexicon, look: Look) -> str:
+    """Return what a letter is of a particle that is of all of them with a point alone below it."""
+    match = _LABELLED.fullmatch("".join(look.sub)) if look.accents or look.style else None
+    whole = replace(look, sub=(match["point"],)) if match is not None else None
+    found = lexicon.find(whole) if whole is not None and whole.sub in lexicon.points else None
+    if match is None or found is None or found.meaning.quantity not in _ABOUT:
+        return ""
+    return f"{found.meaning.quantity} {match['index']} {found.meaning.labels[-1]}"
 
 
 def followed(lexicon: Lexicon, looks: Iterable[Look], said: Container[str]) -> Iterator[Draft]:
@@ -178,6 +224,19 @@ def _is_place(meaning: Meaning) -> bool:
     return meaning.quantity == "position" and len(meaning.labels) == 2
 
 
+def solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
+    """Yield each term of a sum or difference of symbols with what the others make of it."""
+    terms = right.terms if isinstance(right, Addition) and len(right.terms) > 1 else ()
+    signs = ["-" if s == "-" else "+" for s in right.signs] if isinstance(right, Addition) else []
+    for k, term in enumerate(terms if all(look_of(t) for t in terms) else ()):
+        turned = "+-" if signs[k] == "+" else "-+"
+        others = "".join(
+            f" {turned[signs[j] == '+']} {latex(t)}" for j, t in enumerate(terms) if j != k
+        )
+        first = latex(left) if signs[k] == "+" else f"- {latex(left)}"
+        yield term, f"{first}{others}"
+
+
 _RATES = {"v": ("r", r"\dot"), "V": ("R", r"\dot"), "a": ("r", r"\ddot")}
 """Letters of rates of a position, with its letter."""
 
@@ -191,6 +250,21 @@ def rate(lexicon: Lexicon, look: Look) -> str:
     if found is None or "prime" not in look.sup:
         return ""
     return rf"= {dots}{{{latex_of(of)}}}"
+
+
+def turning(lexicon: Lexicon, look: Look) -> tuple[str, str]:
+    r"""Return the formula of an angular acceleration between frames, with its pattern; "" where none is.
+
+    ``{}^{A}\vec\alpha^{B}`` is the derivative in A of ``{}^{A}\vec\omega^{B}``, for any two frames.
+    """
+    of = replace(look, name="omega")
+    found = lexicon.find(of) if look.name == "alpha" and look.presup and look.sup else None
+    if found is None or found.meaning.quantity != "angular_velocity":
+        return "", ""
+    both = {"presup": ("<F>",), "sup": ("<G>",)}
+    of = latex_of(replace(of, **both))
+    formula = rf"= \left(\frac{{d}}{{dt}} {of}\right)_{{<F>}}"
+    return latex_of(replace(look, **both)), formula
 
 
 def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
@@ -230,6 +304,7 @@ def by_custom(
     """Yield frames and points that labels of the note name by custom."""
     labels = dict.fromkeys((w,) for look in looks for c in look.corners for w in c if w != "d")
     yield from _free_point(lexicon, looks)
+    yield from _drawn_points(lexicon, labels)
     pairs = any(c[i : i + 2] == ("d", "m") for k in looks for c in k.corners for i in range(len(c)))
     if pairs and ("d", "m") not in lexicon.points:
         yield Draft("points", "dm", "dm", CUSTOMARY, 0)
@@ -242,6 +317,15 @@ def by_custom(
             if name and not known and (table == "frames" or name not in said):
                 word = "".join(label)
                 yield Draft(table, rf"\{word}" if len(word) > 1 else word, name, CUSTOMARY, 0)
+
+
+def _drawn_points(lexicon: Lexicon, labels: Iterable[Labels]) -> Iterator[Draft]:
+    """Yield labels in another alphabet that name the point of their letter, and no frame."""
+    for label in labels:
+        plain = (label[0].removeprefix("cal "),)
+        drawn = plain != label and label not in {*lexicon.points, *lexicon.frames}
+        if drawn and plain in lexicon.points and plain not in lexicon.frames:
+            yield Draft("points", rf"\mathcal{{{plain[0]}}}", lexicon.points[plain], CUSTOMARY, 0)
 
 
 def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
@@ -352,7 +436,7 @@ def free_vectors(
     components of the vector with one, as in ``[\tilde u] v``.
     """
     unknown = set(unknown)
-    marked = {k for k in unknown if (k.accents or k.style) and _is_any(k)}
+    marked = {k for k in unknown if (k.accents or k.style) and is_any(k)}
     entries = (e for layer in lexicon.layers for e in layer)
     said = {e.look for e in entries if e.meaning.quantity == "vector"}
     letters = {k.name for k in marked | said}
@@ -367,7 +451,7 @@ def free_vectors(
             yield look, f"vector {look.name}{' in B' if look in plain else ''}"
 
 
-def _is_any(look: Look) -> bool:
+def is_any(look: Look) -> bool:
     """Return whether a vector may be any: of a usual letter, without labels or the mark of a matrix."""
     return (
         bool(_ANY_VECTOR.fullmatch(look.name))

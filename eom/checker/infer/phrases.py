@@ -388,7 +388,7 @@ def spelt(label: Labels) -> str:
         if word.startswith(shaped):
             name, _, below = word.removeprefix(shaped).partition("_")
             return rf"\{command}{{{name}}}" + (f"_{below}" if below else "")
-    return word
+    return re.sub(r"\^([a-z]{2,})", r"^{\\\1}", word)
 
 
 _THINGS = r"point mass|(?:each|ith) (?:mass|particle)|(?:mass )?element"
@@ -397,7 +397,7 @@ _WORDS = (
     r"origin|reference point|fixed point|pivot"
 )
 _LEAD = re.compile(
-    r"(?:the|an?|its|their|again|total|whole|with|column|vector|of|corresponding|inertial|external|"
+    r"(?:the|an?|its|their|again|total|relative|whole|with|column|vector|of|corresponding|inertial|external|"
     r"right-handed|respectively|so|called|\W)*",
     re.IGNORECASE,
 )

@@ -72,6 +72,9 @@ class Said:
     start: int = 0
 
 
+_WORD = re.compile(r"[A-Za-z]{3}")
+
+
 @dataclass(frozen=True)
 class Prose:
     """The sentences of a note with marks for formulas, the mentions, and formulas that define letters.
@@ -84,6 +87,11 @@ class Prose:
     formulas: tuple[Statement, ...]
     lines: tuple[int, ...]
     cases: tuple[tuple[Statement, int], ...] = ()
+
+    @property
+    def has_words(self) -> bool:
+        """Whether there are words in it."""
+        return any(_WORD.search(s) for s in self.sentences)
 
     def shown(self, words: str) -> str:
         """Return words with the letters of symbols in the place of marks."""
@@ -124,7 +132,7 @@ def prose(document: Document) -> Prose:
             text.append(_marks(formula, mentions, cases if CASE.search(lead) else formulas))
     whole = _ROW.sub(_told, _LISTED.sub(_spelt_out, "".join(text)))
     whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
-    sentences = tuple(s.strip() for s in _END.split(whole) if s.strip())
+    sentences = tuple(re.sub(r"\s+", " ", s.strip()) for s in _END.split(whole) if s.strip())
     return Prose(
         sentences,
         tuple(mentions),
@@ -229,7 +237,15 @@ _TITLED = re.compile(
     rf"(?:^|[.!?‡]|\n\s*\n)\s*(?P<what>[A-Z](?:[\w-]*\s+){{1,8}}?(?:[\w-]+|{MARK}))\s*:\s*\Z"
 )
 """A sentence without a verb in front of a colon and a display: "Total momentum about the centre of mass:"."""
-_NAMED = (_TAKEN, _APPOSED, _TITLED)
+
+
+_DEFINES = re.compile(
+    r"(?:\A|(?<=[.!?\n‡]))[^.!?\n‡]*\b(?:[Ww]e|[Oo]ne)\s+(?:define|introduce)s?\s+(?:the\s+)?"
+    r"(?P<what>[^.,;:!?\n‡]*?)\s*"
+    r"(?:,?\s*and\s+[^.;:!?‡]*?)?,?\s*(?:as\s+follows|as|by)\s*:?\s*\Z"
+)
+"""A sentence that says what the display behind it defines: "We define the momentum as follows:"."""
+_NAMED = (_TAKEN, _DEFINES, _APPOSED, _TITLED)
 
 
 def _left(formula: Formula | None, mentions: list[Mention]) -> str:
@@ -306,8 +322,16 @@ def said(text: Prose) -> Iterator[Said]:
             behind = re.split(r"[,;.:()]", sentence[match.end() :])[0].strip()
             named = text.marked(match["of"] or match["within"])
             yield Said(named, match["what"].strip(), sentence, True, behind, match.start())
+        for match in _ABOUT.finditer(sentence):
+            words = re.sub(r"^.*\bfor\s+", "", match["what"])
+            yield Said(text.marked(match["of"]), words, sentence, start=match.start())
 
 
+_ABOUT = re.compile(
+    rf"\b(?P<what>(?:[a-z]+\s+){{1,3}}about\s+(?:the\s+)?(?:point\s+)?{MARK})\s*,\s+"
+    rf"(?P<of>{MARK})(?=\s*(?:[,:.)]|$))"
+)
+"""What is taken about a point, with its symbol behind a comma: "the torque about $O$, $M_O$:"."""
 _EQUATES = re.compile(
     r"is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|designates?|signif(?:y|ies)"
 )

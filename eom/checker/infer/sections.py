@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
+from eom.checker.infer.letters import FORMULA, solved
 from eom.checker.infer.phrases import OF_ONE, Phrases, fitting, slotted
 from eom.checker.infer.places import places
 from eom.checker.infer.sayings import look_of, said
@@ -20,6 +21,8 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import read_formula
+from eom.checker.read.symbol_shape import Look
+from eom.checker.read.writing import latex_of
 
 _TITLES = (
     (
@@ -66,7 +69,8 @@ def sections(
         turned = {
             o.latex: o for o in _turned(part, body, whose, lexicon) if reads(o.latex, o.means)
         }
-        every = {**turned, **earlier, **spoken}
+        shifted = {o.latex: o for o in _shifted(part, lexicon) if reads(o.latex, o.means)}
+        every = {**turned, **earlier, **spoken, **shifted}
         earlier = {k: o for k, o in every.items() if _differs(o, _known(lexicon, k))}
         own = tuple(o for o in earlier.values() if _stands(o, part))
         if own:
@@ -117,6 +121,49 @@ def _turned(part: Part, body: str, whose: str, lexicon: Lexicon) -> Iterator[Own
         yield Own(found.entry.latex, words, TITLE, 0)
 
 
+_PARALLEL = re.compile(
+    r"\b(?:frames|axes|triads|bases)\b.*\bparallel\b|\bparallel\b.*\b(?:frames|axes|triads)\b",
+    re.IGNORECASE,
+)
+"""Words by which two frames differ in their origins alone."""
+
+
+def _shifted(part: Part, lexicon: Lexicon) -> Iterator[Own]:
+    """Yield what has a frame below it where frames are parallel: it is about the origin of that frame.
+
+    All components are the same in both frames.
+    """
+    inner = sum(p.kind == "heading" for p in part.document.pieces) == 1
+    said_so = next((s for s in part.text.sentences if inner and _PARALLEL.search(s)), "")
+    if not said_so:
+        return
+    words = part.text.shown(said_so)[:70]
+    yield from _differences(part, lexicon)
+    for look in _shown(part):
+        label = "".join(look.sub).removeprefix("O_").removeprefix("O")
+        origin = lexicon.points.get((f"O_{label}",), "")
+        base = replace(look, sub=())
+        found = lexicon.find(look) or lexicon.find(base)
+        means = found.entry.meaning if found is not None and origin else None
+        about = {
+            "position": f"position dm {origin}",
+            "inertia": f"inertia {origin}",
+            "first_moment": f"first_moment body {origin}",
+        }.get(means.quantity if means is not None else "", "")
+        if about and (label,) in lexicon.frames:
+            yield Own(latex_of(look), f"{about} in B", words, 0)
+
+
+def _differences(part: Part, lexicon: Lexicon) -> Iterator[Own]:
+    """Yield what sums and differences in a part's text say of a symbol that has no meaning."""
+    for statement, line in zip(part.text.formulas, part.text.lines, strict=True):
+        left, right = statement.members[:2]
+        for term, rest in solved(left, right) if look_of(left) is not None else ():
+            look = look_of(term)
+            if look is not None and lexicon.find(look) is None and len(look.sub) == 2:
+                yield Own(latex_of(look), f"= {rest}", FORMULA, line)
+
+
 def _known(lexicon: Lexicon, pattern: str) -> str:
     """Return what a lexicon says of a pattern, or of the symbol that it is."""
     rows = (e for layer in lexicon.layers for e in layer if e.latex == pattern)
@@ -131,4 +178,9 @@ def _known(lexicon: Lexicon, pattern: str) -> str:
 def _stands(own: Own, part: Part) -> bool:
     """Return whether a symbol of a part's formulas is meant."""
     one, _ = lexicon_of({"symbols": {own.latex: own.means}}, "part")
-    return any(one.find(look) is not None for look in part.looks[0])
+    return any(one.find(look) is not None for look in _shown(part))
+
+
+def _shown(part: Part) -> Iterator[Look]:
+    """Yield the symbols of a part's displays; a raised cross is no label."""
+    yield from (replace(k, sup=()) if k.sup == ("times",) else k for k in part.looks[0])

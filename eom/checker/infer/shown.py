@@ -3,6 +3,7 @@ r"""Symbols of a note's formulas: each with its line, what it looks like, and wh
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 
 from eom.checker.infer.places import as_label
 from eom.checker.mean.elaborate import elaborator
@@ -19,8 +20,12 @@ from eom.checker.read.syntax import (
     Marks,
     Node,
     Number,
+    Product,
+    Quotient,
+    Scripts,
     Symbol,
     children,
+    walk,
 )
 from eom.checker.read.tokens import tokenize
 
@@ -98,7 +103,25 @@ def bare(node: Node, lexicon: Lexicon | None = None) -> Look | None:
         if lexicon.find(whole) is not None or (primed(node) is not None and not marked):
             return whole
     labelled = isinstance(raised, Symbol) and raised.name not in {"T", "top", "t", "intercal"}
+    vector = bool(found.look.accents or found.look.style)
+    labelled |= vector and isinstance(raised, Quotient | Scripts) and not _numbers(raised)
     return found.with_label() if labelled else found.look
+
+
+def has_dyads(formula: Formula) -> bool:
+    """Return whether a vector stands beside itself in a formula, as in the dyadic of an inertia."""
+    nodes = (n for s in formula.statements for m in s.members for n in walk(m))
+    products = (n.factors for n in nodes if isinstance(n, Product) and not n.operator)
+    pairs = (p for factors in products for p in pairwise(map(seen, factors)))
+    return any(
+        a is not None and b is not None and a == b and bool(a.look.accents or a.look.style)
+        for a, b in pairs
+    )
+
+
+def _numbers(node: Node) -> bool:
+    """Return whether numbers stand in what is raised: a power."""
+    return any(isinstance(n, Number) for n in walk(node))
 
 
 def primed(node: Node) -> Look | None:

@@ -14,7 +14,9 @@ from eom.checker.infer.asking import questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
+    UNFIT,
     Doubt,
+    Evidence,
     evidence,
     is_amiss,
     is_turned,
@@ -23,6 +25,7 @@ from eom.checker.infer.evidence import (
     uncounted,
     with_meaning,
 )
+from eom.checker.infer.slots import guessed_labels, labels_of
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
@@ -321,12 +324,14 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     fails = [misfit(f.understood, known.lexicon) for f in found]
     firmly = [_supports(f.finding, words=known.draft.words) for f in found]
     known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
+    guessed = guessed_labels(known.draft.drafts)
     lines = sum(h and a for h, a in zip(hold, about, strict=True))
     named = settings.system is not None
     names = named_in(j.claim for f in found for j in f.verdict.claims)
     for number, (one, system) in enumerate(zip(found, about, strict=True)):
         if one.finding.verdict == ILL_FORMED and not (
-            one.finding.reason.startswith(DECISIVE) and known_by.is_proved(number)
+            (one.finding.reason.startswith(DECISIVE) and known_by.is_proved(number))
+            or (one.finding.reason.startswith(UNFIT) and _is_amiss(one, known, known_by, number))
         ):
             yield replace(one, finding=_unconfirmed(one.finding))
         elif (
@@ -338,7 +343,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
         else:
             amiss = is_amiss(one.understood, known.lexicon, known_by.doubted(number))
             doubts = () if amiss else known_by.doubts(number)
-            taken = _taken(one, known.draft, doubts, system and not named, lines)
+            placed = bool(guessed & labels_of(one.understood.formula))
+            taken = _taken(one, known.draft, doubts, system and not named, lines, labelled=placed)
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
             why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"
@@ -355,12 +361,27 @@ def _supports(finding: Finding, *, words: bool) -> bool:
     return words and (general or all(r.kind != "not stated" for r in finding.remarks))
 
 
+def _is_amiss(one: Found, known: Meanings, known_by: Evidence, number: int) -> bool:
+    """Return whether kinds do not fit by meanings alone that are sure and hold elsewhere."""
+    unproved = known_by.unproved(number)
+    return bool(unproved < known_by.used[number].keys()) and is_amiss(
+        one.understood, known.lexicon, unproved
+    )
+
+
 def _taken(
-    one: Found, draft: Proposal, guessed: Sequence[Doubt], system: bool, lines: int
+    one: Found,
+    draft: Proposal,
+    guessed: Sequence[Doubt],
+    system: bool,
+    lines: int,
+    *,
+    labelled: bool = False,
 ) -> list[str]:
     """Return what a wrong line rests on that nothing makes sure.
 
-    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold.
+    ``system``: whether it is about the system of the draft, with which so many ``lines`` hold;
+    ``labelled``: whether it has frames or points that only the places of their labels suggest.
     """
     taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
     if system and (lines < CREDIBLE or guessed):
@@ -371,7 +392,7 @@ def _taken(
         taken += _changed(one, draft)
     if any(map(is_turned, (j.claim for j in one.verdict.claims))):
         taken += ["the axis of the wheel may be any"]
-    if _PLACED.search(one.finding.special):
+    if _PLACED.search(one.finding.special) or labelled:
         taken += ["points and frames are as drafted"]
     return taken
 
