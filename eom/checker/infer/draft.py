@@ -23,7 +23,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from eom.checker.infer.attitude import angles, components, turned
+from eom.checker.infer.attitude import angles, components, single_turns, turned
 from eom.checker.infer.books import TOPICS, looks_in, taken
 from eom.checker.infer.house import drafted, fit, houses, kept
 from eom.checker.infer.letters import (
@@ -41,6 +41,7 @@ from eom.checker.infer.letters import (
     free_vectors,
     labelled,
 )
+from eom.checker.infer.lists import listed, turns
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
@@ -324,10 +325,29 @@ class _Drafted:
         self.confirmed = {p for p in known.values() if p}
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
+        self.by_lists()
         for look in turned(self.text):
             found = self.lexicon.find(look)
             if found is not None and found.meaning.quantity in {"angle", "turn_angle"}:
                 self.confirmed.add(found.entry.latex)
+
+    def by_lists(self) -> None:
+        """Take letters that columns, diagonals and sums along unit vectors have as their entries."""
+        shown = (
+            (s, f.piece.line, True)
+            for f in self.formulas
+            if f.piece.kind == "display"
+            for s in f.statements
+        )
+        texts = ((*t, False) for t in zip(self.text.formulas, self.text.lines, strict=True))
+        found = [d for s, n, a in (*texts, *shown) for d in listed(s, n, self.lexicon, shown=a)]
+        tables = list(turns(self.formulas))
+        for draft in tables:
+            self.drafts.pop((draft.table, draft.latex), None)
+        for draft in (*found, *tables):
+            self.add(draft)
+        if found or tables:
+            self.settle()
 
     def refine(self) -> None:
         """Take other shapes of what symbols are said to be, where more lines make sense with them."""
@@ -548,8 +568,8 @@ def statement_line(text: Prose, statement: Statement) -> int:
 
 
 def _attitude(text: Prose) -> Iterator[Draft]:
-    """Yield the angles of sequences that the note names."""
-    for look, means, words, line in angles(text):
+    """Yield the angles of sequences that the note names, the axis and angle of one turn."""
+    for look, means, words, line in (*angles(text), *single_turns(text)):
         yield Draft("symbols", latex_of(look), means, words, line)
 
 
@@ -568,7 +588,7 @@ _ALIKE: tuple[frozenset[str], ...] = (
 """Quantities that words separate worse than a preset does."""
 
 
-_CLOSELY = re.compile(r"\b(?:about|relative|respect|from|built|particles?)\b")
+_CLOSELY = re.compile(r"\b(?:about(?! (?:\w+ ){1,3}axes)|relative|respect|from|built|particles?)\b")
 """Words by which a note says more of a quantity than its name."""
 
 

@@ -42,6 +42,8 @@ DECISIVE = (
 """What may be said of kinds that is false whatever the line is meant to say, if its symbols are known."""
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
+CENTRE = "_centre"
+"""How names of what is said of the centre of a system's part end."""
 LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
@@ -189,6 +191,8 @@ def evidence(
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
+    elsewhere = _origins(draft)
+    own = {p for p in own if not elsewhere & {*every[p][1].split()}}
     firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
     return Evidence(
         used,
@@ -205,13 +209,21 @@ def evidence(
     )
 
 
+def _origins(draft: Proposal) -> frozenset[str]:
+    """Return the origin of a preset where the note names another point, and none that is inertial."""
+    points = {d.meaning for d in draft.drafts if d.table == "points"}
+    return frozenset({"OI"} if "O" in points and "OI" not in points else ())
+
+
 def _family(found: Found) -> str:
     """Return what symbols have in common that speak for each other.
 
     They are of one letter and one quantity: a vector, its components, and the same with other labels, where
-    labels say which point or frame is meant.
+    labels say which point or frame is meant; all that is said of the centre of a part by its label.
     """
     meaning, look = found.meaning, found.look
+    if meaning.quantity == "system" and meaning.labels[0].endswith(CENTRE) and look.sub:
+        return f"{' '.join(look.sub)} {CENTRE}"
     if meaning.formula or meaning.quantity in {"system", "defined", "vector"}:
         return found.entry.latex
     labelled = any(w not in AXES for corner in look.corners for w in corner)

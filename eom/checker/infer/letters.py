@@ -100,9 +100,9 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
         return "linear_momentum <i>"
     plain = not look.accents and not look.style
-    moment = _moment(lexicon, look) if plain else ""
-    if moment:
-        return moment
+    table = (_moment(lexicon, look) or _entry(lexicon, look)) if plain else ""
+    if table:
+        return table
     unit = "hat" in look.accents
     for entry in (e for layer in lexicon.layers for e in layer):
         e = entry.look
@@ -113,7 +113,7 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
         whole, said = latex_of(vector), entry.where.startswith("draft") or vector in looks
         if entry.meaning.kind != VECTOR and not _is_vector(lexicon, entry.meaning, whole):
             continue
-        if plain and said and lexicon.find(vector) is not None:
+        if plain and said and lexicon.find(vector) is not None and not _is_unit(entry.meaning):
             return rf"= \left|{whole}\right|"
         if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
             return rf"= {whole} / \left|{whole}\right|"
@@ -175,6 +175,26 @@ def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
         return elaborator(lexicon).value(read_formula(latex).tree).shape == VECTOR
     except (Refusal, InputError):
         return False
+
+
+def _is_unit(meaning: Meaning) -> bool:
+    """Return whether a vector has the length one, which no letter stands for."""
+    return meaning.quantity in {"unit", "principal_axis", "rotor_axis"}
+
+
+def _entry(lexicon: Lexicon, look: Look) -> str:
+    """Return the entry of a rotation that a letter with the numbers of two axes is."""
+    axes = [AXES[w] for w in look.sub if w in AXES]
+    if len(axes) != 2 or len(look.sub) != 2 or any((look.sup, look.presub, look.presup)):
+        return ""
+    found = (
+        e.meaning
+        for layer in lexicon.layers
+        for e in layer
+        if e.look.name == look.name and not any(e.look.corners) and e.where.startswith("draft")
+    )
+    table = next((m for m in found if m.quantity == "rotation" and not m.component), None)
+    return f"{_worded(table)} component {' '.join(axes)}" if table is not None else ""
 
 
 def _moment(lexicon: Lexicon, look: Look) -> str:

@@ -191,6 +191,7 @@ def same(notation: Notation, a: Value, b: Value) -> tuple[Value, Value]:
     a, b = alike(notation, (a, b))
     if a.is_zero or b.is_zero:
         return _zero_like(a, b), _zero_like(b, a)
+    a, b = _unit_like(a, b), _unit_like(b, a)
     if a.shape != b.shape:
         raise refuse(ILL_FORMED, "these are of different kinds", b.span, b.words, a.words)
     if a.shape == TABLE and size(a) != size(b):
@@ -203,6 +204,17 @@ def same(notation: Notation, a: Value, b: Value) -> tuple[Value, Value]:
         raise refuse(WRONG, "the dimensions differ", b.span, b.dimension.words, a.dimension.words)
     known = a.dimension if a.dimension is not None else b.dimension
     return replace(a, frames=frames, dimension=known), replace(b, frames=frames, dimension=known)
+
+
+_UNITS = {MATRIX: "identity_matrix", DYADIC: "identity"}
+
+
+def _unit_like(a: Value, other: Value) -> Value:
+    """Return a number 1 beside a matrix or dyadic as the unit matrix or dyadic; what is none stays."""
+    if a.shape != SCALAR or a.term != number(1) or other.shape not in _UNITS:
+        return a
+    term = quantity(_UNITS[other.shape])
+    return replace(a, term=term, shape=term.kind, dimension=NONE, frames=ANY)
 
 
 def _zero_like(a: Value, other: Value) -> Value:
@@ -220,6 +232,8 @@ def total(notation: Notation, values: Iterable[Value]) -> Value:
     """Return the sum of values with the same shape, frames and dimension."""
     values = alike(notation, values)
     kept = [v for v in values if not v.is_zero] or values[:1]
+    tables = [v for v in kept if v.shape in _UNITS]
+    kept = [_unit_like(v, tables[0]) for v in kept] if tables else kept
     result = kept[0]
     for value in kept[1:]:
         result, _ = same(notation, *_turned(result, value))

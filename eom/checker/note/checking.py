@@ -22,7 +22,8 @@ from eom.checker.infer.evidence import (
     uncounted,
     with_meaning,
 )
-from eom.checker.infer.systems import USUAL
+from eom.checker.infer.sayings import look_of
+from eom.checker.infer.systems import USUAL, is_claimed, led
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.models import equations
@@ -30,7 +31,7 @@ from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.special import Name, excused
 from eom.checker.judge.special import named as named_in
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
-from eom.checker.mean.claims import STATEMENT, Claim
+from eom.checker.mean.claims import DEFINITION, STATEMENT, Claim
 from eom.checker.mean.examples import ANOTHER
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
@@ -196,7 +197,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
         found = tuple(_explained(f, settings) for f in _found(reviewed))
-        found = tuple(_doubted(found, known, settings))
+        found = tuple(_claimed(_doubted(found, known, settings), document, known))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
         open_ = _questions(found, known)
@@ -344,6 +345,27 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
+
+
+def _claimed(found: Iterable[Found], document: Document, known: Meanings) -> Iterator[Found]:
+    """Yield the formulas; what words claim of a letter alone is no definition of it."""
+    if known.draft is None:
+        yield from found
+        return
+    said = {(s.line, s.look) for s in led(document) if is_claimed(s.words)}
+    for one in found:
+        formula = one.understood.formula
+        looks = [look_of(s.members[0]) for s in formula.statements if s.relational]
+        signs = {g.name for s in formula.statements for g in s.signs}
+        claimed = any((formula.piece.line, k) in said for k in looks)
+        if one.finding.verdict == DEFINITION and claimed and not signs & {":=", "equiv"}:
+            undecided = replace(one.finding, verdict=UNDECIDED, reason=CLAIMED)
+            yield replace(one, finding=undecided)
+        else:
+            yield one
+
+
+CLAIMED = "the words say what this is, and nothing that is known here determines it"
 
 
 def _taken(
