@@ -115,7 +115,7 @@ _FRAME_AXIS = re.compile(r"\b(?:first|second|third|common|[xyz123])\b(?=[^⟦]*$
 
 
 def single_turns(text: Prose) -> Iterator[tuple[Look, str, str, int]]:
-    """Yield the axis and the angle of one turn: "a turn about the unit vector $n$ through $\\alpha$"."""
+    """Yield the axis and the angle of one turn: "a turn about the unit vector $n$ through $a$"."""
     for sentence in text.sentences:
         match = _ONE_TURN.search(sentence)
         if match is None:

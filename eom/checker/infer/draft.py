@@ -41,7 +41,7 @@ from eom.checker.infer.letters import (
     free_vectors,
     labelled,
 )
-from eom.checker.infer.lists import listed, turns
+from eom.checker.infer.lists import listed, redefined, turns
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
@@ -173,9 +173,14 @@ def _proposed(document: Document) -> Proposal:
     first = _Drafted(formulas, text, tuple(symbols(formulas)))
     first.by_words()
     first.by_systems(document)
-    others = [replace(first, drafts={}, others=[], confirmed=set(), only=n) for n in first.rivals]
+    others = [
+        replace(first, drafts={}, others=[], confirmed=set(), only=n, dropped={})
+        for n in first.rivals
+    ]
     others += [
-        replace(note, drafts={PRIME: LABEL}, others=[], confirmed=set(), only=note.preset)
+        replace(
+            note, drafts={PRIME: LABEL}, others=[], confirmed=set(), only=note.preset, dropped={}
+        )
         for note in (first, *others[:1])
         if note.primed() and PRIME not in first.drafts
     ]
@@ -212,7 +217,7 @@ class _Drafted:
     """A draft while it is made: its entries, the preset that goes with them, the lexicon of both.
 
     ``only``: the preset where no other is tried; ``ranked``: presets, those that go best with the entries
-    in front.
+    in front; ``dropped``: what words say as one preset does, ``dropped_for``, which come back with another.
     """
 
     formulas: tuple[Formula, ...]
@@ -226,6 +231,8 @@ class _Drafted:
     systems: tuple[Guess, ...] = ()
     only: str = ""
     ranked: tuple[str, ...] = ()
+    dropped: dict[tuple[str, str], Draft] = field(default_factory=dict)
+    dropped_for: str = ""
 
     @cached_property
     def looks(self) -> Mapping[Look, int]:
@@ -276,6 +283,9 @@ class _Drafted:
         found = houses(self.formulas, tables, every, self._added, names)
         self.preset, self.lexicon = found[0]
         self.ranked = tuple(n for n, _ in found if n)
+        if self.dropped and self.preset != self.dropped_for:
+            self.drafts, self.dropped = {**self.dropped, **self.drafts}, {}
+            self.lexicon = self._added(drafted(self.preset, _tables(self.drafts.values())))
 
     @property
     def rivals(self) -> tuple[str, ...]:
@@ -323,6 +333,8 @@ class _Drafted:
         own = preset(self.preset)
         known = {k: _names(own, d) for k, d in self.drafts.items()}
         self.confirmed = {p for p in known.values() if p}
+        self.dropped = {k: d for k, d in self.drafts.items() if known[k]}
+        self.dropped_for = self.preset
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
         self.by_lists()
@@ -340,7 +352,9 @@ class _Drafted:
             for s in f.statements
         )
         texts = ((*t, False) for t in zip(self.text.formulas, self.text.lines, strict=True))
-        found = [d for s, n, a in (*texts, *shown) for d in listed(s, n, self.lexicon, shown=a)]
+        every = (*texts, *shown)
+        found = [d for s, n, a in every for d in listed(s, n, self.lexicon, shown=a)]
+        found += [d for s, n, _ in every for d in redefined(s, n, self.lexicon)]
         tables = list(turns(self.formulas))
         for draft in tables:
             self.drafts.pop((draft.table, draft.latex), None)

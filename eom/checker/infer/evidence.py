@@ -124,7 +124,14 @@ class Evidence:
         if self.families[pattern] in self.certain or self.others(pattern, number) >= LINES:
             return True
         bases = self.bases.get(pattern, frozenset())
+        if self._misfits(pattern, number):
+            return False
         return bool(bases) and all(self._is_base(b, number) for b in bases)
+
+    def _misfits(self, pattern: str, number: int) -> bool:
+        """Return whether a formula does not fit by what a letter says with which no other one holds."""
+        here = number < len(self.fails) and pattern in self.fails[number]
+        return here and self.guessed.get(pattern) == LETTER and not self.others(pattern, number)
 
     def _is_base(self, pattern: str, number: int) -> bool:
         """Return whether words or two other formulas speak for a symbol of which others are norms."""

@@ -8,6 +8,7 @@ say whether it turns axes or vectors.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from eom.checker.infer.letters import DISPLAY, FORMULA, Draft
 from eom.checker.infer.sayings import look_of
@@ -18,6 +19,7 @@ from eom.checker.read.syntax import (
     Addition,
     Call,
     Group,
+    Integral,
     Matrix,
     Node,
     Number,
@@ -30,6 +32,7 @@ from eom.checker.read.writing import latex, latex_of
 from eom.terms.terms import INDICES, MATRIX, VECTOR
 
 AXES = 3
+PRODUCT = "by the integral that defines it"
 
 
 def listed(statement: Statement, line: int, lexicon: Lexicon, *, shown: bool) -> Iterator[Draft]:
@@ -121,9 +124,7 @@ def _is_new(look: Look, lexicon: Lexicon) -> bool:
     return found is None or not found.entry.where.startswith("draft")
 
 
-def _beside(
-    found: Found, left: Node, right: Node, lexicon: Lexicon
-) -> Iterator[tuple[Look, str]]:
+def _beside(found: Found, left: Node, right: Node, lexicon: Lexicon) -> Iterator[tuple[Look, str]]:
     """Yield the letters that stand beside two or three unit vectors of one frame in a sum."""
     if found.meaning.kind != VECTOR or found.meaning.component or found.meaning.formula:
         return
@@ -145,19 +146,40 @@ def _beside(
 
 def _renamed(statement: Statement, line: int, lexicon: Lexicon) -> Iterator[Draft]:
     """Yield a letter without a meaning that the text sets equal to components that have one."""
-    looks = [look_of(m) if seen(m) is not None and not _dotted(m) else None for m in statement.members]
+    looks = [
+        look_of(m) if seen(m) is not None and not _dotted(m) else None for m in statement.members
+    ]
     if None in looks or len(looks) < 2:
         return
     first = lexicon.find(looks[0]) if looks[0] is not None else None
     last = looks[-1]
     if first is None or last is None or not first.meaning.component:
         return
-    if first.meaning.quantity == "inertia" and lexicon.find(last) is None and _is_new(last, lexicon):
+    if (
+        first.meaning.quantity == "inertia"
+        and lexicon.find(last) is None
+        and _is_new(last, lexicon)
+    ):
         yield Draft("symbols", latex_of(last), first.meaning.words, FORMULA, line)
 
 
+def redefined(statement: Statement, line: int, lexicon: Lexicon) -> Iterator[Draft]:
+    """Yield a product of inertia that an integral without a minus defines: minus an entry of the matrix."""
+    if not any(s.name == ":=" for s in statement.signs):
+        return
+    look = look_of(statement.members[0])
+    found = lexicon.find(look) if look is not None else None
+    if look is None or found is None or found.meaning.quantity != "inertia":
+        return
+    other = replace(look, sub=look.sub[::-1])
+    right = statement.members[-1]
+    plain = len(set(found.meaning.component)) == 2 and lexicon.find(other) is not None
+    if plain and not found.entry.where.startswith("draft") and isinstance(right, Integral):
+        yield Draft("symbols", latex_of(look), f"= -{latex_of(other)}", PRODUCT, line)
+
+
 def turns(formulas: Iterable[Formula]) -> Iterator[Draft]:
-    r"""Yield elementary rotations by their tables: of axes, as ``C_3(\psi)`` with sin above, or of vectors."""
+    r"""Yield elementary rotations by their tables: of axes, ``C_3(\psi)`` with sin above, or of vectors."""
     found: dict[str, list[int]] = {}
     lines: dict[str, int] = {}
     for formula in formulas:
@@ -180,7 +202,12 @@ def _called(node: Node) -> tuple[Look | None, int]:
     if len(factors) != 2 or not isinstance(factors[1], Group):
         return None, 0
     found = seen(factors[0])
-    if found is None or found.dots or found.raised or found.look.sub not in {("1",), ("2",), ("3",)}:
+    if (
+        found is None
+        or found.dots
+        or found.raised
+        or found.look.sub not in {("1",), ("2",), ("3",)}
+    ):
         return None, 0
     return found.look, int(found.look.sub[0])
 

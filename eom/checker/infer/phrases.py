@@ -81,7 +81,8 @@ class Phrases:
             one = replace(one, of=one.of[:1])
         several = len(one.of) > 1 and len(found) == len(one.of)
         for k, mention in enumerate(one.of):
-            if mention.look.name in INDICES and not mention.look.sub:
+            look = mention.look
+            if look.name in INDICES and not (look.sub or look.style or look.accents):
                 continue
             row, start = found[k] if several else found[0]
             means = self._filled(row, words if several else words[start:], one, k)
@@ -155,6 +156,8 @@ class Phrases:
             "name": one.of[k].look.name,
         }
         filled = re.sub(r"\{(\w+)\}", lambda m: values[m[1]] or UNKNOWN, row.means)
+        if filled.startswith("unit ") and len(one.of) == 3 and not any(m.look.sub for m in one.of):
+            filled = filled.replace("<k>", str(k + 1))
         if filled.startswith("quaternion ") and re.search(r"scalar (?:part )?last", one.sentence):
             filled = filled.replace("quaternion", "quaternion_last")
         quantity, _, rest = filled.partition(" ")
@@ -174,7 +177,7 @@ class Phrases:
 
     def _owner(self, one: Said, words: str) -> str:
         """Return the frame that unit vectors belong to: the last one that the sentence names before."""
-        if re.search(r"\b(?:inertial|space)\b", words.split(" vectors", maxsplit=1)[0]):
+        if _OF_SPACE.search(words.split(" vectors", maxsplit=1)[0]):
             return "I"
         before = self.text.marked(one.sentence[: one.start + len(one.words)]) if one.before else ()
         named = [self.places.frames.get(as_label(m.look)) for m in before]
@@ -222,7 +225,7 @@ class Phrases:
         return f"inertia {about} in B component {axis} {axis}" if about else ""
 
     def _of_matrix(self, look: Look) -> str:
-        """Return the point of the inertia matrix with a letter, else about which things are taken, if words say."""
+        """Return the point of the inertia matrix with a letter, else that of all things, if words name it."""
         for other, means in self.vectors.items():
             if other.name == look.name and means.startswith("inertia "):
                 return means.split()[1]
@@ -396,15 +399,15 @@ def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
 _ARTICLES = r"(?:the |frame |body |an? |columns? of |components of )*"
 _ONE = re.compile(r"\bone (?:particle|point mass|of (?:them|the particles))\b")
 """Words of a sentence that is about a particle by itself, beside others."""
+_OF_SPACE = re.compile(r"\b(?:inertial|space)\b(?! angular)")
+"""Words of vectors that do not turn; what is seen from there may turn."""
 _OF_WHAT = re.compile(
     r"\bof\s+(?:(?:the|all|these|its|external|total|resultant|applied)\s+)*"
     r"(?:(?P<torque>moments?|torques?)\b(?! of inertia| of momentum)|(?P<rate>angular velocity)|"
     r"(?P<other>forces?|velocity|acceleration|momentum|angular momentum|position|moment of momentum))"
 )
 """Of which vector components are, in words."""
-_TAKES = re.compile(
-    r"\b(?:takes|maps|turns|brings|carries|transforms|converts)\b(?P<what>[^.;]*)"
-)
+_TAKES = re.compile(r"\b(?:takes|maps|turns|brings|carries|transforms|converts)\b(?P<what>[^.;]*)")
 """What a rotation does with components of one frame: it takes them into those of another."""
 COUNTERS = frozenset({"a", "s", "p", "alpha", "mu", "nu"})
 """Labels by which some count particles, where words speak of several."""

@@ -301,14 +301,14 @@ def said(text: Prose) -> Iterator[Said]:
 
 
 def _equated(text: Prose, sentence: str) -> Iterator[Said]:
-    """Yield what stands before "is" and symbols: "the position of $dm$ from $O$ is $r$, that of $P$ is $r_P$"."""
+    """Yield what stands before "is" and symbols: "the place of $dm$ from $O$ is $r$, that of $P$ is $p$"."""
     noun = ""
     for match in _IS.finditer(sentence):
         what = _WHOSE.split(match["what"])[-1]
         if _THAT.match(what):
             what = _THAT.sub(f"{noun} of ", what) if noun else ""
         noun = re.split(r"\s+of\b", what)[0]
-        if what and MARKS.search(what):
+        if MARKS.search(what) and not _NAMED.search(what):
             yield Said(text.marked(match["of"]), what, sentence, start=match.start())
 
 
@@ -328,13 +328,14 @@ _AT = re.compile(
 
 
 def _enumerated(text: Prose, sentence: str) -> Iterator[Said]:
-    """Yield what follows symbols in a list of such without a verb: "$m$ mass of the rod, $l$ its length"."""
+    """Yield what follows symbols in a list of such without a verb: "$m$ mass of the rod, $l$ length"."""
     items = _ITEM.findall(f", {sentence}"[: MAX_WORDS * 2])
     for of, words in items if len(items) > 1 else ():
         yield Said(text.marked(of), words.strip(), sentence)
 
 
 MARKS = re.compile(MARK)
+_NAMED = re.compile(rf"{MARK}\s*$")
 _IS = re.compile(
     rf"\b(?P<what>(?:the|its|their|that|those)\s(?:(?!\b(?:is|are|be)\b)[^.;:]){{3,150}}?)\s+(?:is|are|be)\s+"
     rf"(?P<of>{LIST})(?=\s*[,.;)]|\s+and\b|\s*$)",

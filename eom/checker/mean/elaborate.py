@@ -317,7 +317,7 @@ def _product(e: Elaborator, node: Product) -> Value:
 
 
 def _is_unit(last: Node) -> bool:
-    r"""Return whether a last factor is the unit matrix or dyadic, written as a number: ``\\cos\\alpha\\,1``."""
+    """Return whether a last factor is the unit matrix or dyadic, written as a number: ``c 1``."""
     return isinstance(last, Number) and last.text == "1"
 
 

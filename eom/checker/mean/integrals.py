@@ -249,7 +249,7 @@ def big_operator(e: Elaborator, node: BigOperator) -> Value:
 
 
 def _counted(e: Elaborator, node: BigOperator, indices: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the indices of terms for those of a sum; a letter that is none below it is one that is free."""
+    """Return the indices of terms for those of a sum: a letter that is none stands for one that is free."""
     below = {w for n in walk(node.body) if isinstance(n, Scripts) and n.sub for w in labels(n.sub)}
     free = [n for n in ("l", "n", "j", "i") if n not in {*below, *indices, *e.indices.values()}]
     names = []

@@ -22,7 +22,9 @@ from eom.checker.infer.evidence import (
     uncounted,
     with_meaning,
 )
+from eom.checker.infer.lists import PRODUCT
 from eom.checker.infer.sayings import look_of
+from eom.checker.infer.shown import operands_of
 from eom.checker.infer.systems import USUAL, is_claimed, led
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
@@ -40,6 +42,7 @@ from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
+from eom.checker.read.writing import latex_of
 from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import (
     FORMULA_SECONDS,
@@ -353,19 +356,32 @@ def _claimed(found: Iterable[Found], document: Document, known: Meanings) -> Ite
         yield from found
         return
     said = {(s.line, s.look) for s in led(document) if is_claimed(s.words)}
+    drafts = known.draft.drafts
+    products = frozenset(d.latex for d in drafts if d.words == PRODUCT)
     for one in found:
         formula = one.understood.formula
         looks = [look_of(s.members[0]) for s in formula.statements if s.relational]
         signs = {g.name for s in formula.statements for g in s.signs}
         claimed = any((formula.piece.line, k) in said for k in looks)
+        why = ""
         if one.finding.verdict == DEFINITION and claimed and not signs & {":=", "equiv"}:
-            undecided = replace(one.finding, verdict=UNDECIDED, reason=CLAIMED)
-            yield replace(one, finding=undecided)
-        else:
-            yield one
+            why = CLAIMED
+        elif one.finding.verdict == UNDER and _empties(one, products):
+            why = EMPTY
+        undecided = replace(one.finding, verdict=UNDECIDED, reason=why)
+        yield replace(one, finding=undecided) if why else one
+
+
+def _empties(one: Found, products: frozenset[str]) -> bool:
+    """Return whether a formula holds only where products of inertia that it writes vanish."""
+    sets = one.finding.sets
+    principal = bool(sets) and all(any(n.startswith("principal") for n in s) for s in sets)
+    looks = operands_of(one.understood.formula) if principal and products else ()
+    return any(latex_of(k) in products for k in looks)
 
 
 CLAIMED = "the words say what this is, and nothing that is known here determines it"
+EMPTY = "it holds where a product of inertia that stands in it is zero"
 
 
 def _taken(
