@@ -284,7 +284,9 @@ class _Drafted:
         self.preset, self.lexicon = found[0]
         self.ranked = tuple(n for n, _ in found if n)
         if self.dropped and self.preset != self.dropped_for:
-            self.drafts, self.dropped = {**self.dropped, **self.drafts}, {}
+            own = preset(self.preset)
+            lost = {k: d for k, d in self.dropped.items() if not _names(own, d)}
+            self.drafts, self.dropped = {**lost, **self.drafts}, {}
             self.lexicon = self._added(drafted(self.preset, _tables(self.drafts.values())))
 
     @property

@@ -11,7 +11,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.infer.places import USUAL
-from eom.checker.infer.sayings import Prose, look_of
+from eom.checker.infer.sayings import LIST, Prose, look_of
 from eom.checker.infer.shown import bare, known, operands_of
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
@@ -51,7 +51,7 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
     component, ``\mathbf u`` the column of ``\vec u``; ``s_\theta`` the sine of an angle where words say so.
     """
     short = any("sine" in s and "cosine" in s for s in text.sentences) or _shown_short(text)
-    done: set[Look] = set()
+    done = set(_sized(text))
     symbols = tuple(symbols)
     looks = {k for n in symbols if (k := bare(n, lexicon)) is not None}
     for node in symbols:
@@ -63,6 +63,21 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
         pattern, means = indexed(found, means)
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
+
+
+_SIZE = re.compile(
+    rf"\b(?:radius|radii|height|length|width|side|edge|thickness|depth|diameter|density|ratio|coefficient)s?\s+"
+    rf"(?:is\s+|are\s+)?({LIST})",
+    re.IGNORECASE,
+)
+
+
+def _sized(text: Prose) -> Iterator[Look]:
+    """Yield plain letters that words call a size, which are no norms of vectors."""
+    for sentence in text.sentences:
+        for match in _SIZE.finditer(sentence):
+            if not re.search(r"\bits\s+$", sentence[: match.start()][-5:]):
+                yield from (m.look for m in text.marked(match[1]))
 
 
 def indexed(look: Look, means: str) -> tuple[str, str]:

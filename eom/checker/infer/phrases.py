@@ -225,7 +225,7 @@ class Phrases:
         return f"inertia {about} in B component {axis} {axis}" if about else ""
 
     def _of_matrix(self, look: Look) -> str:
-        """Return the point of the inertia matrix with a letter, else that of all things, if words name it."""
+        """Return the point of the inertia matrix with a letter, else that of all that words name."""
         for other, means in self.vectors.items():
             if other.name == look.name and means.startswith("inertia "):
                 return means.split()[1]

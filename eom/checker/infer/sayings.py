@@ -301,7 +301,7 @@ def said(text: Prose) -> Iterator[Said]:
 
 
 def _equated(text: Prose, sentence: str) -> Iterator[Said]:
-    """Yield what stands before "is" and symbols: "the place of $dm$ from $O$ is $r$, that of $P$ is $p$"."""
+    """Yield what stands before "is": "the place of $dm$ from $O$ is $r$, that of $P$ is $p$"."""
     noun = ""
     for match in _IS.finditer(sentence):
         what = _WHOSE.split(match["what"])[-1]
@@ -335,7 +335,11 @@ def _enumerated(text: Prose, sentence: str) -> Iterator[Said]:
 
 
 MARKS = re.compile(MARK)
-_NAMED = re.compile(rf"{MARK}\s*$")
+_NAMED = re.compile(
+    rf"(?<!\bof )(?<!\bfrom )(?<!\babout )(?<!\bto )(?<!\bin )(?<!\bat )(?<!\bfor )"
+    rf"(?<!\bpoint )(?<!\bframe ){MARK}\s*$"
+)
+"""A symbol behind its noun: words for the one that stands there."""
 _IS = re.compile(
     rf"\b(?P<what>(?:the|its|their|that|those)\s(?:(?!\b(?:is|are|be)\b)[^.;:]){{3,150}}?)\s+(?:is|are|be)\s+"
     rf"(?P<of>{LIST})(?=\s*[,.;)]|\s+and\b|\s*$)",

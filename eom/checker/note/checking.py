@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
+from eom.checker.infer.books import looks_in
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
@@ -42,6 +43,8 @@ from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
+from eom.checker.read.symbol_shape import labels
+from eom.checker.read.syntax import Integral, walk
 from eom.checker.read.writing import latex_of
 from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import (
@@ -71,6 +74,8 @@ MAX_OTHERS = 3
 """Lines that hold which are tried with another meaning of a symbol."""
 MAX_READINGS = 12
 """Other meanings under which a wrong line of a draft is judged again."""
+FIRM = 2
+"""Lines that hold under a condition which count as much as one that holds without."""
 CREDIBLE = 2
 """Lines that hold with a system of the draft, by which it is sure."""
 SHOWN = 3
@@ -398,9 +403,22 @@ def _taken(
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]
         taken += _changed(one, draft)
+    taken += _sliced(one)
     if _PLACED.search(one.finding.special):
         taken += ["points and frames are as drafted"]
     return taken
+
+
+def _sliced(one: Found) -> list[str]:
+    """Return that letters below an integral over the mass which have no meaning are as they were taken."""
+    reading, lexicon = one.understood.formula.reading, one.understood.lexicon
+    for node in walk(reading.tree) if reading is not None else ():
+        over = {labels(v) for v in node.variables} if isinstance(node, Integral) else ()
+        below = looks_in(node.integrand) if ("m",) in over and node.integrand is not None else ()
+        for look in below:
+            if lexicon.find(look) is None:
+                return [f"${latex_of(look)}$ is of the element of mass"]
+    return []
 
 
 def _changed(one: Found, draft: Proposal) -> list[str]:
@@ -463,15 +481,15 @@ def _broken(
     doubt: Doubt, others: Sequence[Found], settings: Settings, names: frozenset[Name]
 ) -> bool:
     """Return whether lines that hold and have a symbol hold no more with another meaning of it."""
-    tried = 0
+    tried = against = 0
     for other in others:
         here = other.understood.lexicon
         whole = with_meaning(here, other.understood.formula, doubt)
         if whole is not None and tried < MAX_OTHERS:
             tried += 1
             if not _saved(other, whole, (*settings.given, *here.assume), names):
-                return True
-    return False
+                against += FIRM if other.finding.verdict == HOLDS else 1
+    return against >= FIRM
 
 
 def _holds(claim: Claim, given: tuple[str, ...], names: frozenset[Name]) -> bool:
