@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from eom.checker.infer.attitude import angles, components, single_turns, turned
-from eom.checker.infer.books import TOPICS, looks_in, taken
+from eom.checker.infer.books import TOPICS, taken
 from eom.checker.infer.house import drafted, fit, houses, kept
 from eom.checker.infer.letters import (
     BOOKS,
@@ -41,7 +41,7 @@ from eom.checker.infer.letters import (
     free_vectors,
     labelled,
 )
-from eom.checker.infer.lists import listed, redefined, turns
+from eom.checker.infer.lists import by_formulas, listed, redefined, turns
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
@@ -63,19 +63,14 @@ from eom.checker.mean.lexicon_files import (
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import printable
-from eom.checker.read.statements import Formula, Statement, read
-from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.statements import Formula, read
+from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import (
-    Addition,
     Node,
-    Number,
-    Sequence,
-    Words,
 )
-from eom.checker.read.writing import latex, latex_of
+from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.limits import Overdue
-from eom.terms.terms import INDICES
 
 MAX_UNKNOWN = 40
 """Symbols that are looked for in books, those that stand in most places first."""
@@ -284,7 +279,7 @@ class _Drafted:
         self.preset, self.lexicon = found[0]
         self.ranked = tuple(n for n, _ in found if n)
         if self.dropped and self.preset != self.dropped_for:
-            own = preset(self.preset)
+            own = preset(self.preset) if self.preset else Lexicon()
             lost = {k: d for k, d in self.dropped.items() if not _names(own, d)}
             self.drafts, self.dropped = {**lost, **self.drafts}, {}
             self.lexicon = self._added(drafted(self.preset, _tables(self.drafts.values())))
@@ -405,7 +400,7 @@ class _Drafted:
                 self.add(draft)
         for statement, line in self.text.cases:
             self.others += along(statement, line, self.lexicon, known=True)
-        for look, draft in _by_formulas(self.text, self.lexicon).items():
+        for look, draft in by_formulas(self.text, self.lexicon).items():
             if "<k>" in draft.latex and look.sup and _reads(draft):
                 one = lexicon_of(_tables((draft,)), DRAFT)[0]
                 same = {
@@ -429,7 +424,7 @@ class _Drafted:
         plain = lexicon_of(_tables(self.drafts.values()), DRAFT)[0]
         own = {
             k: (d.latex, d.meaning)
-            for k, d in _by_formulas(self.text, self.lexicon).items()
+            for k, d in by_formulas(self.text, self.lexicon).items()
             if plain.find(k) is None and _reads(d)
         }
         count = Counter(k for n, _ in self.symbols if (k := bare(n)) is not None)
@@ -506,68 +501,10 @@ def _by_words(text: Prose, sayings: tuple[Said, ...], looks: tuple[Look, ...]) -
                 yield Draft("symbols", latex_of(part), more, meant.words, meant.line)
 
 
-def _by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
-    """Return what formulas in the text say of symbols that stand alone on their left."""
-    found: dict[Look, Draft] = {}
-    for statement, line in zip(text.formulas, text.lines, strict=True):
-        left, right = statement.members[:2]
-        if look_of(left) is None and look_of(right) is not None:
-            left, right = right, left
-        look = look_of(left)
-        usual = {g.name for g in statement.signs[:1]} <= {"=", "triangleq", ":=", "equiv"}
-        if (
-            look is None
-            or not usual
-            or look.name in INDICES
-            or isinstance(right, Number | Sequence | Words)
-        ):
-            continue
-        found.setdefault(look, _indexed(look, _written(left, look), latex(right), line, lexicon))
-        for term, rest in _solved(left, right):
-            other = look_of(term)
-            if other is not None:
-                found.setdefault(other, _indexed(other, _written(term, other), rest, line, lexicon))
-    return found
-
-
 def _is(lexicon: Lexicon, latex: str) -> bool:
     """Return whether a lexicon knows a symbol by its LaTeX."""
     look = look_of(read_formula(latex).tree)
     return look is not None and lexicon.find(look) is not None
-
-
-def _written(node: Node, look: Look) -> str:
-    """Return the LaTeX of a symbol that reads as it looks."""
-    powers = seen(node)
-    own = latex_of(look)
-    plain = powers is None or not powers.raised
-    return own if plain and look_of(read_formula(own).tree) == look else latex(node)
-
-
-def _solved(left: Node, right: Node) -> Iterator[tuple[Node, str]]:
-    """Yield each term of a sum of symbols with what the others make of it."""
-    terms = right.terms if isinstance(right, Addition) and set(right.signs) <= {"", "+"} else ()
-    for k, term in enumerate(terms if all(look_of(t) for t in terms) else ()):
-        others = " - ".join(latex(t) for j, t in enumerate(terms) if j != k)
-        yield term, f"{latex(left)} - {others}"
-
-
-def _indexed(look: Look, left: str, right: str, line: int, lexicon: Lexicon) -> Draft:
-    """Return the entry by a formula, for any particle, or axis, where the symbol carries an index."""
-    index = look.sub[0] if len(look.sub) == 1 and look.sub[0] in {*INDICES, "r", "s"} else ""
-    axes = bool(index) and _counts_axes(right, index, lexicon)
-    if axes or index in INDICES:
-        below = rf"_(?:{index}|\{{{index}\}})(?![A-Za-z])"
-        slot = "<k>" if axes else "<i>"
-        left, right = (re.sub(below, f"_{{{slot}}}", t) for t in (left, right))
-    return Draft("symbols", left, f"= {right}", FORMULA, line)
-
-
-def _counts_axes(formula: str, index: str, lexicon: Lexicon) -> bool:
-    """Return whether an index in a formula is that of a unit vector."""
-    looks = looks_in(read_formula(formula).tree)
-    units = (lexicon.find(replace(k, sub=("1",))) for k in looks if k.sub == (index,))
-    return any(u is not None and u.meaning.quantity == "unit" for u in units)
 
 
 def _body(text: Prose) -> str:
@@ -576,11 +513,6 @@ def _body(text: Prose) -> str:
     if words.count("particle") + words.count("point mass") <= words.count("body"):
         return "body"
     return "system" if re.search(r"particles|point masses|particle ⟦", words) else "P"
-
-
-def statement_line(text: Prose, statement: Statement) -> int:
-    """Return the line of a formula of the text."""
-    return text.lines[text.formulas.index(statement)]
 
 
 def _attitude(text: Prose) -> Iterator[Draft]:

@@ -198,8 +198,7 @@ def evidence(
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
-    elsewhere = _origins(draft)
-    own = {p for p in own if not elsewhere & {*every[p][1].split()}}
+    own = {*_placed(own, every, draft)}
     firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
     return Evidence(
         used,
@@ -216,10 +215,11 @@ def evidence(
     )
 
 
-def _origins(draft: Proposal) -> frozenset[str]:
-    """Return the origin of a preset where the note names another point, and none that is inertial."""
+def _placed(own: set[str], every: Mapping[str, tuple[str, str]], draft: Proposal) -> Iterator[str]:
+    """Yield entries of a preset but for those from its origin where the note names another one alone."""
     points = {d.meaning for d in draft.drafts if d.table == "points"}
-    return frozenset({"OI"} if "O" in points and "OI" not in points else ())
+    elsewhere = "O" in points and "OI" not in points
+    return (p for p in own if not (elsewhere and "OI" in every[p][1].split()))
 
 
 def _family(found: Found) -> str:

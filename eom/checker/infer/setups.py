@@ -484,7 +484,7 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
             found = []
         last = next(iter(TOKEN.findall(clean)), last)
         if found and (unknown or reading.many):
-            if not every or reading.many or not reading.things.keys() <= known.keys():
+            if _new(reading, known) or not every:
                 return None
             reading.things, until = known, _line(sentence, text, document)
             break
@@ -504,6 +504,11 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
     return Setup(
         reading.things, tuple(sizes), tuple(every), words, whole, tuple(sorted(lines)), until
     )
+
+
+def _new(reading: Reading, known: Mapping[str, Thing]) -> bool:
+    """Return whether a sentence brings in parts, or more of them than are counted."""
+    return reading.many or not reading.things.keys() <= known.keys()
 
 
 _CASE = re.compile(

@@ -306,19 +306,14 @@ def _product(e: Elaborator, node: Product) -> Value:
                 node.span,
                 expected="brackets: a x (b x c) is not (a x b) x c",
             )
-    elif _is_unit(node.factors[-1]):
-        values = [*_factors(e, node.factors[:-1]), _identity(e, node.factors[-1].span)]
+    elif isinstance(unit := node.factors[-1], Number) and unit.text == "1":
+        values = [*_factors(e, node.factors[:-1]), _identity(e, unit.span)]
     else:
         values = _factors(e, node.factors)
     result = values[0]
     for value in values[1:]:
         result = rule(e.lexicon.notation, result, value)
     return result
-
-
-def _is_unit(last: Node) -> bool:
-    """Return whether a last factor is the unit matrix or dyadic, written as a number: ``c 1``."""
-    return isinstance(last, Number) and last.text == "1"
 
 
 def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:

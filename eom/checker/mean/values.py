@@ -167,12 +167,23 @@ GEOMETRIC = frozenset({VECTOR, DYADIC})
 
 
 def alike(notation: Notation, values: Iterable[Value]) -> list[Value]:
-    """Return values with vectors as columns if there are columns beside them."""
+    """Return values with vectors as columns if there are columns beside them, 1 as a unit beside tables."""
     values = list(values)
     shapes = {v.shape for v in values if not v.is_zero}
     if shapes & GEOMETRIC and shapes & {COLUMN, MATRIX, ROW}:
-        return [mixed(notation, v) for v in values]
-    return values
+        values = [mixed(notation, v) for v in values]
+    table = next((v.shape for v in values if v.shape in _UNITS and not v.is_zero), None)
+    return values if table is None else [_unit(v, table) for v in values]
+
+
+_UNITS = {MATRIX: "identity_matrix", DYADIC: "identity"}
+
+
+def _unit(value: Value, table: str) -> Value:
+    """Return the unit matrix or dyadic for a number 1; what is none stays."""
+    if value.shape != SCALAR or value.term != number(1):
+        return value
+    return replace(value, term=quantity(_UNITS[table]), shape=table, dimension=NONE, frames=ANY)
 
 
 def _agree(a: Value, b: Value) -> tuple[str, str]:
@@ -191,7 +202,6 @@ def same(notation: Notation, a: Value, b: Value) -> tuple[Value, Value]:
     a, b = alike(notation, (a, b))
     if a.is_zero or b.is_zero:
         return _zero_like(a, b), _zero_like(b, a)
-    a, b = _unit_like(a, b), _unit_like(b, a)
     if a.shape != b.shape:
         raise refuse(ILL_FORMED, "these are of different kinds", b.span, b.words, a.words)
     if a.shape == TABLE and size(a) != size(b):
@@ -204,17 +214,6 @@ def same(notation: Notation, a: Value, b: Value) -> tuple[Value, Value]:
         raise refuse(WRONG, "the dimensions differ", b.span, b.dimension.words, a.dimension.words)
     known = a.dimension if a.dimension is not None else b.dimension
     return replace(a, frames=frames, dimension=known), replace(b, frames=frames, dimension=known)
-
-
-_UNITS = {MATRIX: "identity_matrix", DYADIC: "identity"}
-
-
-def _unit_like(a: Value, other: Value) -> Value:
-    """Return a number 1 beside a matrix or dyadic as the unit matrix or dyadic; what is none stays."""
-    if a.shape != SCALAR or a.term != number(1) or other.shape not in _UNITS:
-        return a
-    term = quantity(_UNITS[other.shape])
-    return replace(a, term=term, shape=term.kind, dimension=NONE, frames=ANY)
 
 
 def _zero_like(a: Value, other: Value) -> Value:
@@ -232,8 +231,6 @@ def total(notation: Notation, values: Iterable[Value]) -> Value:
     """Return the sum of values with the same shape, frames and dimension."""
     values = alike(notation, values)
     kept = [v for v in values if not v.is_zero] or values[:1]
-    tables = [v for v in kept if v.shape in _UNITS]
-    kept = [_unit_like(v, tables[0]) for v in kept] if tables else kept
     result = kept[0]
     for value in kept[1:]:
         result, _ = same(notation, *_turned(result, value))

@@ -413,9 +413,10 @@ def _sliced(one: Found) -> list[str]:
     """Return that letters below an integral over the mass which have no meaning are as they were taken."""
     reading, lexicon = one.understood.formula.reading, one.understood.lexicon
     for node in walk(reading.tree) if reading is not None else ():
-        over = {labels(v) for v in node.variables} if isinstance(node, Integral) else ()
-        below = looks_in(node.integrand) if ("m",) in over and node.integrand is not None else ()
-        for look in below:
+        if not isinstance(node, Integral) or node.integrand is None:
+            continue
+        over_mass = ("m",) in {labels(v) for v in node.variables}
+        for look in looks_in(node.integrand) if over_mass else ():
             if lexicon.find(look) is None:
                 return [f"${latex_of(look)}$ is of the element of mass"]
     return []
