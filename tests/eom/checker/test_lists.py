@@ -1,4 +1,4 @@
-r"""Letters that formulas and words bring in: entries of columns and diagonals, one turn, leads to displays."""
+r"""Letters that formulas and words bring in: entries of columns, diagonals and sums, one turn, leads."""
 
 from time import process_time
 
@@ -42,8 +42,8 @@ def test_letters_of_a_column_are_the_components(list_):
 
 
 def test_letters_beside_unit_vectors_are_components():
-    text = r"""The body axes have the unit vectors $\mathbf i,\mathbf j,\mathbf k$; $\boldsymbol\omega$ is the
-angular velocity of the body.
+    text = r"""The body axes have the unit vectors $\mathbf i,\mathbf j,\mathbf k$; $\boldsymbol\omega$ is
+the angular velocity of the body.
 
 $$\boldsymbol\omega = p\,\mathbf i+q\,\mathbf j+r\,\mathbf k$$
 """
@@ -52,7 +52,7 @@ $$\boldsymbol\omega = p\,\mathbf i+q\,\mathbf j+r\,\mathbf k$$
     assert found[r"\mathbf{k}"] == "unit B 3"
 
 
-EULER = r"""With $\mathbf J=\operatorname{diag}(A,B,C)$, the inertia matrix about the mass centre in body axes,
+EULER = r"""With $\mathbf J=\operatorname{diag}(A,B,C)$, the inertia matrix about the mass centre,
 and the angular velocity $\boldsymbol\omega$ of the body, no torque acts about the mass centre:
 
 $$A\dot\omega_1 = (%s)\,\omega_2\omega_3$$
