@@ -103,6 +103,35 @@ def turned(text: Prose) -> Iterator[Look]:
                 yield look
 
 
+_AXIS = rf"about\s+(?:(?!{MARK})[^.;])*?({MARK})"
+_BY = rf"(?:through|by|of)\s+(?:(?!{MARK})[^.;])*?\bangle\s+({MARK})"
+_ONE_TURN = re.compile(
+    rf"\b(?:turn|turned|rotation|rotated|rotates|turns)\b(?:(?!{MARK})[^.;])*?"
+    rf"(?:\b(?P<a>{_AXIS})(?:(?!{MARK})[^.;])*?\b{_BY}|\b(?P<b>{_BY})(?:(?!{MARK})[^.;])*?\b{_AXIS})",
+    re.IGNORECASE,
+)
+_SOME_AXIS = re.compile(r"\b(?:unit|axis|direction|euler\S*|column)\b", re.IGNORECASE)
+_FRAME_AXIS = re.compile(r"\b(?:first|second|third|common|[xyz123])\b(?=[^⟦]*$)", re.IGNORECASE)
+
+
+def single_turns(text: Prose) -> Iterator[tuple[Look, str, str, int]]:
+    """Yield the axis and the angle of one turn: "a turn about the unit vector $n$ through $a$"."""
+    for sentence in text.sentences:
+        match = _ONE_TURN.search(sentence)
+        if match is None:
+            continue
+        marks_ = text.marked(match[0])
+        axis, angle = marks_ if match["a"] else reversed(marks_)
+        about = match[0].split("about", 1)[1].split("⟦")[0]
+        if not _SOME_AXIS.search(about) or _FRAME_AXIS.search(about) or axis.look.sub:
+            continue
+        if angle.look.accents or angle.look.style or angle.look.sub:
+            continue
+        words = text.shown(match[0])[-70:]
+        yield axis.look, "principal_axis B I in B", words, axis.line
+        yield angle.look, "principal_angle B I", words, angle.line
+
+
 _LETTERS_OF_ANGLES = frozenset(
     "alpha beta gamma delta phi varphi theta vartheta psi chi eta xi mu nu kappa lambda sigma".split()
 )

@@ -23,7 +23,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from eom.checker.infer.attitude import angles, components, turned
+from eom.checker.infer.attitude import angles, components, single_turns, turned
 from eom.checker.infer.books import TOPICS, taken
 from eom.checker.infer.densities import densities
 from eom.checker.infer.house import drafted, fit, houses, kept
@@ -46,6 +46,7 @@ from eom.checker.infer.letters import (
     is_any,
     labelled,
 )
+from eom.checker.infer.lists import listed, redefined, turns
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
 from eom.checker.infer.places import DOT, marks, places
 from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
@@ -68,7 +69,7 @@ from eom.checker.mean.lexicon_files import (
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import printable
-from eom.checker.read.statements import Formula, Statement, read
+from eom.checker.read.statements import Formula, read
 from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import (
     Node,
@@ -174,9 +175,14 @@ def _proposed(document: Document) -> Proposal:
     first = _Drafted(formulas, text, tuple(symbols(formulas)))
     first.by_words()
     first.by_systems(document)
-    others = [replace(first, drafts={}, others=[], confirmed=set(), only=n) for n in first.rivals]
+    others = [
+        replace(first, drafts={}, others=[], confirmed=set(), only=n, dropped={})
+        for n in first.rivals
+    ]
     others += [
-        replace(note, drafts={PRIME: LABEL}, others=[], confirmed=set(), only=note.preset)
+        replace(
+            note, drafts={PRIME: LABEL}, others=[], confirmed=set(), only=note.preset, dropped={}
+        )
         for note in (first, *others[:1])
         if note.primed() and PRIME not in first.drafts
     ]
@@ -212,7 +218,7 @@ class _Drafted:
     """A draft while it is made: its entries, the preset that goes with them, the lexicon of both.
 
     ``only``: the preset where no other is tried; ``ranked``: presets, those that go best with the entries
-    in front.
+    in front; ``dropped``: what words say as one preset does, ``dropped_for``, which come back with another.
     """
 
     formulas: tuple[Formula, ...]
@@ -226,6 +232,8 @@ class _Drafted:
     systems: tuple[Guess, ...] = ()
     only: str = ""
     ranked: tuple[str, ...] = ()
+    dropped: dict[tuple[str, str], Draft] = field(default_factory=dict)
+    dropped_for: str = ""
 
     @cached_property
     def looks(self) -> Mapping[Look, int]:
@@ -276,6 +284,11 @@ class _Drafted:
         found = houses(self.formulas, tables, every, self._added, names)
         self.preset, self.lexicon = found[0]
         self.ranked = tuple(n for n, _ in found if n)
+        if self.dropped and self.preset != self.dropped_for:
+            own = preset(self.preset) if self.preset else Lexicon()
+            lost = {k: d for k, d in self.dropped.items() if not _names(own, d)}
+            self.drafts, self.dropped = {**lost, **self.drafts}, {}
+            self.lexicon = self._added(drafted(self.preset, _tables(self.drafts.values())))
 
     @property
     def rivals(self) -> tuple[str, ...]:
@@ -338,12 +351,35 @@ class _Drafted:
         own = preset(self.preset)
         known = {k: _names(own, d) for k, d in self.drafts.items()}
         self.confirmed = {p for p in known.values() if p}
+        self.dropped = {k: d for k, d in self.drafts.items() if known[k]}
+        self.dropped_for = self.preset
         self.drafts = {k: d for k, d in self.drafts.items() if not known[k]}
         self.settle()
+        self.by_lists()
         for look in turned(self.text):
             found = self.lexicon.find(look)
             if found is not None and found.meaning.quantity in {"angle", "turn_angle"}:
                 self.confirmed.add(found.entry.latex)
+
+    def by_lists(self) -> None:
+        """Take letters that columns, diagonals and sums along unit vectors have as their entries."""
+        shown = (
+            (s, f.piece.line, True)
+            for f in self.formulas
+            if f.piece.kind == "display"
+            for s in f.statements
+        )
+        texts = ((*t, False) for t in zip(self.text.formulas, self.text.lines, strict=True))
+        every = (*texts, *shown)
+        found = [d for s, n, a in every for d in listed(s, n, self.lexicon, shown=a)]
+        found += [d for s, n, _ in every for d in redefined(s, n, self.lexicon)]
+        tables = list(turns(self.formulas))
+        for draft in tables:
+            self.drafts.pop((draft.table, draft.latex), None)
+        for draft in (*found, *tables):
+            self.add(draft)
+        if found or tables:
+            self.settle()
 
     def refine(self) -> None:
         """Take other shapes of what symbols are said to be, where more lines make sense with them."""
@@ -519,14 +555,9 @@ def _body(text: Prose) -> str:
     return "system" if re.search(r"particles|point masses|particle ⟦", words) else "P"
 
 
-def statement_line(text: Prose, statement: Statement) -> int:
-    """Return the line of a formula of the text."""
-    return text.lines[text.formulas.index(statement)]
-
-
 def _attitude(text: Prose) -> Iterator[Draft]:
-    """Yield the angles of sequences that the note names."""
-    for look, means, words, line in angles(text):
+    """Yield the angles of sequences that the note names, the axis and angle of one turn."""
+    for look, means, words, line in (*angles(text), *single_turns(text)):
         yield Draft("symbols", latex_of(look), means, words, line)
 
 
@@ -545,7 +576,7 @@ _ALIKE: tuple[frozenset[str], ...] = (
 """Quantities that words separate worse than a preset does."""
 
 
-_CLOSELY = re.compile(r"\b(?:about|relative|respect|from|built|particles?)\b")
+_CLOSELY = re.compile(r"\b(?:about(?! (?:\w+ ){1,3}axes)|relative|respect|from|built|particles?)\b")
 """Words by which a note says more of a quantity than its name."""
 
 

@@ -48,12 +48,14 @@ UNFIT = (
 """What is false whatever else stands in the line, if the symbols that it is about are known."""
 MARK = "mark "
 """How the entry of a raised mark is told from those of symbols."""
+CENTRE = "_centre"
+"""How names of what is said of the centre of a system's part end."""
 LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
 """Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
 TURNS = ("turn_angle", "angle")
-"""Quantities of sequences, of which books have as many as there are: words or lines make them sure alone."""
+"""Quantities of sequences, which differ from book to book: words or lines alone make them sure."""
 TRUSTED, WHOLE = 3, 0.4
 """Lines that hold, and the share of symbols that it names, by which a preset beside words is sure."""
 
@@ -132,7 +134,14 @@ class Evidence:
         if self.families[pattern] in self.certain or self.others(pattern, number) >= LINES:
             return True
         bases = self.bases.get(pattern, frozenset())
+        if self._misfits(pattern, number):
+            return False
         return bool(bases) and all(self._is_base(b, number) for b in bases)
+
+    def _misfits(self, pattern: str, number: int) -> bool:
+        """Return whether a formula does not fit by what a letter says with which no other one holds."""
+        here = number < len(self.fails) and pattern in self.fails[number]
+        return here and self.guessed.get(pattern) == LETTER and not self.others(pattern, number)
 
     def _is_base(self, pattern: str, number: int) -> bool:
         """Return whether words or two other formulas speak for a symbol of which others are norms."""
@@ -202,7 +211,8 @@ def evidence(
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
     turns = {p for p, f in every.items() if f[1].startswith(TURNS)}
-    firm = {*said, *told, *draft.confirmed, *(own - turns if whole else ())}
+    own = {*_placed(own - turns, every, draft)}
+    firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
     return Evidence(
         used,
         tuple(hold),
@@ -218,13 +228,22 @@ def evidence(
     )
 
 
+def _placed(own: set[str], every: Mapping[str, tuple[str, str]], draft: Proposal) -> Iterator[str]:
+    """Yield entries of a preset but for those from its origin where the note names another one alone."""
+    points = {d.meaning for d in draft.drafts if d.table == "points"}
+    elsewhere = "O" in points and "OI" not in points
+    return (p for p in own if not (elsewhere and "OI" in every[p][1].split()))
+
+
 def _family(found: Found) -> str:
     """Return what symbols have in common that speak for each other.
 
     They are of one letter and one quantity: a vector, its components, and the same with other labels, where
-    labels say which point or frame is meant.
+    labels say which point or frame is meant; all that is said of the centre of a part by its label.
     """
     meaning, look = found.meaning, found.look
+    if meaning.quantity == "system" and meaning.labels[0].endswith(CENTRE) and look.sub:
+        return f"{' '.join(look.sub)} {CENTRE}"
     if meaning.formula or meaning.quantity in {"system", "defined", "vector"}:
         return found.entry.latex
     labelled = any(w not in AXES for corner in look.corners for w in corner)

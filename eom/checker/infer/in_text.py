@@ -3,16 +3,13 @@ r"""What formulas in the text say of symbols: ``$p = m v$`` of p, ``$r = R + s$`
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 
 from eom.checker.infer.books import looks_in
 from eom.checker.infer.letters import FORMULA, Draft, solved
 from eom.checker.infer.sayings import Prose, look_of
-from eom.checker.infer.shown import bare
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import Node, Number, Sequence, Words
 from eom.checker.read.writing import latex, latex_of
@@ -23,8 +20,6 @@ def by_formulas(text: Prose, lexicon: Lexicon) -> dict[Look, Draft]:
     """Return what formulas in the text say of symbols that stand alone on their left."""
     found: dict[Look, Draft] = {}
     for statement, line in zip(text.formulas, text.lines, strict=True):
-        for look, draft in _renamed(statement, line, lexicon):
-            found.setdefault(look, draft)
         left, right = statement.members[:2]
         if look_of(left) is None and look_of(right) is not None:
             left, right = right, left
@@ -69,16 +64,3 @@ def _counts_axes(formula: str, index: str, lexicon: Lexicon) -> bool:
     looks = looks_in(read_formula(formula).tree)
     units = (lexicon.find(replace(k, sub=("1",))) for k in looks if k.sub == (index,))
     return any(u is not None and u.meaning.quantity == "unit" for u in units)
-
-
-def _renamed(statement: Statement, line: int, lexicon: Lexicon) -> Iterator[tuple[Look, Draft]]:
-    """Yield letters without a meaning that are equal to a symbol that has one: $I_1 = I_2 = A$."""
-    if {s.name for s in statement.signs} != {"="}:
-        return
-    looks = [(m, k) for m in statement.members if (k := bare(m)) is not None]
-    if len(looks) < len(statement.members):
-        return
-    first = next((m for m, k in looks if lexicon.find(k) is not None), None)
-    for node, look in looks:
-        if first is not None and lexicon.find(look) is None and look.name not in INDICES:
-            yield look, Draft("symbols", _written(node, look), f"= {latex(first)}", FORMULA, line)

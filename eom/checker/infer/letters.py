@@ -11,7 +11,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.infer.places import USUAL
-from eom.checker.infer.sayings import Prose, look_of
+from eom.checker.infer.sayings import LIST, Prose, look_of
 from eom.checker.infer.shown import bare, known, operands_of, symbols_of
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.lexicon import AXES, Lexicon, Meaning
@@ -53,7 +53,7 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
     component, ``\mathbf u`` the column of ``\vec u``; ``s_\theta`` the sine of an angle where words say so.
     """
     short = any("sine" in s and "cosine" in s for s in text.sentences) or _shown_short(text)
-    done: set[Look] = set()
+    done = set(_sized(text))
     symbols = tuple(symbols)
     looks = {k for n in symbols if (k := bare(n, lexicon)) is not None}
     for node in symbols:
@@ -66,6 +66,21 @@ def derived(lexicon: Lexicon, symbols: Iterable[Node], text: Prose) -> Iterator[
         pattern, means = indexed(found, means)
         if means:
             yield Draft("symbols", pattern, means, LETTER, 0)
+
+
+_SIZE = re.compile(
+    rf"\b(?:radius|radii|height|length|width|side|edge|thickness|depth|diameter|density|ratio|coefficient)s?\s+"
+    rf"(?:is\s+|are\s+)?({LIST})",
+    re.IGNORECASE,
+)
+
+
+def _sized(text: Prose) -> Iterator[Look]:
+    """Yield plain letters that words call a size, which are no norms of vectors."""
+    for sentence in text.sentences:
+        for match in _SIZE.finditer(sentence):
+            if not re.search(r"\bits\s+$", sentence[: match.start()][-5:]):
+                yield from (m.look for m in text.marked(match[1]))
 
 
 def indexed(look: Look, means: str) -> tuple[str, str]:
@@ -108,23 +123,19 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
     if bare is not None and look.sub[0] in INDICES and bare.meaning.quantity == "linear_momentum":
         return "linear_momentum <i>"
     plain = not look.accents and not look.style
-    moment = _moment(lexicon, look) if plain else ""
-    if moment:
-        return moment
+    table = (_moment(lexicon, look) or _entry(lexicon, look)) if plain else ""
+    if table:
+        return table
     unit = "hat" in look.accents
     for entry in (e for layer in lexicon.layers for e in layer):
         e = entry.look
-        marked = (e.accents or e.style) and e.name == look.name
-        if not marked or (e.accents, e.style) == (look.accents, look.style):
-            continue
         vector = replace(e, sub=look.sub, sup=look.sup)
         whole, said = latex_of(vector), entry.where.startswith("draft") or vector in looks
-        if entry.meaning.kind != VECTOR and not _is_vector(lexicon, entry.meaning, whole):
+        if not _is_marked(e, look) or not _is_vector(lexicon, entry.meaning, whole):
             continue
-        if plain and said and lexicon.find(vector) is not None:
+        if plain and said and lexicon.find(vector) is not None and not _is_unit(entry.meaning):
             return rf"= \left|{whole}\right|"
-        skew = len(look.accents) == 1 and look.accents[0] in lexicon.notation.skew
-        if skew and not look.style and lexicon.find(vector) is not None:
+        if _is_skew(lexicon, look) and lexicon.find(vector) is not None:
             return rf"= \{look.accents[0]}{{{whole}}}"
         if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
             return rf"= {whole} / \left|{whole}\right|"
@@ -138,6 +149,17 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
         ):
             return f"{_worded(entry.meaning)} in B" if not entry.slots and e.sub == look.sub else ""
     return ""
+
+
+def _is_marked(vector: Look, look: Look) -> bool:
+    """Return whether a symbol has the same letter with a mark that the other has not."""
+    marked = bool(vector.accents or vector.style) and vector.name == look.name
+    return marked and (vector.accents, vector.style) != (look.accents, look.style)
+
+
+def _is_skew(lexicon: Lexicon, look: Look) -> bool:
+    """Return whether a letter carries the mark of a matrix and none of a vector."""
+    return len(look.accents) == 1 and look.accents[0] in lexicon.notation.skew and not look.style
 
 
 def _norm(lexicon: Lexicon, look: Look, text: Prose) -> str:
@@ -268,13 +290,33 @@ def turning(lexicon: Lexicon, look: Look) -> tuple[str, str]:
 
 
 def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
-    """Return whether a symbol is a vector by its formula."""
-    if not meaning.formula:
-        return False
+    """Return whether a symbol is a vector, by its meaning or its formula."""
+    if meaning.kind == VECTOR or not meaning.formula:
+        return meaning.kind == VECTOR
     try:
         return elaborator(lexicon).value(read_formula(latex).tree).shape == VECTOR
     except (Refusal, InputError):
         return False
+
+
+def _is_unit(meaning: Meaning) -> bool:
+    """Return whether a vector has the length one, which no letter stands for."""
+    return meaning.quantity in {"unit", "principal_axis", "rotor_axis"}
+
+
+def _entry(lexicon: Lexicon, look: Look) -> str:
+    """Return the entry of a rotation that a letter with the numbers of two axes is."""
+    axes = [AXES[w] for w in look.sub if w in AXES]
+    if len(axes) != 2 or len(look.sub) != 2 or any((look.sup, look.presub, look.presup)):
+        return ""
+    found = (
+        e.meaning
+        for layer in lexicon.layers
+        for e in layer
+        if e.look.name == look.name and not any(e.look.corners) and e.where.startswith("draft")
+    )
+    table = next((m for m in found if m.quantity == "rotation" and not m.component), None)
+    return f"{_worded(table)} component {' '.join(axes)}" if table is not None else ""
 
 
 def _moment(lexicon: Lexicon, look: Look) -> str:

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from itertools import pairwise
 
-from eom.checker.infer.places import USUAL, Places, as_label, tables
+from eom.checker.infer.places import USUAL, WHICH, Places, as_label, tables
 from eom.checker.infer.sayings import MARK, Mention, Prose, Said
+from eom.checker.mean.lexicon import AXES
 from eom.checker.read.symbol_shape import Labels, Look
 from eom.checker.read.writing import latex_of
 from eom.terms.terms import INDICES
@@ -80,7 +81,8 @@ class Phrases:
             one = replace(one, of=one.of[:1])
         several = len(one.of) > 1 and len(found) == len(one.of)
         for k, mention in enumerate(one.of):
-            if mention.look.name in INDICES and not mention.look.sub:
+            look = mention.look
+            if look.name in INDICES and not (look.sub or look.style or look.accents):
                 continue
             row, start = found[k] if several else found[0]
             own = words if several else words[start:]
@@ -129,8 +131,9 @@ class Phrases:
         """Return a meaning with its places filled; nothing where one is unknown."""
         points, frames = list(self._points(words)), self._frames(words)
         of, start = self._position(words, one)
-        of = of or self._labelled(one.of[k].look)
+        of = of or self._labelled(one.of[k].look, one.sentence)
         several = len(one.of) > 1
+        frames = {**frames, **self._taken(words)}
         turning = frames["of"]
         both = [self.places.frames[(n,)] for n in one.of[k].look.sub if (n,) in self.places.frames]
         if len(both) == 2 and not (frames["into"] or frames["of"] or frames["in"]):
@@ -151,9 +154,12 @@ class Phrases:
             "derivative": self._derivative(words, frames["in"]),
             "component": self._component(one, words, k),
             "magnitude": self._magnitude(words),
+            "moment": self._moment(one, points, k),
             "name": one.of[k].look.name,
         }
         filled = re.sub(r"\{(\w+)\}", lambda m: values[m[1]] or UNKNOWN, row.means)
+        if filled.startswith("unit ") and len(one.of) == 3 and not any(m.look.sub for m in one.of):
+            filled = filled.replace("<k>", str(k + 1))
         if filled.startswith("quaternion ") and re.search(r"scalar (?:part )?last", one.sentence):
             filled = filled.replace("quaternion", "quaternion_last")
         quantity, _, rest = filled.partition(" ")
@@ -174,7 +180,7 @@ class Phrases:
 
     def _owner(self, one: Said, words: str) -> str:
         """Return the frame that unit vectors belong to: the last one that the sentence names before."""
-        if re.search(r"\b(?:inertial|space)\b", words.split(" vectors", maxsplit=1)[0]):
+        if _OF_SPACE.search(words.split(" vectors", maxsplit=1)[0]):
             return "I"
         before = self.text.marked(one.sentence[: one.start + len(one.words)]) if one.before else ()
         named = [self.places.frames.get(as_label(m.look)) for m in before]
@@ -187,6 +193,8 @@ class Phrases:
 
     def _component(self, one: Said, words: str, k: int) -> str:
         """Return a component where three symbols are those of what is meant, all where one symbol is it."""
+        if len(one.of) == 3 and (match := _OF_WHAT.search(words)) is not None:
+            return self._whose(match, words, k)
         look = self._referent(words)
         if look is None or len(one.of) not in {1, 3} or (one.of[0].look == look):
             return ""
@@ -201,6 +209,32 @@ class Phrases:
             return f"{means} in {frame}" if table and not means.startswith("=") else ""
         vector = not means.startswith(("=", "inertia "))
         return f"{means} in {frame} component {k + 1}" if vector else ""
+
+    def _whose(self, match: re.Match[str], words: str, k: int) -> str:
+        """Return a component of a vector that words name without its letter."""
+        if match["torque"]:
+            about = next(iter(self._points(words[match.start() :])), self._centre())
+            return f"torque {self.body} {about} in B component {k + 1}"
+        return f"angular_velocity B I in B component {k + 1}" if match["rate"] else ""
+
+    def _moment(self, one: Said, points: Sequence[str], k: int) -> str:
+        """Return a principal moment of inertia where three letters are those of the axes."""
+        axes = [m.look.sub[-1:] for m in one.of]
+        counted = [AXES.get("".join(a), "") for a in axes]
+        if len(one.of) != 3 or (any(axes) and sorted(counted) != ["1", "2", "3"]):
+            return ""
+        about = points[0] if points else self._of_matrix(one.of[0].look)
+        axis = counted[k] or str(k + 1)
+        return f"inertia {about} in B component {axis} {axis}" if about else ""
+
+    def _of_matrix(self, look: Look) -> str:
+        """Return the point of the inertia matrix with a letter, else that of all that words name."""
+        for other, means in self.vectors.items():
+            if other.name == look.name and means.startswith("inertia "):
+                return means.split()[1]
+        named = [k for k, n in self.places.points.items() if n == self._centre()]
+        customary = all(WHICH in self.places.words["points", k][0] for k in named)
+        return "" if named and customary else self._centre()
 
     def _magnitude(self, words: str) -> str:
         look = self._referent(words)
@@ -287,12 +321,13 @@ class Phrases:
             found += [here] if behind or _ONE.search(here) else []
         return frozenset(found)
 
-    def _labelled(self, look: Look) -> str:
+    def _labelled(self, look: Look, sentence: str) -> str:
         """Return the point or particle that a label names."""
+        counted = {*INDICES, *(COUNTERS if _MANY.search(sentence) else ())}
         for label in (look.sub, look.sup):
             if label in self.places.points:
                 return self.places.points[label]
-            if len(label) == 1 and label[0] in INDICES:
+            if len(label) == 1 and label[0] in counted:
                 return "<i>"
         return "P" if self.body == "P" else ""
 
@@ -320,6 +355,19 @@ class Phrases:
             for key, lead in _LEADS.items()
         }
 
+    def _taken(self, words: str) -> dict[str, list[str]]:
+        """Return the frames of components that something takes into others, in this order."""
+        match = _TAKES.search(words)
+        if match is None:
+            return {}
+        named = [
+            n
+            for m in re.finditer(rf"{MARK}|\b(?:body|inertial|space)\b", match["what"])
+            if (n := self._frame(m[0]))
+        ]
+        both = list(dict.fromkeys(named))
+        return {"in": both[:1], "into": both[1:], "of": []} if len(both) == 2 else {}
+
     def _frame(self, words: str) -> str:
         if words.startswith("⟦"):
             return self.places.frames.get(as_label(self.text.marked(words)[0].look), "")
@@ -329,7 +377,9 @@ class Phrases:
         labels = mention.look.sub
         if sentence in self.single:
             return "P"
-        return "<i>" if len(labels) == 1 and labels[0] in INDICES else "P"
+        many = _MANY.search(sentence) is not None and labels not in self.places.points
+        counted = {*INDICES, *(COUNTERS if many else ())}
+        return "<i>" if len(labels) == 1 and labels[0] in counted else "P"
 
 
 def fits(look: Look, mark: str) -> bool:
@@ -352,13 +402,26 @@ def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
 _ARTICLES = r"(?:the |frame |body |an? |columns? of |components of )*"
 _ONE = re.compile(r"\bone (?:particle|point mass|of (?:them|the particles))\b")
 """Words of a sentence that is about a particle by itself, beside others."""
+_OF_SPACE = re.compile(r"\b(?:inertial|space)\b(?! angular)")
+"""Words of vectors that do not turn; what is seen from there may turn."""
+_OF_WHAT = re.compile(
+    r"\bof\s+(?:(?:the|all|these|its|external|total|resultant|applied)\s+)*"
+    r"(?:(?P<torque>moments?|torques?)\b(?! of inertia| of momentum)|(?P<rate>angular velocity)|"
+    r"(?P<other>forces?|velocity|acceleration|momentum|angular momentum|position|moment of momentum))"
+)
+"""Of which vector components are, in words."""
+_TAKES = re.compile(r"\b(?:takes|maps|turns|brings|carries|transforms|converts)\b(?P<what>[^.;]*)")
+"""What a rotation does with components of one frame: it takes them into those of another."""
+COUNTERS = frozenset({"a", "s", "p", "alpha", "mu", "nu"})
+"""Labels by which some count particles, where words speak of several."""
+_MANY = re.compile(r"\b(?:particles|point masses|mass points)\b")
 _LENGTH = re.compile(r"length(?! of ⟦)")
 """A length that may be that of a thing."""
 _ITS = re.compile(r"its\b")
 _USUAL = frozenset((n,) for n in USUAL["frames"])
 _BETWEEN = ("position", "velocity", "acc", "rotation ", "angular_velocity")
 """Beginnings of meanings that are about two points or frames."""
-_PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+)?$")
+_PLURAL = re.compile(r"(?:(?<!mas)s|momenta|matrices)\b(?: [a-z]+| of [a-z]+)?$")
 _REST = re.compile(
     r"(?:\s+(?:vectors?|matrix|column))?"
     r"(?:\s+of\s+[a-z]+|\s+(?:of )?(?:the|a|this|each)\s+(?:point\s+)?[a-z]+)?"
@@ -398,7 +461,8 @@ _WORDS = (
 )
 _LEAD = re.compile(
     r"(?:the|an?|its|their|again|total|relative|whole|with|column|vector|of|corresponding|inertial|external|"
-    r"right-handed|respectively|so|called|\W)*",
+    r"right-handed|respectively|so|called|constant|complete|full|resulting|instantaneous|absolute|principal|"
+    r"symmetric|given|usual|same|net|resultant|entire|\W)*",
     re.IGNORECASE,
 )
 
@@ -409,7 +473,7 @@ def slotted(meant: Meant, places: Places) -> Iterator[tuple[str, str]]:
     quantity, _, whose = means.partition(" ")
     if len(look.sub) == 1 and look.sub[0] in INDICES and quantity in OF_ONE and " " not in whose:
         means = f"{OF_ONE[quantity]} <i>"
-    if "<i>" in means and len(look.sub) == 1 and look.sub[0] in INDICES:
+    if "<i>" in means and len(look.sub) == 1 and look.sub[0] in {*INDICES, *COUNTERS}:
         yield f"{latex_of(replace(look, sub=()))}_{{<i>}}", means
         return
     if "<k>" in means:

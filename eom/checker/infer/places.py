@@ -29,7 +29,8 @@ OTHERS = {
 """What a second frame or point is called of which words say what they say of a first."""
 _FRAME = re.compile(r"\bframes?\b|\btriad|\baxes\b|observer|\breference\b|vectri", re.IGNORECASE)
 _POINT = re.compile(
-    r"\bpoints?\b|\borigin\b|\bcent(?:re|er)\b|\bpivot\b|\bparticle\b|\bc\.m\.", re.IGNORECASE
+    r"\bpoints?\b|\borigin\b|\bcent(?:re|er)(?: of (?:mass|gravity))?\b|\bpivot\b|\bparticle\b|\bc\.m\.",
+    re.IGNORECASE,
 )
 
 
@@ -80,7 +81,10 @@ def places(text: Prose, sayings: Iterable[Said], looks: Iterable[Look] = ()) -> 
     named = {name for look in looks for c in look.corners for name in c}
     found = Places()
     every = [
-        (m, s) for s in sayings for m in s.of if _plain(m.look) and not CASE.search(s.sentence)
+        (m, s)
+        for s in sayings
+        for m in (s.of if not s.before or _SEVERAL.search(s.words) else s.of[:1])
+        if _plain(m.look) and (_CENTRE.search(s.words[-40:]) or not CASE.search(s.sentence))
     ]
     for table, kind in (("frames", _FRAME), ("points", _POINT)):
         called = dict.fromkeys(as_label(m.look) for m, s in every if _is(s, kind))
@@ -113,6 +117,9 @@ def places(text: Prose, sayings: Iterable[Said], looks: Iterable[Look] = ()) -> 
     return found
 
 
+_CENTRE = re.compile(r"\b(?:mass cent(?:re|er)|cent(?:re|er) of (?:mass|gravity))(?: of \w+ \w+)?$")
+"""Words of a point that is what they say in every case."""
+_SEVERAL = re.compile(r"(?:(?<!mas)s|vertices)(?: \w+)?$")
 _WELDED = re.compile(r"fixed (?:both )?(?:in|to)|welded|attached|of the body")
 """Words of points of a body: of two neither is the one about which things are taken."""
 

@@ -19,9 +19,10 @@ from eom.checker.read.syntax import Group, Marks, Node, Product, Quotient, Scrip
 from eom.checker.read.syntax import Sequence as Items
 
 MARK = r"⟦\d+⟧"
-MARKS = re.compile(MARK)
 BREAK = "‡"
-LIST = rf"{MARK}(?:(?:\s*,\s*(?:and |or |then )?|\s+and\s+|\s+or\s+|\s*/\s*){MARK})*"
+MAX_NOUN, MAX_WORDS = 200, 1000
+"""Characters before symbols, and of what is said of them, that are read."""
+LIST = rf"{MARK}(?:(?:\s*,\s*(?:and |or |then )?|\s+and\s+|\s+or\s+|\s*/\s*){MARK}){{0,20}}"
 _VERB = (
     r"(?:is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|designates?|signif(?:y|ies)|names?|"
     r"takes?|maps?|turns?|leads?|"
@@ -29,7 +30,7 @@ _VERB = (
 )
 _ADVERB = r"(?:(?:itself|here|again|now|then|both|respectively|always|shall|will|also)\s+)*"
 _HEAD = re.compile(
-    rf"(?P<of>{LIST})\s*,?\s+(?:{_ADVERB}(?P<verb>{_VERB})\b|(?P<article>the|its|their|an?|that|any)\b)"
+    rf"(?P<of>{LIST})\s*,?\s+(?:{_ADVERB}(?P<verb>{_VERB})\b|(?P<article>the|its|their|an?|that|any|another)\b)"
 )
 _OBJECT = re.compile(
     r"\b(?:(?:of|about|to|in|for|by|on|from|between|at)\s+(?:[a-z]+\s+){0,3}"
@@ -37,11 +38,11 @@ _OBJECT = re.compile(
 )
 """Words before a list of symbols that make it the object of what is said."""
 _CALLED = re.compile(
-    rf"(?P<what>[^,;()]*?)\s+(?:(?:is|are|be)\s+(?:\w+\s+)?)?(?:called|denoted(?:\s+by)?|written(?:\s+as)?|"
+    rf"(?P<what>(?<![^,;()\s])[^,;()]{{0,200}}?)\s+(?:(?:is|are|be)\s+(?:\w+\s+)?)?(?:called|denoted(?:\s+by)?|written(?:\s+as)?|"
     rf"named|abbreviated(?:\s+as)?|(?:defined|given|expressed)(?:\s+(?:as|by))(?:\s+follows)?:?)\s+(?P<of>{LIST})"
 )
 _BEFORE = re.compile(
-    rf"(?P<what>(?:[\w’'-]+\s+){{0,8}}[\w’'-]+)"
+    rf"(?P<what>(?<![\w’'-])(?:[\w’'-]{{1,40}}\s+){{0,8}}[\w’'-]{{1,40}})"
     rf"(?:\s+(?P<of>{LIST})|,\s+(?P<within>{LIST})(?=\s*[,)]))"
 )
 _END = re.compile(rf"(?<=[.;:!?])\s+|{BREAK}|\n\s*\n")
@@ -117,7 +118,7 @@ def prose(document: Document) -> Prose:
         elif piece.kind != "inline":
             so_far = "".join(text)
             led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
-            taken = next((m for p in _NAMED if (m := p.search(so_far))), None)
+            taken = next((m for p in _LEADING if (m := p.search(so_far))), None)
             led = None if taken and MARKS.search(taken["what"]) else led
             taken = None if led else taken
             left = _left(shown.get(id(piece)), mentions) if led else ""
@@ -236,7 +237,7 @@ _APPOSED = re.compile(
 _TITLED = re.compile(
     rf"(?:^|[.!?‡]|\n\s*\n)\s*(?P<what>[A-Z](?:[\w-]*\s+){{1,8}}?(?:[\w-]+|{MARK}))\s*:\s*\Z"
 )
-"""A sentence without a verb in front of a colon and a display: "Total momentum about the centre of mass:"."""
+"""A sentence without a verb in front of a colon and a display: "Total momentum about $C$:"."""
 
 
 _DEFINES = re.compile(
@@ -245,7 +246,7 @@ _DEFINES = re.compile(
     r"(?:,?\s*and\s+[^.;:!?‡]*?)?,?\s*(?:as\s+follows|as|by)\s*:?\s*\Z"
 )
 """A sentence that says what the display behind it defines: "We define the momentum as follows:"."""
-_NAMED = (_TAKEN, _DEFINES, _APPOSED, _TITLED)
+_LEADING = (_TAKEN, _DEFINES, _APPOSED, _TITLED)
 
 
 def _left(formula: Formula | None, mentions: list[Mention]) -> str:
@@ -307,11 +308,16 @@ def _called(node: Node) -> Seen | None:
 def said(text: Prose) -> Iterator[Said]:
     """Yield what is said of symbols, sentence by sentence."""
     for sentence in text.sentences:
-        heads = _heads(sentence)
+        heads, told = _heads(sentence), ""
         for k, (_, end, of, verb) in enumerate(heads):
             stop = heads[k + 1][0] if k + 1 < len(heads) else len(sentence)
-            words = verb + _TAIL.sub("", sentence[end:stop].strip())
+            words = verb + _TAIL.sub("", sentence[end : min(stop, end + MAX_WORDS)].strip())
+            words = _ANOTHER.sub(f"another {_KIND.sub('', told)}", words) if told else words
+            told = words
             yield Said(text.marked(of), words, sentence, start=heads[k][0])
+        yield from _equated(text, sentence)
+        yield from _enumerated(text, sentence)
+        yield from _measured(text, sentence)
         for match in _CALLED.finditer(sentence):
             whole = re.sub(r"^\s*(?:and|where|while|with)\s+", "", match["what"])
             yield Said(text.marked(match["of"]), whole, sentence, start=match.start())
@@ -332,6 +338,64 @@ _ABOUT = re.compile(
     rf"(?P<of>{MARK})(?=\s*(?:[,:.)]|$))"
 )
 """What is taken about a point, with its symbol behind a comma: "the torque about $O$, $M_O$:"."""
+
+
+def _equated(text: Prose, sentence: str) -> Iterator[Said]:
+    """Yield what stands before "is": "the place of $dm$ from $O$ is $r$, that of $P$ is $p$"."""
+    noun = ""
+    for match in _IS.finditer(sentence):
+        what = _WHOSE.split(match["what"])[-1]
+        if _THAT.match(what):
+            what = _THAT.sub(f"{noun} of ", what) if noun else ""
+        noun = re.split(r"\s+of\b", what)[0]
+        if MARKS.search(what) and not _NAMED.search(what):
+            yield Said(text.marked(match["of"]), what, sentence, start=match.start())
+
+
+def _measured(text: Prose, sentence: str) -> Iterator[Said]:
+    """Yield where particles are, and from where that is measured: "masses at $r_i$, measured from $O$"."""
+    for match in _AT.finditer(sentence):
+        words = f"position vector from {match['start']}"
+        yield Said(text.marked(match["of"]), words, sentence, start=match.start())
+
+
+_AT = re.compile(
+    rf"\b(?:particles?|masses|mass points?|point mass(?:es)?|elements?)\b[^.;:]{{0,80}}\bat\s+"
+    rf"(?:(?:the\s+)?(?:position|place|point)s?\s+)?(?P<of>{MARK})\s*,?\s+"
+    rf"(?:(?:measured|counted|reckoned|taken|seen)\s+)?(?:from|relative to|with respect to)\s+"
+    rf"(?:the\s+)?(?:point\s+)?(?P<start>{MARK})"
+)
+
+
+def _enumerated(text: Prose, sentence: str) -> Iterator[Said]:
+    """Yield what follows symbols in a list of such without a verb: "$m$ mass of the rod, $l$ length"."""
+    items = _ITEM.findall(f", {sentence}"[: MAX_WORDS * 2])
+    for of, words in items if len(items) > 1 else ():
+        yield Said(text.marked(of), words.strip(), sentence)
+
+
+MARKS = re.compile(MARK)
+_NAMED = re.compile(
+    rf"(?<!\bof )(?<!\bfrom )(?<!\babout )(?<!\bto )(?<!\bin )(?<!\bat )(?<!\bfor )"
+    rf"(?<!\bpoint )(?<!\bframe ){MARK}\s*$"
+)
+"""A symbol behind its noun: words for the one that stands there."""
+_IS = re.compile(
+    rf"\b(?P<what>(?:the|its|their|that|those)\s(?:(?!\b(?:is|are|be)\b)[^.;:]){{3,150}}?)\s+(?:is|are|be)\s+"
+    rf"(?P<of>{LIST})(?=\s*[,.;)]|\s+and\b|\s*$)",
+    re.IGNORECASE,
+)
+_WHOSE = re.compile(r",?\s*\b(?:whose|with)\s+")
+_THAT = re.compile(r"(?:that|those)\s+of\s+", re.IGNORECASE)
+_ITEM = re.compile(
+    rf"[,;]\s*(?:and\s+)?({LIST})\s+"
+    r"(?!(?:is|are|be|was|and|or|the|an?|its|their|for|of|in|on|by|to|from|with|which|that|as|at|we|so)\b)"
+    r"([a-z][^,;⟦]*)(?=[,;.]|$)"
+)
+"""An item of a list of symbols, with what it is behind it."""
+_ANOTHER = re.compile(r"^another(?: one)?(?: of them)?$")
+_KIND = re.compile(r"^(?:an?|the|another)\s+")
+"""What is said of a second one ("another one") is what is said of the first."""
 _EQUATES = re.compile(
     r"is|are|be|was|were|denotes?|means?|stands?\s+for|represents?|names?|designates?|signif(?:y|ies)"
 )
@@ -347,12 +411,14 @@ def _heads(sentence: str) -> list[tuple[int, int, str, str]]:
     for match in _HEAD.finditer(sentence):
         start, of, article = match.start(), match["of"], match["article"] or ""
         apposed = article in {"a", "an"} and "," in match[0][len(of) :]
-        if _OBJECT.search(sentence[:start]):
+        if _OBJECT.search(sentence[max(0, start - MAX_NOUN) : start]):
             last = re.search(rf"{'' if apposed else '(?:,|and)'}\s*({MARK})$", of)
             if last is None:
                 continue
             start, of = start + last.start(1), last[1]
-        if article and not (apposed or _begins(sentence[:start], match[0], bool(found))):
+        named = apposed or _named(match[0][len(match["of"]) :], sentence, match.end())
+        before = sentence[max(0, start - MAX_NOUN) : start]
+        if article and not (named or _begins(before, match[0], bool(found))):
             continue
         verb = match["verb"] or ""
         last = re.search(rf"(?:,|and)\s*({MARK})$", of) if verb in {"is", "was"} else None
@@ -361,6 +427,16 @@ def _heads(sentence: str) -> list[tuple[int, int, str, str]]:
         says = "" if _EQUATES.fullmatch(verb) else f"{verb} "
         found.append((start, match.end(), of, says if verb else f"{article} "))
     return found
+
+
+_VERBS = re.compile(r"\b(?:is|are|be|has|have|we|one|follows?|reads?|becomes?|gives?|obeys?|⟦)")
+_APPOSED = re.compile(r"[^,;:.()]{3,80}(?=,)")
+
+
+def _named(article: str, sentence: str, end: int) -> bool:
+    """Return whether a noun with an article stands between commas behind symbols: ", the momentum, "."""
+    match = _APPOSED.match(sentence, end) if article.lstrip().startswith(",") else None
+    return match is not None and _VERBS.search(match[0]) is None
 
 
 def _begins(before: str, here: str, later: bool) -> bool:

@@ -102,10 +102,15 @@ def _said(part: Part, whose: str, lexicon: Lexicon) -> Iterator[Own]:
     phrases, done = Phrases(part.text, found, whose), set[str]()
     for one in sayings:
         for meant in fitting(phrases, one):
-            for pattern, means in slotted(meant, found):
+            pointless = _MOMENT.match(meant.means) and "about" not in meant.words
+            for pattern, means in () if pointless else slotted(meant, found):
                 if pattern not in done:
                     done.add(pattern)
                     yield Own(pattern, means, meant.words, meant.line)
+
+
+_MOMENT = re.compile(r"inertia \S+ in \S+ component")
+"""A principal moment, whose point is that of the whole note unless words name one."""
 
 
 def _turned(part: Part, body: str, whose: str, lexicon: Lexicon) -> Iterator[Own]:

@@ -4,7 +4,7 @@ r"""What sentences say of a system of bodies: its parts, how they hang together,
 Nouns become parts, verbs with their prepositions say what is joined to what (`Fact`), letters behind the
 words for sizes belong to the part in front of them. The words are those of ``parts.toml``. A sentence that
 says how parts are joined is to be understood to its last word: with one that is not known the system is not
-read at all.
+read at all, or is as told before where that brings in no other part.
 """
 
 from __future__ import annotations
@@ -484,7 +484,10 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
             found = []
         last = next(iter(TOKEN.findall(clean)), last)
         if found and (unknown or reading.many):
-            return None
+            if _new(reading, known) or not every:
+                return None
+            reading.things, until = known, _line(sentence, text, document)
+            break
         if not found:
             reading.things = {
                 k: t for k, t in reading.things.items() if k in known or _sized(k, reading)
@@ -501,6 +504,11 @@ def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | No
     return Setup(
         reading.things, tuple(sizes), tuple(every), words, whole, tuple(sorted(lines)), until
     )
+
+
+def _new(reading: Reading, known: Mapping[str, Thing]) -> bool:
+    """Return whether a sentence brings in parts, or more of them than are counted."""
+    return reading.many or not reading.things.keys() <= known.keys()
 
 
 _CASE = re.compile(

@@ -22,8 +22,10 @@ from eom.checker.infer.sayings import Prose, Said, look_of
 from eom.checker.mean.lexicon import MATRICES, Lexicon, Scope
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.model import Model
+from eom.checker.read.documents import Document
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.symbol_shape import Look
+from eom.checker.read.statements import read
+from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.writing import latex_of
 
 USUAL = "by its usual letter"
@@ -326,7 +328,8 @@ def _by_angle(value: Any, name: str, turn: tuple[str, ...], back: str) -> Any:
 class Spoken:
     """A letter with what words say of it; ``told``: whether they say it plainly ("S is the ...").
 
-    ``noun``: those of the words that have to name what it is.
+    ``noun``: those of the words that have to name what it is; ``led``: whether they only lead to a display
+    with the letter alone on its left ("for the kinetic energy one finds").
     """
 
     look: Look
@@ -334,6 +337,7 @@ class Spoken:
     line: int
     told: bool
     noun: str
+    led: bool = False
 
 
 _LAST = re.compile(r"\b(?:with|of a|whose|has|have|and|at|by|under|let|for|the other)\s+")
@@ -375,6 +379,48 @@ def spoken(text: Prose, sayings: Iterable[Said]) -> tuple[Spoken, ...]:
     return tuple(found)
 
 
+def led(document: Document) -> Iterator[Spoken]:
+    """Yield letters that stand alone on the left of displays with the sentence that leads there."""
+    shown = {id(f.piece): f for f in read(document) if f.piece.kind == "display"}
+    before = ""
+    for piece in document.pieces:
+        formula = shown.get(id(piece))
+        if formula is None:
+            before = "" if piece.kind in {"display", "heading"} else before + piece.body
+            continue
+        words = [w.strip() for w in _SENTENCE.split(before[-MAX_LEAD:]) if w.strip()]
+        for statement in formula.statements if words else ():
+            left = seen(statement.members[0]) if statement.relational else None
+            look = None if left is None or left.dots else look_of(statement.members[0])
+            if look is not None:
+                yield Spoken(look, words[-1], formula.piece.line, told=False, noun="", led=True)
+        before = ""
+
+
+def is_claimed(lead: str) -> bool:
+    """Return whether words that lead to a letter alone say what it is, and bring in no new name for it."""
+    return _PHYSICAL.search(lead) is not None and _INTRODUCED.search(lead) is None
+
+
+_PHYSICAL = re.compile(
+    r"\b(?:frequenc(?:y|ies)|periods?|speeds?|velocit(?:y|ies)|accelerations?|forces?|torques?|moments?|"
+    r"energ(?:y|ies)|moment(?:um|a)|compression|deflection|height|time|work|power|tension|angles?|rate|"
+    r"amplitude|distance|displacement)\b",
+    re.IGNORECASE,
+)
+_INTRODUCED = re.compile(
+    r"\b(?:abbreviat\w+|defin\w+|denot\w+|call\w*|introduc\w+|puts?|sets?|let|writ\w+|short\w*|parameters?|"
+    r"constants?|ratio|notation|nam(?:e|ed|ing)|new|choos\w+|chosen|takes?|us(?:e|ing)|with|where)\b",
+    re.IGNORECASE,
+)
+MAX_LEAD = 400
+"""Characters before a display that are read."""
+_SENTENCE = re.compile(r"(?<=[.;:!?])\s+|\n\s*\n")
+_PARTLY = re.compile(
+    r"\b(?:energy|energies|momentum|force)\s+of\s+(?:the|each|one|its|a)\s+(?!(?:whole|system|motion|entire)\b)",
+    re.IGNORECASE,
+)
+"""Words by which a quantity is that of a part."""
 _SEVERAL = re.compile(
     r"\b(?:masses|lengths|angles|positions|displacements|coordinates|distances|velocities|radii)\b"
 )
@@ -424,8 +470,9 @@ def ties(
     """
     other = {s.look for s in said if s.told and _NOUN.search(s.noun)}
     rated: list[tuple[float, int, Look, str, str, int]] = []
+    parts = len(row.table.get("bodies", {}))
     for number, letter in enumerate(row.letters):
-        for one in (s for s in said if s.look in looks):
+        for one in (s for s in said if s.look in looks and not (parts > 1 and _is_part(s))):
             rate = _rate(letter, one)
             if rate > 0 and not (letter.derived and one.look in dotted):
                 rated.append((rate, -number, one.look, letter.means, one.words, one.line))
@@ -437,6 +484,10 @@ def ties(
         if means not in found and all(t.look != look for t in found.values()):
             found[means] = Tie(look, means, words, line)
     return (*found.values(), *_momenta(row, found, said, looks))
+
+
+def _is_part(one: Spoken) -> bool:
+    return one.led and _PARTLY.search(one.words) is not None
 
 
 _CONJUGATE = {"p": "moment", "Q": "force"}

@@ -24,6 +24,7 @@ from eom.checker.infer.systems import (
     candidates,
     choices,
     guesses,
+    led,
     spoken,
     ties,
 )
@@ -71,7 +72,7 @@ class Part:
     @cached_property
     def said(self) -> tuple[Spoken, ...]:
         """What its words say of letters."""
-        return spoken(self.text, said(self.text))
+        return (*spoken(self.text, said(self.text)), *led(self.document))
 
     @cached_property
     def lines(self) -> tuple[tuple[Statement, ...], ...]:

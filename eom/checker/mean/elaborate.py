@@ -306,6 +306,8 @@ def _product(e: Elaborator, node: Product) -> Value:
                 node.span,
                 expected="brackets: a x (b x c) is not (a x b) x c",
             )
+    elif isinstance(unit := node.factors[-1], Number) and unit.text == "1":
+        values = [*_factors(e, node.factors[:-1]), _identity(e, unit.span)]
     else:
         values = _factors(e, node.factors)
     result = values[0]

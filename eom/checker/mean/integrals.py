@@ -30,6 +30,7 @@ from eom.checker.read.syntax import (
     Integral,
     Number,
     Product,
+    Scripts,
     Sequence,
     Symbol,
     walk,
@@ -237,16 +238,27 @@ def big_operator(e: Elaborator, node: BigOperator) -> Value:
     indices, excluded = indices_of(node)
     if isinstance(node.upper, Number):
         return _numbered(e, node, indices)
-    for index in indices:
-        if index not in INDICES - {"dm"}:
-            raise refuse(UNDECIDED, "not an index of particles", node.span, index, "i, j, k, l, n")
-    free = e.bound(**{i: i for i in indices})
+    names = _counted(e, node, indices)
+    free = e.bound(**dict(zip(indices, names, strict=True)))
     inside = free.value(node.body)
-    value = _summed(inside, indices, node.span)
+    value = _summed(inside, names, node.span)
     if not excluded:
         return value
     left_out = e.bound(**{indices[0]: excluded}).value(node.body)
     return total(e.lexicon.notation, (value, negative(left_out, node.span)))
+
+
+def _counted(e: Elaborator, node: BigOperator, indices: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the indices of terms for those of a sum: a letter that is none stands for one that is free."""
+    below = {w for n in walk(node.body) if isinstance(n, Scripts) and n.sub for w in labels(n.sub)}
+    free = [n for n in ("l", "n", "j", "i") if n not in {*below, *indices, *e.indices.values()}]
+    names = []
+    for index in indices:
+        known = index in INDICES - {"dm"}
+        if not known and (index not in below or not free):
+            raise refuse(UNDECIDED, "not an index of particles", node.span, index, "i, j, k, l, n")
+        names.append(index if known else free.pop(0))
+    return tuple(names)
 
 
 def _summed(value: Value, indices: tuple[str, ...], span: Span) -> Value:

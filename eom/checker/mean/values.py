@@ -167,12 +167,23 @@ GEOMETRIC = frozenset({VECTOR, DYADIC})
 
 
 def alike(notation: Notation, values: Iterable[Value]) -> list[Value]:
-    """Return values with vectors as columns if there are columns beside them."""
+    """Return values with vectors as columns if there are columns beside them, 1 as a unit beside tables."""
     values = list(values)
     shapes = {v.shape for v in values if not v.is_zero}
     if shapes & GEOMETRIC and shapes & {COLUMN, MATRIX, ROW}:
-        return [mixed(notation, v) for v in values]
-    return values
+        values = [mixed(notation, v) for v in values]
+    table = next((v.shape for v in values if v.shape in _UNITS and not v.is_zero), None)
+    return values if table is None else [_unit(v, table) for v in values]
+
+
+_UNITS = {MATRIX: "identity_matrix", DYADIC: "identity"}
+
+
+def _unit(value: Value, table: str) -> Value:
+    """Return the unit matrix or dyadic for a number 1; what is none stays."""
+    if value.shape != SCALAR or value.term != number(1):
+        return value
+    return replace(value, term=quantity(_UNITS[table]), shape=table, dimension=NONE, frames=ANY)
 
 
 def _agree(a: Value, b: Value) -> tuple[str, str]:

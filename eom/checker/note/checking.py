@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
+from eom.checker.infer.books import looks_in
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
@@ -25,8 +26,11 @@ from eom.checker.infer.evidence import (
     uncounted,
     with_meaning,
 )
+from eom.checker.infer.lists import PRODUCT
+from eom.checker.infer.sayings import look_of
+from eom.checker.infer.shown import operands_of
 from eom.checker.infer.slots import guessed_labels, labels_of
-from eom.checker.infer.systems import USUAL
+from eom.checker.infer.systems import USUAL, is_claimed, led
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.models import equations
@@ -34,7 +38,7 @@ from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.special import Name, excused
 from eom.checker.judge.special import named as named_in
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
-from eom.checker.mean.claims import STATEMENT, Claim
+from eom.checker.mean.claims import DEFINITION, STATEMENT, Claim
 from eom.checker.mean.examples import ANOTHER
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
@@ -43,6 +47,9 @@ from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
+from eom.checker.read.symbol_shape import labels
+from eom.checker.read.syntax import Integral, walk
+from eom.checker.read.writing import latex_of
 from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import (
     FORMULA_SECONDS,
@@ -71,6 +78,8 @@ MAX_OTHERS = 3
 """Lines that hold which are tried with another meaning of a symbol."""
 MAX_READINGS = 12
 """Other meanings under which a wrong line of a draft is judged again."""
+FIRM = 2
+"""Lines that hold under a condition which count as much as one that holds without."""
 CREDIBLE = 2
 """Lines that hold with a system of the draft, by which it is sure."""
 SHOWN = 3
@@ -200,7 +209,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
         found = tuple(_explained(f, settings) for f in _found(reviewed))
-        found = tuple(_doubted(found, known, settings))
+        found = tuple(_claimed(_doubted(found, known, settings), document, known))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
         open_ = _questions(found, known)
@@ -369,6 +378,40 @@ def _is_amiss(one: Found, known: Meanings, known_by: Evidence, number: int) -> b
     )
 
 
+def _claimed(found: Iterable[Found], document: Document, known: Meanings) -> Iterator[Found]:
+    """Yield the formulas; what words claim of a letter alone is no definition of it."""
+    if known.draft is None:
+        yield from found
+        return
+    said = {(s.line, s.look) for s in led(document) if is_claimed(s.words)}
+    drafts = known.draft.drafts
+    products = frozenset(d.latex for d in drafts if d.words == PRODUCT)
+    for one in found:
+        formula = one.understood.formula
+        looks = [look_of(s.members[0]) for s in formula.statements if s.relational]
+        signs = {g.name for s in formula.statements for g in s.signs}
+        claimed = any((formula.piece.line, k) in said for k in looks)
+        why = ""
+        if one.finding.verdict == DEFINITION and claimed and not signs & {":=", "equiv"}:
+            why = CLAIMED
+        elif one.finding.verdict == UNDER and _empties(one, products):
+            why = EMPTY
+        undecided = replace(one.finding, verdict=UNDECIDED, reason=why)
+        yield replace(one, finding=undecided) if why else one
+
+
+def _empties(one: Found, products: frozenset[str]) -> bool:
+    """Return whether a formula holds only where products of inertia that it writes vanish."""
+    sets = one.finding.sets
+    principal = bool(sets) and all(any(n.startswith("principal") for n in s) for s in sets)
+    looks = operands_of(one.understood.formula) if principal and products else ()
+    return any(latex_of(k) in products for k in looks)
+
+
+CLAIMED = "the words say what this is, and nothing that is known here determines it"
+EMPTY = "it holds where a product of inertia that stands in it is zero"
+
+
 def _taken(
     one: Found,
     draft: Proposal,
@@ -390,11 +433,25 @@ def _taken(
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]
         taken += _changed(one, draft)
+    taken += _sliced(one)
     if any(map(is_turned, (j.claim for j in one.verdict.claims))):
         taken += ["the axis of the wheel may be any"]
     if _PLACED.search(one.finding.special) or labelled:
         taken += ["points and frames are as drafted"]
     return taken
+
+
+def _sliced(one: Found) -> list[str]:
+    """Return that letters below an integral over the mass which have no meaning are as they were taken."""
+    reading, lexicon = one.understood.formula.reading, one.understood.lexicon
+    for node in walk(reading.tree) if reading is not None else ():
+        if not isinstance(node, Integral) or node.integrand is None:
+            continue
+        over_mass = ("m",) in {labels(v) for v in node.variables}
+        for look in looks_in(node.integrand) if over_mass else ():
+            if lexicon.find(look) is None:
+                return [f"${latex_of(look)}$ is of the element of mass"]
+    return []
 
 
 def _changed(one: Found, draft: Proposal) -> list[str]:
@@ -457,15 +514,15 @@ def _broken(
     doubt: Doubt, others: Sequence[Found], settings: Settings, names: frozenset[Name]
 ) -> bool:
     """Return whether lines that hold and have a symbol hold no more with another meaning of it."""
-    tried = 0
+    tried = against = 0
     for other in others:
         here = other.understood.lexicon
         whole = with_meaning(here, other.understood.formula, doubt)
         if whole is not None and tried < MAX_OTHERS:
             tried += 1
             if not _saved(other, whole, (*settings.given, *here.assume), names):
-                return True
-    return False
+                against += FIRM if other.finding.verdict == HOLDS else 1
+    return against >= FIRM
 
 
 def _holds(claim: Claim, given: tuple[str, ...], names: frozenset[Name]) -> bool:
