@@ -198,8 +198,7 @@ def evidence(
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
-    own = {*_placed(own, every, draft)}
-    firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
+    firm = {*said, *told, *draft.confirmed, *(_placed(own, every, draft) if whole else ())}
     return Evidence(
         used,
         tuple(hold),
