@@ -10,12 +10,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import sympy as sp
+
+from eom.derivations.standing import box_of, called, component_letter, terms_in
+from eom.system import System
 from eom.terms.rules import entrywise
-from eom.terms.terms import INERTIAL, Equation, Term, der, nodes
+from eom.terms.terms import INERTIAL, Equation, Term, der, expr, nodes
 from eom.terms.vocabulary import CENTRE, QUANTITIES, unit
 from eom.typeset.boxes import GREEK_NAMES, Box, Symbol, symbol
 from eom.typeset.letters import ROLES, Notation, letter_box
-from eom.typeset.notation import term_box, write
+from eom.typeset.notation import term_box
 
 FRAME_LABELS: dict[str, tuple[int, ...]] = {
     "angular_velocity": (1, 2),
@@ -87,11 +91,16 @@ def _with_frame(notation: Notation, label: str, letter: str) -> Notation:
 
 
 def spelt(derivation: Any, notation: Notation) -> Any:
-    """Return a derivation whose whole mass has the letter that it has in the notation: one, not two."""
-    names = {}
-    for s, meaning in derivation.scalars.items():
-        if meaning.head == "atom" and meaning.data[0] == "total_mass":
-            names[s] = type(s)(write(meaning, notation, "ascii"), **s.assumptions0)
+    """Return a derivation whose symbols have the letters that a notation has for what they are.
+
+    So are called the whole mass, torques, momenta and energies with their components, and quantities of a
+    system that stand for one with a letter and but indices.
+    """
+    names = {
+        s: type(s)(name, **s.assumptions0)
+        for s, name in _renamed(derivation, notation)
+        if name != s.name
+    }
     if not names:
         return derivation
     renamed = entrywise(lambda e: e.xreplace(names))
@@ -103,13 +112,36 @@ def spelt(derivation: Any, notation: Notation) -> Any:
         derivation,
         steps=tuple(replace(s, statement=called(s.statement)) for s in derivation.steps),
         scalars={names.get(s, s): renamed(t) for s, t in derivation.scalars.items()},
+        letters={names.get(s, s): words for s, words in derivation.letters.items()},
+        result={name: _of_symbols(value, names) for name, value in derivation.result.items()},
+        stands={n: renamed(t) if isinstance(t, Term) else t for n, t in derivation.stands.items()}
+        | {s.name: expr(own) for s, own in names.items()},
     )
+
+
+def _renamed(derivation: Any, notation: Notation) -> Iterator[tuple[Any, str]]:
+    """Yield symbols with their names in a notation."""
+    for s, meaning in derivation.scalars.items():
+        if meaning.head == "atom" and meaning.data[0] == "total_mass":
+            yield s, called(meaning, notation)
+        elif found := component_letter(s.name, meaning, notation):
+            yield s, found[1]
+    for s in derivation.letters:
+        term = derivation.stands.get(s.name)
+        if isinstance(term, Term) and (name := called(term, notation)):
+            yield s, name
+
+
+def _of_symbols(value: Any, names: Mapping[Any, Any]) -> Any:
+    """Return a formula with other symbols; a system keeps those by which programs know it."""
+    return value.xreplace(names) if isinstance(value, sp.Basic | sp.MatrixBase) else value
 
 
 def terms_of(derivation: Any) -> list[Term]:
     """Return every term within the steps and the meanings of the symbols of a derivation."""
     sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
-    return [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
+    stated = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
+    return [*stated, *terms_in(derivation)]
 
 
 def frames_of(found: list[Term]) -> list[str]:
@@ -153,10 +185,13 @@ def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
     """Return the boxes of letters that reasons spell, in a notation."""
     found = terms_of(derivation)
     known: dict[str, Box] = {name: symbol(name) for name in ("t", *sorted(_INDICES - {"k"}))}
+    known |= {n: box_of(t, notation) for n, t in derivation.stands.items() if isinstance(t, Term)}
     for letter, name in PLAIN_LETTERS.items():
         known |= _plain_letter(letter, name, found, notation)
     known |= _places(found, notation)
     known |= {p: notation.point(p) for p in points_of(found)}
+    if any(isinstance(value, System) for value in derivation.result.values()):
+        known |= {CENTRES[1]: notation.point(CENTRE)}
     for frame in frames_of(found):
         known |= {frame: notation.frame(frame), **_axes(frame, notation)}
     known |= _indexed(found, notation)

@@ -116,10 +116,10 @@ class Operator:
 
 @dataclass(frozen=True)
 class Formula:
-    """A SymPy expression, ``value``; ``names`` are LaTeX names that symbols bring along."""
+    """A SymPy expression, ``value``; ``names``: LaTeX names that symbols bring along, or their boxes."""
 
     value: Expr
-    names: Mapping[Expr, str] = field(default_factory=dict, compare=False)
+    names: Mapping[Expr, str | Box] = field(default_factory=dict, compare=False)
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ from eom.typeset.boxes import (
 )
 
 Expr = Any
-Names = Mapping[Expr, str]
+Names = Mapping[Expr, str | Box]
 
 FUNCTIONS = ("sin", "cos", "tan", "cot", "sec", "csc", "sinh", "cosh", "tanh", "log")
 """Functions whose argument stands without brackets where it is one letter."""
@@ -47,7 +47,8 @@ _COMMANDS = {name: Sign(f"\\{name}", name, "mi") for name in FUNCTIONS}
 def expression_box(value: Expr, names: Names | None = None) -> Box:
     """Return a SymPy expression or matrix as boxes; what is not known stays a `Formula`.
 
-    ``names``: LaTeX of symbols by themselves; others are called by `eom.typeset.boxes.symbol`.
+    ``names``: boxes of symbols, or LaTeX of those by themselves; others are called by
+    `eom.typeset.boxes.symbol`.
     """
     known = names or {}
     if isinstance(value, sp.MatrixBase):
@@ -537,7 +538,10 @@ def is_tall(box: Box) -> bool:
 
 
 def _letter(value: Expr, names: Names) -> Box:
-    return Formula(value, names) if value in names else symbol(value.name)
+    named = names.get(value)
+    if named is None:
+        return symbol(value.name)
+    return Formula(value, names) if isinstance(named, str) else named
 
 
 def _number(value: Expr, names: Names) -> Box:

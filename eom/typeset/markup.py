@@ -312,7 +312,7 @@ def _opened(write: Render) -> Callable[[Formula, Render], str]:
     """Return what writes a formula as its boxes, and by ``write`` what has none but itself."""
 
     def rule(box: Formula, inner: Render) -> str:
-        if box.names and isinstance(box.value, sp.Symbol) and box.value in box.names:
+        if isinstance(box.value, sp.Symbol) and isinstance(box.names.get(box.value), str):
             return write(box)
         boxes = expression_box(box.value, box.names)
         return write(boxes) if isinstance(boxes, Formula) else inner(boxes)
@@ -322,7 +322,8 @@ def _opened(write: Render) -> Callable[[Formula, Render], str]:
 
 def _latex_formula(box: Formula) -> str:
     symbols: set[Expr] = box.value.atoms(sp.Symbol)
-    names = {s: box.names.get(s) or symbol_latex(s.name) for s in symbols}
+    known = {s: box.names.get(s) or symbol_latex(s.name) for s in symbols}
+    names = {s: n if isinstance(n, str) else render(n, "latex") for s, n in known.items()}
     words = any(names[s].startswith(r"\mathrm") for s in symbols)
     product = r" \, " if words else None
     settings = {"symbol_names": names, "mul_symbol": product, "mat_str": "matrix"}

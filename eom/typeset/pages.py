@@ -153,7 +153,8 @@ def _text_display(block: Display, letters: str) -> list[str]:
     if letters != "text":
         size = max(map(_length, lefts))
         return [
-            _text_line(line, letters, size) + (f"  # {line.words}" if line.words else "")
+            _text_line(line, letters, size)
+            + (f"  # {_text_words(line.words, letters)}" if line.words else "")
             for line in block.lines
         ]
     size = max((n for n in map(_length, lefts) if n <= WIDTH // 2), default=0)
@@ -166,7 +167,7 @@ def _text_rows(line: Line, size: int) -> list[str]:
     rows = [row for p in parts for row in _wrapped(_text_line(p, "text", size), "      ")]
     if not line.words:
         return rows
-    words = f"# {line.words}"
+    words = f"# {_text_words(line.words, 'text')}"
     if _length(rows[-1]) + 2 + _length(words) <= COLUMNS:
         return [*rows[:-1], f"{rows[-1]}  {words}"]
     return [*rows, *_wrapped(f"      {words}", "      # ")]

@@ -7,6 +7,7 @@ import sympy as sp
 from eom.derivations.chapters.rotation import explicit, principal_matrix
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.standing import BODY
 from eom.exact.algebra import gather, gather_above
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body
@@ -57,6 +58,8 @@ def euler_equations() -> Derived:
     _matrix(d)
     _principal(d)
     _where_valid(d)
+    d.only(*FREE, "principal_axes")
+    d.stands.update(BODY)
     return d.finish(equations=principal_system())
 
 

@@ -10,6 +10,7 @@ from eom.derivations.chapters.rotation import name_spin
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.standing import MOMENTUM, Stands
 from eom.exact.algebra import gather_above
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
@@ -54,7 +55,18 @@ def gyrostat_momentum() -> Derived:
     system = gyrostat(2)
     _check_equations(d, system)
     _dual_spin(d)
+    d.stands.update(_called(system))
     return d.finish(equations=system)
+
+
+def _called(system: System) -> Stands:
+    """Return what the system's quantities are: those of the body, and of each rotor."""
+    rotors = range(1, len(system.inputs) + 1)
+    names = {"Js": "rotor_inertia", "Omega": "rotor_speed", "u": "rotor_torque"}
+    own = {f"{s}_{k}": quantity(name, str(k)) for s, name in names.items() for k in rotors}
+    speeds = [sp.Symbol(f"Omega_{k}", real=True) for k in rotors]
+    rates = {f"rotor_rate_{k}": expr(s + OMEGA.components[k - 1]) for k, s in enumerate(speeds, 1)}
+    return {**MOMENTUM, "T": quantity("rotational_energy", "body", "C"), **own, **rates}
 
 
 def _check_equations(d: Derivation, system: System) -> None:

@@ -69,6 +69,7 @@ def rigid_momentum() -> Derived:
     J = _inertia_matrix(d)
     _about_body_point(d)
     _torque(d)
+    d.stands_for("J", column(quantity("inertia", "C"), "B"))
     return d.finish(J=J)
 
 

@@ -246,6 +246,7 @@ def tilde_identities() -> Derived:
     _turned(d, a)
     triple = d.start(dot(cross(A, B), C))
     triple.then("the scalar triple product", scalar_triple, label="triple", states=["000:E31"])
+    d.stands_for("tilde", tilde(a))
     return d.finish(
         tilde=sp.Matrix(3, 3, [e.data[0] for e in d.recall("tilde").equation.right.args])
     )

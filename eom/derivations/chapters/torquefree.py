@@ -10,6 +10,7 @@ from eom.derivations.chapters.rotation import explicit, name_spin, principal_mat
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.standing import BODY
 from eom.exact.algebra import gather
 from eom.mechanics import freebody, steady
 from eom.mechanics.freebody import MOMENTS, herpolhode_rate
@@ -98,6 +99,8 @@ def torque_free_motion() -> Derived:
     _poinsot(d)
     _herpolhode(d)
     _precession(d)
+    d.only("torque_free", "principal_axes")
+    d.stands.update(BODY | {f"torque_{k}": None for k in (1, 2, 3)})
     return d.finish(equations=free_rigid_body("quaternion"), **_results())
 
 
