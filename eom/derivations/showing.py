@@ -510,7 +510,8 @@ def _statements(derivation: Shown, notation: Notation) -> Block:
 def _results(derivation: Shown, notation: Notation) -> Iterator[Block]:
     if derivation.result:
         yield Heading("Result")
-    named = _Results(derivation, notation, letters_in_words(derivation, notation))
+    known = letters_in_words(derivation, notation) | standing.spoken(derivation, notation)
+    named = _Results(derivation, notation, known)
     rows = sorted(derivation.result.items(), key=lambda row: isinstance(row[1], System))
     for name, value in rows:  # a system has headings of its own
         yield from named.blocks(name, value)

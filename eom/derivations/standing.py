@@ -7,6 +7,7 @@ nothing that it speaks of, which its page leaves out. A vector stands for its ma
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -19,15 +20,20 @@ from eom.terms.terms import SCALAR, VECTOR, Equation, Term, dot, entries, expr, 
 from eom.terms.vocabulary import quantity, unit
 from eom.typeset.boxes import Box, Fence, symbol
 from eom.typeset.letters import ROLES, Notation
-from eom.typeset.notation import PLAIN, term_box, write
+from eom.typeset.notation import PLAIN, term_box
 
 Stands = Mapping[str, Term | str | None]
 """What results are, by name."""
 
 _H, _TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
 _AXES = (1, 2, 3)
-MOMENTUM: Stands = {"H": _H, **{f"h_{k}": dot(unit("B", k), _H) for k in _AXES}}
-"""Magnitude and components of the angular momentum, as all systems of one body call them."""
+MOMENTUM: Stands = {
+    "H": _H,
+    **{f"h_{k}": dot(unit("B", k), _H) for k in _AXES},
+    "h": _H,
+    "J": quantity("inertia", "C"),
+}
+"""Angular momentum, its magnitude and components, and inertia, as all systems of one body call them."""
 IN_SPACE: Stands = {f"H_{k}": dot(unit("I", k), _H) for k in _AXES}
 """Its components along inertial axes."""
 BODY: Stands = {
@@ -36,11 +42,11 @@ BODY: Stands = {
     "T": quantity("rotational_energy", "body", "C"),
     **{f"torque_{k}": dot(unit("B", k), _TORQUE) for k in _AXES},
     **{f"a{k}": unit("I", k) for k in _AXES},
-    **{f"q_{k}": quantity("euler_parameter", str(k), "B", "I") for k in range(4)},
+    **{f"q{k}": quantity("euler_parameter", str(k), "B", "I") for k in range(4)},
     "tilt": None,
     "q_norm": None,
 }
-"""What `eom.mechanics.rigidbody.rigid_body` calls by name, about the centre of mass, inertial axes a1 to a3."""
+"""What `eom.mechanics.rigidbody.rigid_body` calls by name; its inertial axes are a1, a2, a3."""
 
 _LETTERED = frozenset({"torque", "angular_momentum", "rotational_energy", "kinetic_energy"})
 """Quantities whose components and values are called by the letter that a notation has for them."""
@@ -51,8 +57,6 @@ def called(term: Term, notation: Notation) -> str:
     if term.head != "atom" or term.kind != SCALAR:
         return ""
     name, *labels = term.data
-    if name == "total_mass":
-        return write(term, notation, "ascii")
     roles = ROLES.get(name, ("point",))
     if name in notation.atoms or not {*roles} <= {"", "index"}:
         return ""
@@ -60,26 +64,29 @@ def called(term: Term, notation: Notation) -> str:
     return "_".join((notation.letters[name], *shown))
 
 
-def component_letter(name: str, meaning: Term, notation: Notation) -> tuple[str, str] | None:
-    """Return what a component or value of a quantity is called by its plain letter, and by that of a notation.
+def component_name(name: str, meaning: Term, notation: Notation) -> str:
+    """Return what a component or value of a quantity is called in a notation.
 
-    ``name``: of a symbol, in the letter that it or another notation has. None for one with its own letter.
+    ``name``: of the symbol; nothing for one that has not the plain letter of the quantity.
     """
     of = _measured(meaning)
-    if of is None:
-        return None
-    plain, own = (n.letters[of].partition("_")[0].partition("^")[0] for n in (PLAIN, notation))
-    letter, _, rest = name.partition("_")
-    return (name, f"{own}_{rest}" if rest else own) if letter == plain else None
+    plain, own = (re.split("[_^]", n.letters.get(of, ""))[0] for n in (PLAIN, notation))
+    letter, mark, rest = name.partition("_")
+    return f"{own}{mark}{rest}" if of and letter == plain else ""
 
 
-def _measured(meaning: Term) -> str | None:
-    """Return the name of the quantity of which a term is a component along an axis, or the value."""
+def named_by(name: str, term: Term, notation: Notation) -> str:
+    """Return the name of the letter of what stands for a quantity, or for a component of one."""
+    return called(term, notation) or component_name(name, term, notation)
+
+
+def _measured(meaning: Term) -> str:
+    """Return the name of the quantity that a term is, or of which it is a component along an axis."""
     parts = meaning.args if meaning.head == "dot" else (meaning,)
     names = [p.data[0] for p in parts if p.head == "atom"]
     of = [n for n in names if n in _LETTERED]
     whole = len(names) == len(parts) and all(n in _LETTERED or n == "unit" for n in names)
-    return of[0] if whole and len(of) == 1 else None
+    return of[0] if whole and len(of) == 1 else ""
 
 
 def quantities(system: System) -> Iterator[Quantity]:
@@ -108,23 +115,24 @@ def _within(system: System) -> frozenset[str]:
 
 
 def box_of(stands: Term, notation: Notation) -> Box:
-    """Return the box of what a result stands for; of a vector it is the magnitude, but for unit vectors."""
-    box = symbol(called(stands, notation)) if called(stands, notation) else term_box(stands, notation)
-    whole = stands.kind != VECTOR or stands.data[:1] == ("unit",)
-    return box if whole else Fence(box, "|", "|")
+    """Return the box of what a result stands for; of a vector it is the magnitude."""
+    name = called(stands, notation)
+    box = symbol(name) if name else term_box(stands, notation)
+    return Fence(box, "|", "|") if stands.kind == VECTOR else box
 
 
 def letters_of(derivation: Any, system: System, notation: Notation) -> dict[Any, Box]:
-    """Return how the page of a derivation writes the symbols of a system; others have letters of their own."""
+    """Return how the page of a derivation writes the symbols of a system, but for letters of its own."""
     within = _within(system)
     found: dict[Any, Box] = {}
     for q in quantities(system):
         term = derivation.stands.get(q.name)
         if any(q.name == s.name for s in derivation.scalars):
             found[q.symbol] = symbol(q.name)
+        elif isinstance(term, Term) and q.name in within and not _is_letter(term, notation):
+            found[q.symbol] = symbol(component_name(q.name, term, notation) or q.name)
         elif isinstance(term, Term):
-            own = q.name in within and not _is_letter(term, notation)
-            found[q.symbol] = symbol(own_letter(q.name, term, notation)) if own else box_of(term, notation)
+            found[q.symbol] = box_of(term, notation)
     return found
 
 
@@ -132,20 +140,13 @@ def _is_letter(term: Term, notation: Notation) -> bool:
     return term.head == "expr" or bool(called(term, notation))
 
 
-def own_letter(name: str, term: Term, notation: Notation) -> str:
-    """Return what a page calls a symbol that its formulas use, by the letter of the quantity."""
-    found = component_letter(name, term, notation)
-    return found[1] if found else name
-
-
 def shown_part(derivation: Any, system: System) -> System:
     """Return a system as its page shows it: without what the page does not speak of, or has said."""
     left_out = {name for name, term in derivation.stands.items() if term is None}
-    meanings = {s.name: t for s, t in derivation.scalars.items()}
 
     def kept(d: Definition) -> bool:
-        said = isinstance(d.expression, sp.Symbol) and meanings.get(d.expression.name)
-        return d.name not in left_out and not (said and said == derivation.stands.get(d.name))
+        said = _meaning(derivation, d.expression)
+        return d.name not in left_out and (said is None or said != derivation.stands.get(d.name))
 
     return replace(
         system,
@@ -154,11 +155,20 @@ def shown_part(derivation: Any, system: System) -> System:
     )
 
 
+def _meaning(derivation: Any, symbol: Any) -> Term | None:
+    """Return what a lone symbol of a system is on a page that may have renamed it."""
+    if not isinstance(symbol, sp.Symbol):
+        return None
+    own = derivation.stands.get(symbol.name)
+    name = own.data[0].name if isinstance(own, Term) and own.head == "expr" else symbol.name
+    return next((t for s, t in derivation.scalars.items() if s.name == name), None)
+
+
 def terms_in(derivation: Any) -> Iterator[Term]:
     """Yield the terms that results are written by."""
     for name in _shown_names(derivation):
         term = derivation.stands.get(name)
-        if isinstance(term, Term):
+        if isinstance(term, Term) and not called(term, PLAIN):
             yield from nodes(term)
 
 
@@ -177,10 +187,21 @@ def listed(derivation: Any, notation: Notation) -> Iterator[tuple[Any, Term | No
             letters = letters_of(derivation, shown, notation)
             for q in quantities(shown):
                 term = derivation.stands.get(q.name)
-                if not isinstance(term, Term):
+                if not isinstance(term, Term) or called(term, notation):
                     yield letters.get(q.symbol), None, q
                 elif q.name in _within(shown) and not _is_letter(term, notation):
                     yield letters[q.symbol], term, q
+
+
+def spoken(derivation: Any, notation: Notation) -> dict[str, Box]:
+    """Return the boxes of names in words about results: of scalars, of vectors and of axes."""
+    systems = [value for value in derivation.result.values() if isinstance(value, System)]
+    scalars = {q.name for system in systems for q in quantities(system)}
+    return {
+        name: box_of(term, notation) if name in scalars else term_box(term, notation)
+        for name, term in derivation.stands.items()
+        if isinstance(term, Term)
+    }
 
 
 def claims(stands: Stands, result: Mapping[str, Any]) -> Iterator[Equation]:

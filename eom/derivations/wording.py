@@ -6,20 +6,20 @@ notation.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
 
-from eom.derivations.standing import box_of, called, component_letter, terms_in
+from eom.derivations.standing import component_name, named_by, spoken, terms_in
 from eom.system import System
 from eom.terms.rules import entrywise
 from eom.terms.terms import INERTIAL, Equation, Term, der, expr, nodes
 from eom.terms.vocabulary import CENTRE, QUANTITIES, unit
 from eom.typeset.boxes import GREEK_NAMES, Box, Symbol, symbol
 from eom.typeset.letters import ROLES, Notation, letter_box
-from eom.typeset.notation import term_box
+from eom.typeset.notation import term_box, write
 
 FRAME_LABELS: dict[str, tuple[int, ...]] = {
     "angular_velocity": (1, 2),
@@ -113,7 +113,9 @@ def spelt(derivation: Any, notation: Notation) -> Any:
         steps=tuple(replace(s, statement=called(s.statement)) for s in derivation.steps),
         scalars={names.get(s, s): renamed(t) for s, t in derivation.scalars.items()},
         letters={names.get(s, s): words for s, words in derivation.letters.items()},
-        result={name: _of_symbols(value, names) for name, value in derivation.result.items()},
+        result={
+            name: _of_symbols(value, names, called) for name, value in derivation.result.items()
+        },
         stands={n: renamed(t) if isinstance(t, Term) else t for n, t in derivation.stands.items()}
         | {s.name: expr(own) for s, own in names.items()},
     )
@@ -122,19 +124,29 @@ def spelt(derivation: Any, notation: Notation) -> Any:
 def _renamed(derivation: Any, notation: Notation) -> Iterator[tuple[Any, str]]:
     """Yield symbols with their names in a notation."""
     for s, meaning in derivation.scalars.items():
-        if meaning.head == "atom" and meaning.data[0] == "total_mass":
-            yield s, called(meaning, notation)
-        elif found := component_letter(s.name, meaning, notation):
-            yield s, found[1]
-    for s in derivation.letters:
+        if name := component_name(s.name, meaning, notation):
+            yield s, name
+        elif meaning.data[:1] == ("total_mass",):
+            yield s, write(meaning, notation, "ascii")
+    for s in (*derivation.scalars, *derivation.letters):
         term = derivation.stands.get(s.name)
-        if isinstance(term, Term) and (name := called(term, notation)):
+        if isinstance(term, Term) and (name := named_by(s.name, term, notation)):
             yield s, name
 
 
-def _of_symbols(value: Any, names: Mapping[Any, Any]) -> Any:
-    """Return a formula with other symbols; a system keeps those by which programs know it."""
-    return value.xreplace(names) if isinstance(value, sp.Basic | sp.MatrixBase) else value
+def _of_symbols(
+    value: Any, names: Mapping[Any, Any], called: Callable[[Equation], Equation]
+) -> Any:
+    """Return a result with other symbols; a system keeps those by which programs know it."""
+    if isinstance(value, sp.Basic | sp.MatrixBase):
+        return value.xreplace(names)
+    if isinstance(value, Mapping):
+        return {name: _of_symbols(part, names, called) for name, part in value.items()}
+    if isinstance(value, tuple | list):
+        return type(value)(_of_symbols(part, names, called) for part in value)
+    if isinstance(value, Term):
+        return called(Equation(value, value)).left
+    return called(value) if isinstance(value, Equation) else value
 
 
 def terms_of(derivation: Any) -> list[Term]:
@@ -181,11 +193,11 @@ def named(derivation: Any, notation: Notation) -> Iterator[Named]:
         yield Named(symbol(name), ("symbol", name))
 
 
-def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
+def letters_in_words(derivation: Any, notation: Notation) -> dict[str, Box]:
     """Return the boxes of letters that reasons spell, in a notation."""
     found = terms_of(derivation)
     known: dict[str, Box] = {name: symbol(name) for name in ("t", *sorted(_INDICES - {"k"}))}
-    known |= {n: box_of(t, notation) for n, t in derivation.stands.items() if isinstance(t, Term)}
+    known |= spoken(derivation, notation)
     for letter, name in PLAIN_LETTERS.items():
         known |= _plain_letter(letter, name, found, notation)
     known |= _places(found, notation)

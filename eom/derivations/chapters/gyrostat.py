@@ -6,11 +6,11 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations import standing
 from eom.derivations.chapters.rotation import name_spin
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.standing import MOMENTUM, Stands
 from eom.exact.algebra import gather_above
 from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
@@ -34,7 +34,7 @@ from eom.terms.rules import (
 )
 from eom.terms.rules.inferences import characteristic, equal, solved, summed
 from eom.terms.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
-from eom.terms.vocabulary import omega, quantity
+from eom.terms.vocabulary import omega, quantity, unit
 
 W = omega()
 J, H = quantity("inertia", "C"), quantity("angular_momentum", "body", "C")
@@ -59,14 +59,21 @@ def gyrostat_momentum() -> Derived:
     return d.finish(equations=system)
 
 
-def _called(system: System) -> Stands:
+def _called(system: System) -> standing.Stands:
     """Return what the system's quantities are: those of the body, and of each rotor."""
     rotors = range(1, len(system.inputs) + 1)
     names = {"Js": "rotor_inertia", "Omega": "rotor_speed", "u": "rotor_torque"}
     own = {f"{s}_{k}": quantity(name, str(k)) for s, name in names.items() for k in rotors}
     speeds = [sp.Symbol(f"Omega_{k}", real=True) for k in rotors]
     rates = {f"rotor_rate_{k}": expr(s + OMEGA.components[k - 1]) for k, s in enumerate(speeds, 1)}
-    return {**MOMENTUM, "T": quantity("rotational_energy", "body", "C"), **own, **rates}
+    return {
+        **standing.MOMENTUM,
+        "T": quantity("rotational_energy", "body", "C"),
+        "T_omega": None,
+        **own,
+        **rates,
+        ALONG.name: dot(unit("B", 1), H),
+    }
 
 
 def _check_equations(d: Derivation, system: System) -> None:

@@ -224,4 +224,5 @@ def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str,
             label=f"inertia-{point.replace(' ', '-')}",
         )
         found[f"J about {where}"] = sp.Matrix(inertia)
+        d.stands_for(f"J about {where}", f"inertia matrix about {where}")
     return found

@@ -100,7 +100,7 @@ def torque_free_motion() -> Derived:
     _herpolhode(d)
     _precession(d)
     d.only("torque_free", "principal_axes")
-    d.stands.update(BODY | {f"torque_{k}": None for k in (1, 2, 3)})
+    d.stands.update({**BODY, **{f"torque_{k}": None for k in (1, 2, 3)}})
     return d.finish(equations=free_rigid_body("quaternion"), **_results())
 
 
