@@ -161,7 +161,7 @@ def blocks(
     else:
         yield from (one.drawing for one in drawn)
         yield _statements(derivation, notation)
-    yield from _results(derivation, notation)
+    yield from results(derivation, notation)
 
 
 def _assumed(derivation: Shown, notation: Notation) -> Iterator[Item]:
@@ -507,7 +507,8 @@ def _statements(derivation: Shown, notation: Notation) -> Block:
 # -- results ---------------------------------------------------------------------------------
 
 
-def _results(derivation: Shown, notation: Notation) -> Iterator[Block]:
+def results(derivation: Shown, notation: Notation) -> Iterator[Block]:
+    """Yield the results of a derivation under their heading, systems last."""
     if derivation.result:
         yield Heading("Result")
     known = letters_in_words(derivation, notation) | standing.spoken(derivation, notation)

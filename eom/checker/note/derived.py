@@ -18,7 +18,7 @@ from eom.checker.read.spans import ReadingError
 from eom.checker.read.symbol_shape import Look, Seen, seen
 from eom.derivations.derived import Derived
 from eom.derivations.verification import in_full
-from eom.derivations.wording import notation_of
+from eom.derivations.wording import notation_of, spelt
 from eom.errors import InputError
 from eom.system import System
 from eom.terms.rules import entrywise, slopes
@@ -57,6 +57,7 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
             got=", ".join(derivation.own.configured),
             hint="the page without front matter is written, as `eom derive` does without --lexicon",
         )
+    derivation = spelt(derivation, chosen)
     base, besides = PRESETS[chosen.name]
     found = list(dict.fromkeys(n for n in _nodes(derivation) if n.head == "atom"))
     known = preset(base).frames
@@ -66,8 +67,8 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     lines += ["[check.notation]", *(f"{k} = {v}" for k, v in besides.items())] if besides else []
     lines += _table("frames", {k: f for k, f in named.items() if label_of(k) not in known})
     points = dict.fromkeys(p for t in found for p in _points(t))
-    spelt = ((render(chosen.point(p), "latex"), p) for p in points)
-    lines += _table("points", {k: p for k, p in spelt if _is_label(k)})
+    called = ((render(chosen.point(p), "latex"), p) for p in points)
+    lines += _table("points", {k: p for k, p in called if _is_label(k)})
     rows = (_symbols(found, chosen), _columns(derivation, chosen), _rates(derivation, chosen))
     meant = {k: v for some in rows for k, v in some}
     meant |= dict(_scalars(derivation, chosen, preset(base)))

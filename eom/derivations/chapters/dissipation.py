@@ -91,6 +91,7 @@ def energy_dissipation() -> Derived:
     d.stands.update(
         {
             **MOMENTUM,
+            "sigma": SIGMA,
             "dissipation": expr(POWER),
             "excess_energy": excess.left,
             "nutation_rate": expr(NUTATION_RATE),

@@ -49,6 +49,7 @@ _CALLED: Stands = {
     "T": quantity("rotational_energy", "body", "C"),
     **{f"torque_{k}": dot(unit("B", k), TORQUE) for k in (1, 2, 3)},
     **{f"axle_{k}": dot(unit("I", k), B2) for k in (1, 2, 3)},
+    "I3": dot(B3, dot(J, B3)),
     "h_G": column(H, "B"),
     "rate": column(der(H), "B"),
 }
