@@ -10,7 +10,6 @@ from eom.derivations.chapters.rotation import name_spin
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.derivations.standing import MOMENTUM
 from eom.kinematics.frames import Vector, first_derivative, time_derivative, vector
 from eom.mechanics import dissipation as model
 from eom.mechanics import steady
@@ -62,6 +61,7 @@ J_BODY = add(J, -SPHERE)
 T_ROT = quantity("rotational_energy", "body", "C")
 STATES = (*OMEGA.components, *model.SIGMA.components)
 RATES = tuple(sp.Symbol(f"{s}_dot", real=True) for s in STATES)
+SQUARE = sp.Symbol("Q", real=True)
 COEFFICIENTS = sp.symbols("p_0:5", real=True)
 NUTATION_RATE = sp.Symbol("theta_dot", real=True)
 EFFECTIVE, EFFECTIVE_RATE = sp.symbols("I_e I_e_dot", real=True)
@@ -90,7 +90,7 @@ def energy_dissipation() -> Derived:
     sink = d.recall("sink-nutation").equation.right.expression
     d.stands.update(
         {
-            **MOMENTUM,
+            **{f"h_{k}": None for k in (1, 2, 3)},
             "sigma": SIGMA,
             "dissipation": expr(POWER),
             "excess_energy": excess.left,
@@ -294,15 +294,12 @@ def _major_axis(d: Derivation) -> Chain:
         "energy of body and slug in principal axes of the body",
         label="energy-components",
     )
-    momentum = d.name_scalar(
-        H,
-        expr(sp.sqrt(h.dot(h))),
-        "magnitude of their angular momentum",
-        label="momentum-components",
+    square = d.name_scalar(
+        SQUARE, expr(h.dot(h)), "square of their angular momentum", label="momentum-components"
     )
     return d.show(
         Equation(
-            expr(ENERGY - H**2 / (2 * (MOMENTS[2] + model.SLUG))),
+            expr(ENERGY - SQUARE / (2 * (MOMENTS[2] + model.SLUG))),
             expr(sp.Add(*(c * base**2 for c, base in squares))),
         ),
         "the energy above that of a spin about b3 with the same momentum, squares completed: if I3 "
@@ -310,7 +307,7 @@ def _major_axis(d: Derivation) -> Chain:
         "the slug at rest. As energy falls as long as the slug slips and momentum stays, the motion "
         "ends in a steady spin, and of these it is the one without energy to lose: the major-axis "
         "rule",
-        put_in(energy.equation, momentum.equation),
+        put_in(energy.equation, square.equation),
         label="excess",
     )
 
@@ -454,6 +451,7 @@ def _energy_sink(d: Derivation) -> None:
         (LETTERS[TRANSVERSE], "moment across the axis"),
         (LETTERS[AXIAL], "moment about the axis"),
         (model.NUTATION, "angle between h and the axis of symmetry"),
+        (H, "magnitude of the angular momentum"),
     ):
         d.letter(symbol, words)
     d.name_scalar(
