@@ -791,12 +791,12 @@ class Derivation:
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
     def letter(self, symbol: Any, words: str) -> None:
-        """Say what a symbol is that stands for no term.
+        """Say what a symbol is that stands for no term, or a quantity that reasons alone speak of.
 
         Parameters
         ----------
-        symbol : symbol
-            Such as a parameter of a shape.
+        symbol : symbol or Term
+            Such as a parameter of a shape; of words alone ``quantity("vector", "rho")``.
         words : str
             What it is.
         """

@@ -19,7 +19,15 @@ from eom.derivations.corrections import CLAIMS, NOTES
 from eom.derivations.standing import Stands
 from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
-from eom.derivations.wording import frames_of, letters_in_words, notation_of, spelt, terms_of
+from eom.derivations.wording import (
+    factors,
+    frames_of,
+    letters_in_words,
+    notation_of,
+    spelt,
+    spoken,
+    terms_of,
+)
 from eom.errors import unknown_name
 from eom.system import System
 from eom.terms.terms import (
@@ -196,6 +204,7 @@ def symbols(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, Prose]
     shown = {render(box, "text") for box, _ in items}
     letters = ((symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found))
     items += [(box, meaning) for box, meaning in letters if render(box, "text") not in shown]
+    items += [_named_in_words(one, derivation, notation) for one in _spoken(derivation, notation)]
     items += _of_systems(derivation, notation)
     items += list(_operations(found, notation))
     known = letters_in_words(derivation, notation)
@@ -221,6 +230,26 @@ def _letters_of(derivation: Shown, found: Iterable[Term]) -> Iterator[tuple[Any,
     for s in sorted(used - set(derivation.scalars), key=sp.default_sort_key):
         if s in told:
             yield s, told[s]
+
+
+def _spoken(derivation: Shown, notation: Notation) -> Iterator[Any]:
+    """Yield the quantities and symbols that reasons, assumptions and meanings of letters name."""
+    said = [_SAID.get(tag, "") for s in derivation.steps for tag in s.states]
+    reasons = [s.reason for s in derivation.steps]
+    texts = [
+        *map(meaning_of, derivation.assumptions),
+        *reasons,
+        *said,
+        *derivation.letters.values(),
+    ]
+    return spoken(derivation, texts, notation)
+
+
+def _named_in_words(one: Any, derivation: Shown, notation: Notation) -> tuple[Box, str]:
+    if not isinstance(one, Term):
+        return symbol(one.name), derivation.letters[one]
+    box, meaning = _quantity(one, notation)
+    return box, derivation.letters.get(one, meaning)
 
 
 def _of_systems(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, str]]:
@@ -427,10 +456,6 @@ MUNDANE = frozenset(
 """Rules that are named where no other one is applied."""
 
 
-FACTORS: dict[str, Box] = {name: Symbol(name) for name in "ab"}
-"""The letters of rules such as a.b = b.a."""
-
-
 @dataclass
 class _Notes:
     """What stands beside each step; an assumption is put into words where it first counts.
@@ -462,9 +487,8 @@ class _Notes:
         told = f"Assumed: {assumed}." if assumed else ""
         words = capitalised(step.reason, self.known)
         said, before = (phrases(w, self.known) for w in (words, told))
-        return Note(
-            self.numbers[step.label], said, phrases(remarks, {**self.known, **FACTORS}), before
-        )
+        beside = phrases(remarks, {**self.known, **factors(self.notation)})
+        return Note(self.numbers[step.label], said, beside, before)
 
     def _stated(self, label: str) -> str:
         """Return the label of a display or claim, at its first mention with what was corrected in it."""

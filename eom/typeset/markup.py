@@ -525,9 +525,13 @@ def _mathml_formula(box: Formula) -> str:
     return f"<mrow>{_ENTITY.sub(lambda m: html.unescape(m[0]), words)}</mrow>"
 
 
+_BOLD_DIGITS = {ord(str(k)): chr(0x1D7CE + k) for k in range(10)}
+"""Digits in bold, as unit matrices are written; browsers know no other way to write them."""
+
+
 def _mathml_symbol(box: Symbol, _: Render) -> str:
     if box.name.isdigit():
-        return f"<mn>{box.name}</mn>"
+        return f"<mn>{box.name.translate(_BOLD_DIGITS) if box.style == 'bold' else box.name}</mn>"
     letter = html.escape(styled(box.name, box.style))
     upright = box.style == "roman" and len(letter) == 1
     return f'<mi mathvariant="normal">{letter}</mi>' if upright else f"<mi>{letter}</mi>"
@@ -566,9 +570,14 @@ def _mathml_scripts(box: Scripts, inner: Render) -> str:
     return f"<{tag}>{base}{sub}{sup}</{tag}>" if sub or sup else base
 
 
+_CLEAR = {"vec": "0.04em", "dot": "0.12em", "ddot": "0.12em", "dddot": "0.12em", "ddddot": "0.12em"}
+"""Room below a mark that browsers set so low that it grows together with letters."""
+
+
 def _mathml_accent(box: Accent, inner: Render) -> str:
     tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
-    return f"<{tag}{kind}>{inner(box.base)}<mo>{ACCENTS[box.mark][2]}</mo></{tag}>"
+    room = f' style="padding-bottom: {_CLEAR[box.mark]}"' if box.mark in _CLEAR else ""
+    return f"<{tag}{kind}>{inner(box.base)}<mo{room}>{ACCENTS[box.mark][2]}</mo></{tag}>"
 
 
 def _mathml_fenced(box: Fence | Grid, middle: str) -> str:

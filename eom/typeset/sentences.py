@@ -1,14 +1,14 @@
 """Sentences with mathematics in them: letters that words spell out are set as letters.
 
 ``omega_1``, ``theta'``, ``I_t``, ``b1``, ``lambda^2``, ``dh/dt`` stand for letters, a prime for a rate; a
-lone letter is one where it is known to be. Between letters ``x`` is a cross product, a full stop a dot, a
-hyphen a minus.
+lone letter is one where it is known to be, and so is ``[h_C]_B``, a column of components. Between letters
+``x`` is a cross product, a full stop a dot, a hyphen a minus; 0 is that of what it is equal to.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import pairwise
 
 from eom.typeset.boxes import (
@@ -35,7 +35,8 @@ _TOKEN = re.compile(
     r"(?<![\w\\])"
     rf"(?:d(?P<above>[A-Za-z]|{_SPELT})/d(?P<below>[A-Za-z]|{_SPELT})(?![\w(])"
     r"|(?P<mass>dm)(?!\w)"
-    rf"|(?P<name>(?:{_SPELT})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[A-Za-z]\d?)"
+    rf"|(?P<name>\[(?:{_SPELT}|[A-Za-z])(?:_\w+)?\]_[A-Z]"
+    rf"|(?:{_SPELT})(?:_\w+)?|[A-Za-z]_[A-Za-z0-9]+|[A-Za-z]\d?)"
     r"(?P<marks>'*)(?:\^(?P<power>-?\d|[Tx]\b))?(?![\w(]))"
 )
 _AXES = re.compile(r"[abiI][123]")
@@ -64,24 +65,58 @@ def sentence(
 
 
 def phrases(words: str, known: Mapping[str, Box]) -> tuple[str | Box, ...]:
-    """Return words and formulas in turn; ``known``: the boxes of names, also of lone letters."""
-    found: list[tuple[int, int, Box]] = []
+    """Return words and formulas in turn; ``known``: the boxes of names, also of lone letters.
+
+    Under ``h = 0`` is the zero that ``h`` can be equal to, under ``C = 1`` the unit.
+    """
+    found = [(m.start(), m.end(), box) for m, box in _letters(words, known)]
+    return _joined(words, sorted([*found, *_values(words, found, known)], key=lambda f: f[0]))
+
+
+def names_in(words: str, known: Mapping[str, Box]) -> Iterator[str]:
+    """Yield the names that are set as letters in words, without marks and powers."""
+    yield from (m["name"] for m, _ in _letters(words, known) if m["name"])
+
+
+def _letters(words: str, known: Mapping[str, Box]) -> list[tuple[re.Match[str], Box]]:
+    found: list[tuple[re.Match[str], Box]] = []
     for m in _TOKEN.finditer(words):
-        box = None if _is_cross(words, m, found) else _box(words, m, known)
+        before = found[-1][0].end() if found else None
+        box = None if _is_cross(words, m, before) else _box(words, m, known)
         if box is not None:
-            found.append((m.start(), m.end(), box))
-    return _joined(words, found)
+            found.append((m, box))
+    return found
+
+
+_VALUE = re.compile(r" = ([01])(?![\w.]*\w)")
+
+
+def _values(
+    words: str, found: list[tuple[int, int, Box]], known: Mapping[str, Box]
+) -> Iterator[tuple[int, int, Box]]:
+    """Yield 0 and 1 where they are equal to a letter, or a product of letters, that is no number."""
+    starts = {end: start for start, end, _ in found}
+    for m in _VALUE.finditer(words):
+        start = starts.get(m.start())
+        value = None if start is None else known.get(words[start : m.end()])
+        while start is not None and words[:start].endswith(" x ") and start - 3 in starts:
+            start = starts[start - 3]
+        if value is not None and not words[:start].endswith((".", "(")):
+            yield m.start(1), m.end(1), value
 
 
 _FACTOR = re.compile(r"(?:(?<![\w'])[A-Za-z](?:_\w+|\d)?'*|\))$")
 
 
-def _is_cross(words: str, m: re.Match[str], found: list[tuple[int, int, Box]]) -> bool:
-    """Return whether a token is the sign of a cross product: x after a letter or a bracket."""
+def _is_cross(words: str, m: re.Match[str], end: int | None) -> bool:
+    """Return whether a token is the sign of a cross product: x after a letter or a bracket.
+
+    ``end``: of the letter before.
+    """
     if m[0] != "x" or words[m.start() - 1 : m.start()] != " " or words[m.end() :][:1] != " ":
         return False
     before = words[: m.start() - 1]
-    return _FACTOR.search(before) is not None or (bool(found) and found[-1][1] == len(before))
+    return _FACTOR.search(before) is not None or end == len(before)
 
 
 def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
@@ -92,6 +127,8 @@ def _box(words: str, m: re.Match[str], known: Mapping[str, Box]) -> Box | None:
     if m["mass"]:
         return Row((Operator("d"), symbol("m")))
     name, marks, power = m["name"], m["marks"], m["power"]
+    if name.startswith("[") and name not in known:
+        return None
     if words.rfind("[", 0, m.start()) > words.rfind("]", 0, m.start()):  # a unit
         return raised(Symbol(name, "roman"), _power(power)) if power else None
     if _is_word(words, m, known):

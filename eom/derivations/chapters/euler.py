@@ -101,7 +101,7 @@ def _dyadic(d: Derivation) -> None:
 
 
 def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
-    d.given(Equation(der(J, "B"), zero("dyadic")), "J does not change in B", label="J-constant")
+    d.given(Equation(der(J, "B"), zero("dyadic")), "J_C does not change in B", label="J-constant")
     local = momentum.both(
         "differentiate in B",
         lambda t: der(t, "B"),
@@ -109,7 +109,11 @@ def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
         label="local-terms",
         states=["000:E21"],
     ).then(
-        "J does not change in B", vanish(der(J, "B")), distribute, label="local", states=["000:E21"]
+        "J_C does not change in B",
+        vanish(der(J, "B")),
+        distribute,
+        label="local",
+        states=["000:E21"],
     )
     d.start(der(W)).then(
         "the transport theorem", transport("B"), label="omega-rate", states=["000:E22"]
@@ -124,18 +128,18 @@ def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
     d.in_components(
         d.recall("local"),
         "B",
-        "and where J does not change; omega has one rate in both frames",
+        "and where J_C does not change; omega has one rate in both frames",
         use(d.recall("omega-rates-equal").equation, backwards=True),
         label="local-matrix",
         states=["000:E21"],
     )
     seen.then(
-        "with h = J.omega",
+        "with h_C = J_C.omega",
         use(local.equation),
         use(momentum.equation),
         label="rate-dyadic",
         states=["001:E1"],
-    ).both("dh/dt is the torque", use(law.equation)).turned(
+    ).both("h_C' is the torque", use(law.equation)).turned(
         "Euler's equation", label="euler-dyadic", states=["000:E23", "001:E1"]
     )
 

@@ -106,7 +106,7 @@ def _body(d: Derivation) -> None:
     d.assume("newton_2", "third_law_strong")
     law = d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
     rate.both(
-        "dh/dt is the torque: the equation of the whole",
+        "h_C' is the torque: the equation of the whole",
         use(law.equation),
         into_sums,
         label="equation",
@@ -130,7 +130,7 @@ def _rate(d: Derivation) -> Chain:
         label="local-rate",
     )
     return d.start(der(H)).then(
-        "the transport theorem, with h inserted",
+        "the transport theorem, with h_C inserted",
         transport("B"),
         use(local.equation),
         use(momentum.equation),

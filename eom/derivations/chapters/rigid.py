@@ -260,12 +260,13 @@ def inertia_by_definition(
 def inertia_by_tildes(
     d: Derivation, written: Chain, about: str, frame: str = "B", **options: Any
 ) -> Chain:
-    """Write the inertia matrix as minus the integral of the squared tilde."""
+    """Write the inertia matrix as minus the integral of the squared skew matrix."""
     r, spelt = column(position("dm", about), frame), PLACES.get(about)
-    product = f" is {spelt} {spelt}^T - ({spelt}^T {spelt}) 1" if spelt else ", written out"
+    x = f"[{spelt}]_{frame}"
+    product = f" is {x} {x}^T less {x}^T {x} times the unit matrix" if spelt else ", written out"
     return d.show(
         Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
-        f"the product of two tildes{product}: minus the integrand",
+        f"the product of two skew matrices{product}: minus the integrand",
         use(written.equation),
         double_tilde,
         distribute,

@@ -268,7 +268,7 @@ def _double_products(d: Derivation, a: Term, b: Term) -> None:
             tilde(matmul(tilde(a), b)),
             add(matmul(tilde(a), tilde(b)), -matmul(tilde(b), tilde(a))),
         ),
-        "the tilde of a cross product: both sides have the same entries",
+        "the skew matrix of a cross product: both sides have the same entries",
         use(d.recall("column-of-a").equation),
         use(d.recall("column-of-b").equation),
         compute(),
@@ -342,7 +342,7 @@ def principal_matrix(
         words = f"b{k} is a principal axis"
         eigen.append(d.given(meaning, words, label=f"principal-axis-{k}{end}").equation)
     return d.start(column(inertia, "B")).then(
-        "in principal axes J is diagonal",
+        "in principal axes the inertia matrix is diagonal",
         by_axes("B"),
         *(use(e) for e in eigen),
         distribute,

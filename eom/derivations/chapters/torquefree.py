@@ -493,9 +493,10 @@ def _herpolhode(d: Derivation) -> None:
         put_in(*(d.recall(f"rate-{k}").equation for k in (1, 2, 3))),
         label="rate-column-free",
     )
+    d.letter(quantity("vector", "rho"), "part of omega across h")
     d.start(dot(H, cross(W, der(W)))).then(
-        "the tip turns about h at the rate (rho x rho').h/(H rho^2), where rho is the part of omega "
-        "across h: the herpolhode",
+        "the tip turns about h at the rate (rho x rho').h/(H (rho.rho)), where rho is the part of "
+        "omega across h: the herpolhode",
         use(seen.equation),
         scalars_in("B"),
         components("B"),

@@ -47,7 +47,7 @@ R, V, A = position("i"), velocity("i"), der(velocity("i"))
 M = mass("i")
 APPLIED, HELD = quantity("applied_force", "i"), quantity("constraint_force", "i")
 KINETIC = quantity("kinetic_energy", "system")
-_ACTIVE, _INERT = "generalised active force", "generalised inertia force, Kane's F*"
+_ACTIVE, _INERT = "generalised active force", "generalised inertia force"
 
 
 def virtual_work() -> Derived:
@@ -266,6 +266,7 @@ class Work:
     def speeds(self) -> None:
         """Derive Kane's equation for any speed on which the rates of the coordinates depend."""
         d = self.d
+        d.letter(sp.Symbol("u"), "any speed in which the rates of the coordinates are linear")
         weights = {
             k: d.coordinate(f"W_{k}", f"slope of the rate of q_{k} by a speed u", 0)[0]
             for k in (1, 2)
