@@ -20,6 +20,7 @@ from eom.terms.terms import SCALAR, VECTOR, Equation, Term, dot, entries, expr, 
 from eom.terms.vocabulary import quantity, unit
 from eom.typeset.boxes import Box, Fence, symbol
 from eom.typeset.letters import ROLES, Notation
+from eom.typeset.markup import symbol_latex
 from eom.typeset.notation import PLAIN, term_box
 
 Stands = Mapping[str, Term | str | None]
@@ -127,13 +128,19 @@ def letters_of(derivation: Any, system: System, notation: Notation) -> dict[Any,
     found: dict[Any, Box] = {}
     for q in quantities(system):
         term = derivation.stands.get(q.name)
-        if any(q.name == s.name for s in derivation.scalars):
+        if any(q.name == s.name for s in derivation.scalars) or _is_spelt(q, term):
             found[q.symbol] = symbol(q.name)
         elif isinstance(term, Term) and q.name in within and not _is_letter(term, notation):
             found[q.symbol] = symbol(component_name(q.name, term, notation) or q.name)
         elif isinstance(term, Term):
             found[q.symbol] = box_of(term, notation)
     return found
+
+
+def _is_spelt(q: Quantity, term: Any) -> bool:
+    """Return whether a quantity that stands for no term is called as its name says."""
+    told, spelt = (re.sub("[{}]", "", latex) for latex in (q.latex, symbol_latex(q.name)))
+    return not isinstance(term, Term) and told == spelt
 
 
 def _is_letter(term: Term, notation: Notation) -> bool:
