@@ -596,10 +596,9 @@ th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }
 .why {{ margin: .5rem 0 .2rem; }}
 .assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}
 .formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; overflow-y: hidden; padding: .3rem 0; }}
-math {{ font-size: 1.1rem; }}
+math {{ font-size: 1.1em; }}
 .formula math {{ margin: .25rem 0; }}
 small, figcaption {{ color: var(--soft); }}
-small math {{ font-size: inherit; }}
 figure {{ margin: 1rem 0; }}
 </style>
 </head>
