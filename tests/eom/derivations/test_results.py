@@ -6,9 +6,9 @@ import sympy as sp
 from eom.derivations import derive, showing, standing
 from eom.derivations.derivation import Derivation
 from eom.derivations.verification import DerivationError
-from eom.derivations.wording import frames_of, notation_of, points_of, spelt, terms_of
+from eom.derivations.wording import frames_of, named, notation_of, points_of, spelt, terms_of
 from eom.system import System
-from eom.terms.terms import dot, expr
+from eom.terms.terms import Term, dot, expr, nodes
 from eom.terms.vocabulary import quantity, unit
 from eom.typeset.blocks import Bullets, Display, Paragraph
 from eom.typeset.boxes import (
@@ -30,6 +30,8 @@ from tests.eom.rows import derivations
 
 RATES = {"dot", "ddot"}
 """Marks for rates of what is listed; others are marks of the letter itself."""
+SAME = {"identity_matrix": "identity"}
+"""The unit dyadic and the matrix of its components have one letter."""
 PLAIN = {"t", r"\pi"}
 """Letters that no page explains."""
 
@@ -133,6 +135,29 @@ def test_no_letter_is_the_name_that_a_program_knows(name):
         for box in letters(*page_of(name, notation)):
             base = box.base if isinstance(box, Scripts) else box
             assert not (isinstance(base, Symbol) and base.style == "roman" and len(base.name) > 1)
+
+
+@pytest.mark.parametrize("name", derivations())
+def test_a_letter_of_a_page_and_its_result_names_one_thing(name):
+    for notation in NOTATIONS:
+        d, chosen = page_of(name, notation)
+        found = {}
+        for one in named(d, chosen):
+            thing = (SAME.get(one.thing[0], one.thing[0]), *one.thing[1:])
+            assert found.setdefault(render(one.box, "latex"), thing) == thing
+        for letter, _, q in standing.listed(d, chosen):
+            known = found.get(render(letter, "latex") if letter else q.latex)
+            assert known is None or known[-1] in names_of(q, d, chosen)
+
+
+def names_of(q, d, chosen):
+    """What a quantity of a system is called on a page."""
+    meanings = (t for s, t in d.scalars.items() if s.name == q.name)
+    term = next(meanings, d.stands.get(q.name))
+    if not isinstance(term, Term):
+        return {q.name}
+    own = {s.name for n in nodes(term) if n.head == "expr" for s in n.data[0].free_symbols}
+    return {q.name, standing.named_by(q.name, term, chosen), *map(str, term.data), *own}
 
 
 def test_a_letter_that_is_not_listed_is_found():
