@@ -23,7 +23,7 @@ NOTES = {
     "002:E9": "the rate of the momentum equals the force, not the momentum itself",
     "002:E22": "the bullets are superscripts: the second inertial derivative",
     "002:E23": "the circle and the bullet stand as a dot product and a number",
-    "002:E24": "both crosses are superscripts: rho^x rho^x omega, read from the right",
+    "002:E24": "both crosses are superscripts, read from the right",
     "002:E25": "both crosses are superscripts",
     "002:E26": "the bullets are superscripts: inertial derivatives",
     "002:E27": "the subscript is the centre of mass, and the left side its inertial rate",

@@ -284,8 +284,8 @@ def spoken(derivation: Any, texts: Iterable[str], notation: Notation) -> Iterato
     things = nameable(derivation) | {
         s.name: s for s in derivation.letters if not isinstance(s, Term)
     }
-    names = dict.fromkeys(n for text in texts for n in names_in(text, known))
-    yield from (things[name] for name in names if name in things)
+    names = {n for text in texts for n in names_in(text, known)}
+    yield from (thing for name, thing in things.items() if name in names)
 
 
 def _turned_forces(atoms: list[Term]) -> dict[str, Term]:

@@ -601,6 +601,7 @@ _MATHML_FORMS = {
     "minus": ' form="infix"',
     "open": ' stretchy="false"',
     "close": ' stretchy="false"',
+    "slash": ' lspace="0" rspace="0"',
 }
 
 

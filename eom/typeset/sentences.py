@@ -91,9 +91,7 @@ def _letters(words: str, known: Mapping[str, Box]) -> list[tuple[re.Match[str], 
 _VALUE = re.compile(r" = ([01])(?![\w.]*\w)")
 
 
-def _values(
-    words: str, found: list[tuple[int, int, Box]], known: Mapping[str, Box]
-) -> Iterator[tuple[int, int, Box]]:
+def _values(words: str, found: list[Found], known: Mapping[str, Box]) -> Iterator[Found]:
     """Yield 0 and 1 where they are equal to a letter, or a product of letters, that is no number."""
     starts = {end: start for start, end, _ in found}
     for m in _VALUE.finditer(words):
@@ -187,20 +185,84 @@ def _is_capital(words: str, m: re.Match[str]) -> bool:
     return m["name"] in set("BCDEFGHJKLMNOPQRSTUVWXYZ") and not inside
 
 
-def _joined(words: str, found: Iterable[tuple[int, int, Box]]) -> tuple[str | Box, ...]:
-    """Return words and formulas in turn; signs between letters are set as such.
+Found = tuple[int, int, Box]
+"""Where a letter or formula begins and ends, and what it is."""
+
+
+def _joined(words: str, found: Iterable[Found]) -> tuple[str | Box, ...]:
+    """Return words and formulas in turn; letters with nothing but signs between them are one formula."""
+    formulas = [one for run in _runs(words, found) for one in _whole(words, run)]
+    marks = [(0, 0, None), *formulas, (len(words), len(words), None)]
+    parts: list[str | Box] = []
+    for (_, end, before), (start, _, after) in pairwise(marks):
+        parts.append(_spelt(words[end:start], before, after))
+        parts += [after] if after is not None else []
+    return tuple(p for p in parts if p != "")
+
+
+def _spelt(gap: str, before: Box | None, after: Box | None) -> str:
+    """Return what stands between formulas, signs set as such.
 
     Behind a matrix in brackets there is no dot: such a notation writes them side by side.
     """
-    marks = [(0, 0, None), *found, (len(words), len(words), None)]
-    parts: list[str | Box] = []
-    for (_, end, before), (start, _, after) in pairwise(marks):
-        gap = words[end:start]
-        beside = gap == "." and isinstance(before, Fence) and before.opening == "["
-        gap = " " if beside else _signs(gap, before is not None, after is not None)
-        parts += [_SPELT_SIGNS.sub(lambda m: _SIGNS[m[0]], gap)]
-        parts += [after] if after is not None else []
-    return tuple(p for p in parts if p != "")
+    beside = gap == "." and isinstance(before, Fence) and before.opening == "["
+    gap = " " if beside else _signs(gap, before is not None, after is not None)
+    return _SPELT_SIGNS.sub(lambda m: _SIGNS[m[0]], gap)
+
+
+_WITHIN: dict[str, Box] = {
+    **{f" {sign} ": Sign(latex, f" {sign} ") for sign, latex in (("<", " < "), (">", " > "))},
+    **{
+        f" {sign} ": Sign(latex, f" {sign} ")
+        for sign, latex in (("\u2264", r" \le "), ("\u2265", r" \ge "))
+    },
+    " = ": Operator("="),
+    " + ": Operator("plus"),
+    " \u2212 ": Operator("minus"),
+    " \u00b7 ": Operator("dot"),
+    " \u00d7 ": Operator("cross"),
+    "\u2212": Operator("negative"),
+    "/": Operator("slash"),
+    "(": Sign("(", "("),
+    ")": Sign(")", ")"),
+    " ": Operator("thin"),
+}
+"""Signs that are of one formula with the letters on both sides."""
+_SIGN = re.compile("|".join(map(re.escape, sorted(_WITHIN, key=len, reverse=True))))
+
+
+def _runs(words: str, found: Iterable[Found]) -> list[list[Found]]:
+    """Return letters and formulas, those together that have nothing but signs between them."""
+    runs: list[list[Found]] = []
+    for one in found:
+        last = runs[-1][-1] if runs else None
+        gap = words[last[1] : one[0]] if last else ""
+        if last and not _SIGN.sub("", _spelt(gap, last[2], one[2])):
+            runs[-1].append(one)
+        else:
+            runs.append([one])
+    return runs
+
+
+def _whole(words: str, run: list[Found]) -> list[Found]:
+    """Return a run as one formula, with the brackets that it lacks from the words around it.
+
+    Where there are none it stays apart.
+    """
+    items: list[Box] = [run[0][2]]
+    depth = lowest = 0
+    for (_, end, before), (start, _, after) in pairwise(run):
+        for m in _SIGN.finditer(_spelt(words[end:start], before, after)):
+            depth += {"(": 1, ")": -1}.get(m[0], 0)
+            lowest = min(lowest, depth)
+            items.append(_WITHIN[m[0]])
+        items.append(after)
+    start, end = run[0][0] + lowest, run[-1][1] + depth - lowest
+    opened, closed = words[max(0, start) : run[0][0]], words[run[-1][1] : end]
+    if len(run) == 1 or opened != "(" * -lowest or closed != ")" * (depth - lowest):
+        return run
+    brackets = [_WITHIN["("]] * -lowest, [_WITHIN[")"]] * (depth - lowest)
+    return [(start, end, Row((*brackets[0], *items, *brackets[1])))]
 
 
 def _signs(gap: str, before: bool, after: bool) -> str:

@@ -407,8 +407,13 @@ def _at(writer: Writer, term: Term) -> Written:
 
 
 def _partial(writer: Writer, term: Term) -> Written:
-    above, below = (row(Operator("partial"), writer.box(a, ATOM)) for a in term.args)
-    return Fraction(above, below), ATOM
+    """Return a quotient; a sum stands beside it, as what is within a fraction is small."""
+    sign = Operator("partial")
+    inner, variable = (writer.box(a, ATOM) for a in term.args)
+    below = row(sign, variable)
+    if isinstance(inner, Fence):
+        return Row((Fraction(sign, below), Operator("times"), inner)), OPEN
+    return Fraction(row(sign, inner), below), ATOM
 
 
 def is_inertial(frame: str) -> bool:

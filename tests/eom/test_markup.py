@@ -180,3 +180,15 @@ def test_a_function_with_its_bracket_stands_a_little_apart_in_mathml():
     m, n, c = sp.symbols("m n c")
     assert "mspace" in render(expression_box(c * sp.log(m / n)), "mathml")
     assert "mspace" not in render(expression_box(c * (m + n)), "mathml")
+
+
+@pytest.mark.parametrize(
+    ("mark", "room"), [("dot", True), ("ddot", True), ("vec", True), ("hat", False), ("bar", False)]
+)
+def test_marks_that_would_touch_a_letter_have_room_below(mark, room):
+    assert ("padding-bottom" in render(Accent(mark, Symbol("x")), "mathml")) == room
+
+
+def test_digits_in_bold_are_so_in_mathml():
+    assert render(Symbol("10", "bold"), "mathml") == "<mn>\U0001d7cf\U0001d7ce</mn>"
+    assert render(Symbol("10"), "mathml") == "<mn>10</mn>"
