@@ -124,14 +124,13 @@ def box_of(stands: Term, notation: Notation) -> Box:
 
 def letters_of(derivation: Any, system: System, notation: Notation) -> dict[Any, Box]:
     """Return how the page of a derivation writes the symbols of a system, but for letters of its own."""
-    within = _within(system)
+    within, listed_names = _within(system), {s.name for s in derivation.scalars}
     found: dict[Any, Box] = {}
     for q in quantities(system):
         term = derivation.stands.get(q.name)
-        if any(q.name == s.name for s in derivation.scalars) or _is_spelt(q, term):
+        own = isinstance(term, Term) and q.name in within and not _is_letter(term, notation)
+        if own or q.name in listed_names or _is_spelt(q, term):
             found[q.symbol] = symbol(q.name)
-        elif isinstance(term, Term) and q.name in within and not _is_letter(term, notation):
-            found[q.symbol] = symbol(component_name(q.name, term, notation) or q.name)
         elif isinstance(term, Term):
             found[q.symbol] = box_of(term, notation)
     return found

@@ -113,7 +113,7 @@ def _own_names(system: System) -> Names:
     return {s: latex for s, latex in names.items() if latex != symbol_latex(s.name)}
 
 
-def latex_names(system: System) -> Mapping[Expr, str]:
+def latex_names(system: System) -> dict[Expr, str]:
     """Return the letter of each symbol of a system, as LaTeX."""
     groups = (system.states, system.parameters, system.inputs)
     quantities = [q for group in groups for q in group]

@@ -16,6 +16,7 @@ from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import ReadingError
 from eom.checker.read.symbol_shape import Look, Seen, seen
+from eom.derivations import standing
 from eom.derivations.derived import Derived
 from eom.derivations.verification import in_full
 from eom.derivations.wording import notation_of, spelt
@@ -203,10 +204,12 @@ def _outputs(
     shown = ((_seen(symbol_latex(s.name)), s) for s in _free(derivation))
     known = {found.look: s for found, s in shown if found is not None and not found.dots}
     for system in (r for r in derivation.result.values() if isinstance(r, System)):
-        letters = {s: _seen(letter) for s, letter in latex_names(system).items()}
+        shown_as = standing.letters_of(derivation, system, notation)
+        names = latex_names(system) | {s: render(box, "latex") for s, box in shown_as.items()}
+        letters = {s: _seen(letter) for s, letter in names.items()}
         same = {s: known[f.look] for s, f in letters.items() if f is not None and f.look in known}
         for d in system.outputs:
-            letter = latex_names(system)[d.symbol]
+            letter = names[d.symbol]
             free, value = d.expression.free_symbols, expr(d.expression.xreplace(same))
             all_known = free <= same.keys() and given & value.data[0].free_symbols
             if all_known and _is_pattern(letter) and look_of(letter) not in taken:

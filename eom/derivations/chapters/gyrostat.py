@@ -34,7 +34,7 @@ from eom.terms.rules import (
 )
 from eom.terms.rules.inferences import characteristic, equal, solved, summed
 from eom.terms.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
-from eom.terms.vocabulary import omega, quantity, unit
+from eom.terms.vocabulary import omega, quantity
 
 W = omega()
 J, H = quantity("inertia", "C"), quantity("angular_momentum", "body", "C")
@@ -67,12 +67,12 @@ def _called(system: System) -> standing.Stands:
     speeds = [sp.Symbol(f"Omega_{k}", real=True) for k in rotors]
     rates = {f"rotor_rate_{k}": expr(s + OMEGA.components[k - 1]) for k, s in enumerate(speeds, 1)}
     return {
-        **standing.MOMENTUM,
+        "h": H,
+        "J": J,
         "T": quantity("rotational_energy", "body", "C"),
         "T_omega": None,
         **own,
         **rates,
-        ALONG.name: dot(unit("B", 1), H),
     }
 
 

@@ -100,8 +100,10 @@ def torque_free_motion() -> Derived:
     _herpolhode(d)
     _precession(d)
     d.only("torque_free", "principal_axes")
-    d.stands.update({**BODY, **{f"torque_{k}": None for k in (1, 2, 3)}})
-    return d.finish(equations=free_rigid_body("quaternion"), **_results())
+    growth = _results()
+    words = {name: name.replace("about b", "about axis ") for name in growth}
+    d.stands.update({**BODY, **{f"torque_{k}": None for k in (1, 2, 3)}, **words})
+    return d.finish(equations=free_rigid_body("quaternion"), **growth)
 
 
 def _results() -> dict[str, Expr]:
