@@ -19,7 +19,7 @@ from eom.checker.read.symbol_shape import Look, Seen, seen
 from eom.derivations import standing
 from eom.derivations.derived import Derived
 from eom.derivations.verification import in_full
-from eom.derivations.wording import notation_of, spelt
+from eom.derivations.wording import factors, notation_of, spelt
 from eom.errors import InputError
 from eom.system import System
 from eom.terms.rules import entrywise, slopes
@@ -28,6 +28,7 @@ from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import NOTATIONS, notation_named, term_box
 from eom.typeset.printing import latex_names
+from eom.typeset.sentences import phrases
 
 PRESETS: dict[str, tuple[str, dict[str, str]]] = {
     "arrow": ("arrow-tilde", {"dyads": "true", "juxtaposed": "true"}),
@@ -75,7 +76,7 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     meant |= dict(_scalars(derivation, chosen, preset(base)))
     given = _given_rates(derivation)
     meant |= {symbol_latex(s.name): f"coordinate {s.name}" for s in given}
-    meant = dict(_any(derivation, preset(base))) | meant
+    meant = dict(_any(derivation, preset(base))) | dict(_of_rules(derivation, chosen)) | meant
     meant |= dict(_outputs(derivation, chosen, {look_of(letter) for letter in meant}))
     lines += _table("symbols", meant)
     lines += _moving(derivation, chosen)
@@ -222,6 +223,17 @@ def _any(derivation: Derived, known: Lexicon) -> Iterator[tuple[str, str]]:
         letter = symbol_latex(s.name)
         if _is_pattern(letter) and known.find(look_of(letter)) is None:
             yield letter, f"scalar {s.name}"
+
+
+def _of_rules(derivation: Derived, notation: Notation) -> Iterator[tuple[str, str]]:
+    """Yield the letters of rules such as a.b = b.a that some line names: any vectors."""
+    known = factors(notation)
+    said = (part for s in derivation.steps for rule in s.by for part in phrases(rule, known))
+    formulas = [render(part, "latex") for part in said if not isinstance(part, str)]
+    for name in filter(str.isalpha, known):
+        letter = render(known[name], "latex")
+        if any(letter in formula for formula in formulas) and _is_pattern(letter):
+            yield letter, f"vector {name}"
 
 
 def _symbols(found: list[Term], notation: Notation) -> Iterator[tuple[str, str]]:
