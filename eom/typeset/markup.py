@@ -85,6 +85,8 @@ OPERATORS: dict[str, tuple[str, str, str]] = {
     "circle": (r"\circ", "∘", "o"),
     "open": (r"\bigl( ", "(", "("),
     "close": (r" \bigr)", ")", ")"),
+    "(": ("(", "(", "("),
+    ")": (")", ")", ")"),
     "star": ("*", "*", "*"),
     "d": (r"\mathrm{d}", "d", "d"),
     "partial": (r"\partial ", "∂", "d"),
@@ -600,6 +602,8 @@ _MATHML_FORMS = {
     "minus": ' form="infix"',
     "open": ' stretchy="false"',
     "close": ' stretchy="false"',
+    "(": ' form="prefix" stretchy="false"',
+    ")": ' form="postfix" stretchy="false"',
     "slash": ' lspace="0" rspace="0"',
 }
 

@@ -226,8 +226,9 @@ _WITHIN: dict[str, Box] = {
     " \u00d7 ": Operator("cross"),
     "\u2212": Operator("negative"),
     "/": Operator("slash"),
-    "(": Sign("(", "("),
-    ")": Sign(")", ")"),
+    "(": Operator("("),
+    ")": Operator(")"),
+    **{f"{f} ": Row((Sign(f"\\{f}", f, "mi"), Operator("thin"))) for f in ("cos", "sin")},
     " ": Operator("thin"),
 }
 """Signs that are of one formula with the letters on both sides."""

@@ -101,6 +101,7 @@ def test_axes_are_letters_in_any_sentence():
         ),
         ("x is (a) or (b x c", "$x$ is ($a$) or ($b \\times c$"),
         ("h, J and r", "$h$, $J$ and $r$"),
+        ("near h/(J cos theta)", r"near $h/(J \, \cos \, \theta)$"),
         ("a x b = -(b x a)", r"$a \times b = -(b \times a)$"),
         ("two of them (r) and c) = x", "two of them ($r$) and $c$) = $x$"),
     ],
