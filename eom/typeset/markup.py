@@ -590,8 +590,10 @@ def _mathml_fenced(box: Fence | Grid, middle: str) -> str:
 
 
 def _mathml_grid(box: Grid, inner: Render) -> str:
-    cells = ("".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows)
-    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else ""
+    """Return a table; fractions in it are as large as beside it."""
+    cells = ["".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows]
+    kind = ' displaystyle="true"' if any("<mfrac" in line for line in cells) else ""
+    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else kind
     table = f"<mtable{kind}>{''.join(f'<mtr>{c}</mtr>' for c in cells)}</mtable>"
     return _mathml_fenced(box, table)
 
