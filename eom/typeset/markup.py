@@ -575,7 +575,16 @@ _CLEAR = {"vec": "0.04em", "dot": "0.12em", "ddot": "0.12em", "dddot": "0.12em",
 """Room below a mark that browsers set so low that it grows together with letters."""
 
 
+def _is_compound(box: Box) -> bool:
+    base = box.base if isinstance(box, Scripts) else box
+    return isinstance(base, Row | Fence | Grid | Formula | Fraction)
+
+
 def _mathml_accent(box: Accent, inner: Render) -> str:
+    """Return a mark on a letter; a tilde on more stands raised behind it, as browsers have no wide one."""
+    if box.mark == "widetilde" and _is_compound(box.base):
+        held = box.base if isinstance(box.base, Grid | Fence) else Fence(box.base)
+        return f"<msup>{inner(held)}<mo>\u223c</mo></msup>"
     tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
     room = f' style="padding-bottom: {_CLEAR[box.mark]}"' if box.mark in _CLEAR else ""
     return f"<{tag}{kind}>{inner(box.base)}<mo{room}>{ACCENTS[box.mark][2]}</mo></{tag}>"

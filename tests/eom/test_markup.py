@@ -204,3 +204,11 @@ def test_fractions_in_a_matrix_are_as_large_as_beside_it_in_mathml():
 def test_a_fraction_is_bracketed_before_something_is_raised():
     fraction = Fraction(Symbol("x"), Symbol("t"))
     assert render(raised(fraction, Operator("bullet")), "text") == "(x/t)^•"
+
+
+def test_a_wide_tilde_stands_behind_what_it_is_on_in_mathml():
+    letters = Row((Symbol("a"), Symbol("b")))
+    written = render(Accent("widetilde", letters), "mathml")
+    assert written.startswith("<msup><mrow><mo stretchy")
+    assert written.endswith("<mo>\u223c</mo></msup>")
+    assert "mover" in render(Accent("widetilde", Symbol("a")), "mathml")
