@@ -586,7 +586,8 @@ def _mathml_accent(box: Accent, inner: Render) -> str:
         held = box.base if isinstance(box.base, Grid | Fence) else Fence(box.base)
         return f"<msup>{inner(held)}<mo>\u223c</mo></msup>"
     tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
-    room = f' style="padding-bottom: {_CLEAR[box.mark]}"' if box.mark in _CLEAR else ""
+    clear = _CLEAR.get(box.mark, "0.08em" if kind and isinstance(box.base, Accent) else "")
+    room = f' style="padding-bottom: {clear}"' if clear else ""
     return f"<{tag}{kind}>{inner(box.base)}<mo{room}>{ACCENTS[box.mark][2]}</mo></{tag}>"
 
 
