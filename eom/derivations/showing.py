@@ -487,7 +487,7 @@ class _Notes:
         told = f"Assumed: {assumed}." if assumed else ""
         words = capitalised(step.reason, self.known)
         said, before = (phrases(w, self.known) for w in (words, told))
-        beside = phrases(remarks, {**self.known, **factors(self.notation)})
+        beside = phrases(remarks, {**self.known, **factors(self.notation)}, apart=True)
         return Note(self.numbers[step.label], said, beside, before)
 
     def _stated(self, label: str) -> str:

@@ -85,6 +85,8 @@ OPERATORS: dict[str, tuple[str, str, str]] = {
     "circle": (r"\circ", "∘", "o"),
     "open": (r"\bigl( ", "(", "("),
     "close": (r" \bigr)", ")", ")"),
+    "(": ("(", "(", "("),
+    ")": (")", ")", ")"),
     "star": ("*", "*", "*"),
     "d": (r"\mathrm{d}", "d", "d"),
     "partial": (r"\partial ", "∂", "d"),
@@ -574,9 +576,19 @@ _CLEAR = {"vec": "0.04em", "dot": "0.12em", "ddot": "0.12em", "dddot": "0.12em",
 """Room below a mark that browsers set so low that it grows together with letters."""
 
 
+def _is_compound(box: Box) -> bool:
+    base = box.base if isinstance(box, Scripts) else box
+    return isinstance(base, Row | Fence | Grid | Formula | Fraction)
+
+
 def _mathml_accent(box: Accent, inner: Render) -> str:
+    """Return a mark on a letter; a tilde on more stands raised behind it, as browsers have no wide one."""
+    if box.mark == "widetilde" and _is_compound(box.base):
+        held = box.base if isinstance(box.base, Grid | Fence) else Fence(box.base)
+        return f"<msup>{inner(held)}<mo>\u223c</mo></msup>"
     tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
-    room = f' style="padding-bottom: {_CLEAR[box.mark]}"' if box.mark in _CLEAR else ""
+    clear = _CLEAR.get(box.mark, "0.08em" if kind and isinstance(box.base, Accent) else "")
+    room = f' style="padding-bottom: {clear}"' if clear else ""
     return f"<{tag}{kind}>{inner(box.base)}<mo{room}>{ACCENTS[box.mark][2]}</mo></{tag}>"
 
 
@@ -589,8 +601,10 @@ def _mathml_fenced(box: Fence | Grid, middle: str) -> str:
 
 
 def _mathml_grid(box: Grid, inner: Render) -> str:
-    cells = ("".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows)
-    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else ""
+    """Return a table; fractions in it are as large as beside it."""
+    cells = ["".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows]
+    kind = ' displaystyle="true"' if any("<mfrac" in line for line in cells) else ""
+    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else kind
     table = f"<mtable{kind}>{''.join(f'<mtr>{c}</mtr>' for c in cells)}</mtable>"
     return _mathml_fenced(box, table)
 
@@ -601,6 +615,8 @@ _MATHML_FORMS = {
     "minus": ' form="infix"',
     "open": ' stretchy="false"',
     "close": ' stretchy="false"',
+    "(": ' form="prefix" stretchy="false"',
+    ")": ' form="postfix" stretchy="false"',
     "slash": ' lspace="0" rspace="0"',
 }
 

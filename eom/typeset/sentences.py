@@ -64,13 +64,17 @@ def sentence(
     return "".join(plain(p) if isinstance(p, str) else setting(p) for p in parts)
 
 
-def phrases(words: str, known: Mapping[str, Box]) -> tuple[str | Box, ...]:
+def phrases(words: str, known: Mapping[str, Box], *, apart: bool = False) -> tuple[str | Box, ...]:
     """Return words and formulas in turn; ``known``: the boxes of names, also of lone letters.
 
+    ``apart``: signs between letters stay words, as what is so written states nothing of the page.
     Under ``h = 0`` is the zero that ``h`` can be equal to, under ``C = 1`` the unit.
     """
     found = [(m.start(), m.end(), box) for m, box in _letters(words, known)]
-    return _joined(words, sorted([*found, *_values(words, found, known)], key=lambda f: f[0]))
+    found = sorted([*found, *_values(words, found, known)], key=lambda f: f[0])
+    return _joined(
+        words, found if apart else [f for r in _runs(words, found) for f in _whole(words, r)]
+    )
 
 
 def names_in(words: str, known: Mapping[str, Box]) -> Iterator[str]:
@@ -190,9 +194,8 @@ Found = tuple[int, int, Box]
 
 
 def _joined(words: str, found: Iterable[Found]) -> tuple[str | Box, ...]:
-    """Return words and formulas in turn; letters with nothing but signs between them are one formula."""
-    formulas = [one for run in _runs(words, found) for one in _whole(words, run)]
-    marks = [(0, 0, None), *formulas, (len(words), len(words), None)]
+    """Return words and formulas in turn."""
+    marks = [(0, 0, None), *found, (len(words), len(words), None)]
     parts: list[str | Box] = []
     for (_, end, before), (start, _, after) in pairwise(marks):
         parts.append(_spelt(words[end:start], before, after))
@@ -223,8 +226,9 @@ _WITHIN: dict[str, Box] = {
     " \u00d7 ": Operator("cross"),
     "\u2212": Operator("negative"),
     "/": Operator("slash"),
-    "(": Sign("(", "("),
-    ")": Sign(")", ")"),
+    "(": Operator("("),
+    ")": Operator(")"),
+    **{f"{f} ": Row((Sign(f"\\{f}", f, "mi"), Operator("thin"))) for f in ("cos", "sin")},
     " ": Operator("thin"),
 }
 """Signs that are of one formula with the letters on both sides."""
@@ -232,7 +236,7 @@ _SIGN = re.compile("|".join(map(re.escape, sorted(_WITHIN, key=len, reverse=True
 
 
 def _runs(words: str, found: Iterable[Found]) -> list[list[Found]]:
-    """Return letters and formulas, those together that have nothing but signs between them."""
+    """Return letters, those together that have nothing but signs between them."""
     runs: list[list[Found]] = []
     for one in found:
         last = runs[-1][-1] if runs else None

@@ -22,6 +22,7 @@ from eom.typeset.boxes import (
     Unseen,
     Words,
     accented,
+    raised,
     symbol,
 )
 from eom.typeset.expressions import expression_box
@@ -192,3 +193,22 @@ def test_marks_that_would_touch_a_letter_have_room_below(mark, room):
 def test_digits_in_bold_are_so_in_mathml():
     assert render(Symbol("10", "bold"), "mathml") == "<mn>\U0001d7cf\U0001d7ce</mn>"
     assert render(Symbol("10"), "mathml") == "<mn>10</mn>"
+
+
+def test_fractions_in_a_matrix_are_as_large_as_beside_it_in_mathml():
+    x, half = Symbol("x"), Fraction(Symbol("x"), Symbol("2"))
+    assert 'displaystyle="true"' in render(Grid(((x, half),)), "mathml")
+    assert "displaystyle" not in render(Grid(((x, x),)), "mathml")
+
+
+def test_a_fraction_is_bracketed_before_something_is_raised():
+    fraction = Fraction(Symbol("x"), Symbol("t"))
+    assert render(raised(fraction, Operator("bullet")), "text") == "(x/t)^•"
+
+
+def test_a_wide_tilde_stands_behind_what_it_is_on_in_mathml():
+    letters = Row((Symbol("a"), Symbol("b")))
+    written = render(Accent("widetilde", letters), "mathml")
+    assert written.startswith("<msup><mrow><mo stretchy")
+    assert written.endswith("<mo>\u223c</mo></msup>")
+    assert "mover" in render(Accent("widetilde", Symbol("a")), "mathml")

@@ -4,7 +4,7 @@ import pytest
 
 from eom.typeset.boxes import Accent, Fence, Scripts, Symbol, symbol
 from eom.typeset.markup import render
-from eom.typeset.sentences import names_in, sentence
+from eom.typeset.sentences import names_in, phrases, sentence
 
 KNOWN = {name: symbol(name) for name in "a b c h r x J T D".split()}
 
@@ -101,6 +101,7 @@ def test_axes_are_letters_in_any_sentence():
         ),
         ("x is (a) or (b x c", "$x$ is ($a$) or ($b \\times c$"),
         ("h, J and r", "$h$, $J$ and $r$"),
+        ("near h/(J cos theta)", r"near $h/(J \, \cos \, \theta)$"),
         ("a x b = -(b x a)", r"$a \times b = -(b \times a)$"),
         ("two of them (r) and c) = x", "two of them ($r$) and $c$) = $x$"),
     ],
@@ -135,3 +136,8 @@ def test_a_column_of_components_is_a_letter_where_it_is_known():
 
 def test_names_are_told_without_marks_and_powers():
     assert list(names_in("h' and omega_1^2 by a body; J.c", KNOWN)) == ["h", "omega_1", "J", "c"]
+
+
+def test_letters_can_be_kept_apart():
+    parts = phrases("by a x a", {"a": Symbol("a")}, apart=True)
+    assert [p if isinstance(p, str) else p.name for p in parts] == ["by ", "a", " \u00d7 ", "a"]

@@ -101,20 +101,15 @@ def _dyadic(d: Derivation) -> None:
 
 
 def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
-    d.given(Equation(der(J, "B"), zero("dyadic")), "J_C does not change in B", label="J-constant")
+    words = "J_C does not change in B"
+    d.given(Equation(der(J, "B"), zero("dyadic")), words, label="J-constant")
     local = momentum.both(
         "differentiate in B",
         lambda t: der(t, "B"),
         differentiate,
         label="local-terms",
         states=["000:E21"],
-    ).then(
-        "J_C does not change in B",
-        vanish(der(J, "B")),
-        distribute,
-        label="local",
-        states=["000:E21"],
-    )
+    ).then(words, vanish(der(J, "B")), distribute, label="local", states=["000:E21"])
     d.start(der(W)).then(
         "the transport theorem", transport("B"), label="omega-rate", states=["000:E22"]
     ).then("omega x omega = 0", parallel, distribute, label="omega-rates-equal")

@@ -201,7 +201,7 @@ def _about_centre(d: Derivation) -> None:
     spin = d.recall("h-centre").then(
         "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11", "000:E32"]
     )
-    turned = spin.then("omega x r = - r x omega", swap(W, R), distribute)
+    turned = spin.then("omega x r = -r x omega", swap(W, R), distribute)
     d.in_components(
         turned,
         "B",
@@ -350,7 +350,7 @@ def _inertia_about_body_point(d: Derivation, seen: Chain) -> None:
         "rho does not change in B", vanish(fixed.equation.left), distribute, label="h-omega"
     )
     turned = crossed.then(
-        "omega x rho = - rho x omega",
+        "omega x rho = -rho x omega",
         swap(W, RHO),
         distribute,
         label="h-swapped",

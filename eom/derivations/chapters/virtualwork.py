@@ -86,6 +86,7 @@ class Work:
         self.active: dict[int, Expr] = {}
         self.inert: dict[int, Expr] = {}
         d.configure(*self.q.values())
+        d.letter(sp.Symbol("u"), "any speed in which the rates of the coordinates are linear")
 
     def slope(self, k: int) -> Term:
         """Return the slope of the place of a particle by a coordinate."""
@@ -266,7 +267,6 @@ class Work:
     def speeds(self) -> None:
         """Derive Kane's equation for any speed on which the rates of the coordinates depend."""
         d = self.d
-        d.letter(sp.Symbol("u"), "any speed in which the rates of the coordinates are linear")
         weights = {
             k: d.coordinate(f"W_{k}", f"slope of the rate of q_{k} by a speed u", 0)[0]
             for k in (1, 2)
