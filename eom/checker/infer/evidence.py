@@ -211,8 +211,8 @@ def evidence(
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
     turns = {p for p, f in every.items() if f[1].startswith(TURNS)}
-    own = {*_placed(own - turns, every, draft)}
-    firm = {*said, *told, *draft.confirmed, *(own if whole else ())}
+    placed = _placed(own - turns, every, draft)
+    firm = {*said, *told, *draft.confirmed, *(placed if whole else ())}
     return Evidence(
         used,
         tuple(hold),

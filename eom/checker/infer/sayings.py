@@ -344,7 +344,7 @@ def _equated(text: Prose, sentence: str) -> Iterator[Said]:
     """Yield what stands before "is": "the place of $dm$ from $O$ is $r$, that of $P$ is $p$"."""
     noun = ""
     for match in _IS.finditer(sentence):
-        what = _WHOSE.split(match["what"])[-1]
+        what = _WHOSE.split(_NEXT.split(match["what"])[-1])[-1]
         if _THAT.match(what):
             what = _THAT.sub(f"{noun} of ", what) if noun else ""
         noun = re.split(r"\s+of\b", what)[0]
@@ -385,6 +385,7 @@ _IS = re.compile(
     rf"(?P<of>{LIST})(?=\s*[,.;)]|\s+and\b|\s*$)",
     re.IGNORECASE,
 )
+_NEXT = re.compile(r",\s*(?:and\s+)?(?=(?:the|its|their|that|those|an?)\b)|;")
 _WHOSE = re.compile(r",?\s*\b(?:whose|with)\s+")
 _THAT = re.compile(r"(?:that|those)\s+of\s+", re.IGNORECASE)
 _ITEM = re.compile(

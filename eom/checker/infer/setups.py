@@ -465,8 +465,7 @@ def foreign(words: str) -> str:
 def setup(text: Prose, document: Document, said: Sequence[Spoken]) -> Setup | None:
     """Return the system that sentences describe, None where they describe none that is understood."""
     reading, every, used = Reading(), list[Fact](), list[str]()
-    last, until = "", 0
-    shown: list[str] = []
+    last, until, shown = "", 0, list[str]()
     for sentence in (s for s in text.sentences if len(s) <= MAX_SENTENCE):
         if every and re.search(vocabulary()["changes"]["words"], sentence, re.IGNORECASE):
             until = _line(sentence, text, document)

@@ -164,6 +164,7 @@ def mixed(notation: Notation, value: Value) -> Value:
 
 
 GEOMETRIC = frozenset({VECTOR, DYADIC})
+_UNITS = {MATRIX: "identity_matrix", DYADIC: "identity"}
 
 
 def alike(notation: Notation, values: Iterable[Value]) -> list[Value]:
@@ -172,18 +173,9 @@ def alike(notation: Notation, values: Iterable[Value]) -> list[Value]:
     shapes = {v.shape for v in values if not v.is_zero}
     if shapes & GEOMETRIC and shapes & {COLUMN, MATRIX, ROW}:
         values = [mixed(notation, v) for v in values]
-    table = next((v.shape for v in values if v.shape in _UNITS and not v.is_zero), None)
-    return values if table is None else [_unit(v, table) for v in values]
-
-
-_UNITS = {MATRIX: "identity_matrix", DYADIC: "identity"}
-
-
-def _unit(value: Value, table: str) -> Value:
-    """Return the unit matrix or dyadic for a number 1; what is none stays."""
-    if value.shape != SCALAR or value.term != number(1):
-        return value
-    return replace(value, term=quantity(_UNITS[table]), shape=table, dimension=NONE, frames=ANY)
+    table = next((v.shape for v in values if v.shape in _UNITS and not v.is_zero), "")
+    unit = Value(quantity(_UNITS.get(table, "identity")), table, NONE)
+    return [replace(unit, span=v.span) if table and v.term == number(1) else v for v in values]
 
 
 def _agree(a: Value, b: Value) -> tuple[str, str]:
@@ -239,10 +231,7 @@ def total(notation: Notation, values: Iterable[Value]) -> Value:
 
 
 def _turned(a: Value, b: Value) -> tuple[Value, Value]:
-    """Return two terms; a rotation matrix beside its transpose is between no two frames.
-
-    I + C, C + C^T and C - C^T say what the axis and the angle of a rotation are.
-    """
+    """Return two terms; a rotation beside its transpose, as in C + C^T, is between no two frames."""
     if a.shape == b.shape == MATRIX and a.frames == b.frames[::-1] != b.frames:
         return replace(a, frames=ANY), replace(b, frames=ANY)
     return a, b

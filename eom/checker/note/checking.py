@@ -66,6 +66,7 @@ from eom.checker.report.questions import Question
 from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
+from eom.terms.terms import SCALAR
 from eom.worlds.worlds import ASSUMPTIONS, SPECIAL, closure
 
 if TYPE_CHECKING:
@@ -209,7 +210,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
         found = tuple(_explained(f, settings) for f in _found(reviewed))
-        found = tuple(_claimed(_doubted(found, known, settings), document, known))
+        found = tuple(_claimed(_doubted(found, known, settings), document, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
         open_ = _questions(found, known)
@@ -378,13 +379,19 @@ def _is_amiss(one: Found, known: Meanings, known_by: Evidence, number: int) -> b
     )
 
 
-def _claimed(found: Iterable[Found], document: Document, known: Meanings) -> Iterator[Found]:
-    """Yield the formulas; what words claim of a letter alone is no definition of it."""
+def _claimed(
+    found: Iterable[Found], document: Document, known: Meanings, settings: Settings
+) -> Iterator[Found]:
+    """Yield the formulas; what words claim of a letter alone is no definition of it.
+
+    Where a note speaks of small motions, matrices of its system may be meant to first order.
+    """
     if known.draft is None:
         yield from found
         return
     said = {(s.line, s.look) for s in led(document) if is_claimed(s.words)}
     drafts = known.draft.drafts
+    small = any(_SMALL.search(p.body) for p in document.pieces if p.kind == "prose")
     products = frozenset(d.latex for d in drafts if d.words == PRODUCT)
     for one in found:
         formula = one.understood.formula
@@ -397,7 +404,22 @@ def _claimed(found: Iterable[Found], document: Document, known: Meanings) -> Ite
         elif one.finding.verdict == UNDER and _empties(one, products):
             why = EMPTY
         undecided = replace(one.finding, verdict=UNDECIDED, reason=why)
+        if small and not settings.strict and _tabled(one):
+            why = "only first order is meant"
+            undecided = replace(
+                undecided, verdict=UNSURE, reason=f"if not {why}: {one.finding.reason}"
+            )
         yield replace(one, finding=undecided) if why else one
+
+
+_SMALL = re.compile(r"\bsmall\b|\bfirst[- ]order\b|\blineari[sz]", re.IGNORECASE)
+
+
+def _tabled(one: Found) -> bool:
+    """Return whether a wrong line ties matrices or columns of a system, which are not compared nearly."""
+    wrong = [j.claim for j in one.verdict.claims if j.verdict in GRAVE and not j.claim.findings]
+    shapes = {m.shape for c in wrong if covered(c) for m in c.members}
+    return one.finding.verdict == WRONG and bool(shapes - {SCALAR})
 
 
 def _empties(one: Found, products: frozenset[str]) -> bool:
