@@ -308,6 +308,7 @@ def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
         for k in looks
         if k.name in open_ and lexicon.find(k) is None
         for c in k.corners
+        if c is not k.sup or "/" not in c
         for w in c
     )
     names = [w for w in labels if re.fullmatch("[A-Z]", w)]
