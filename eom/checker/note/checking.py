@@ -24,6 +24,7 @@ from eom.checker.infer.evidence import (
     uncounted,
     with_meaning,
 )
+from eom.checker.infer.letters import ANY
 from eom.checker.infer.slots import guessed_labels, labels_of
 from eom.checker.infer.systems import USUAL
 from eom.checker.judge.coordinates import covered
@@ -58,7 +59,7 @@ from eom.checker.report.questions import Question
 from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
-from eom.worlds.worlds import closure
+from eom.worlds.worlds import ASSUMPTIONS, SPECIAL, closure
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene
@@ -334,6 +335,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             or (one.finding.reason.startswith(UNFIT) and _is_amiss(one, known, known_by, number))
         ):
             yield replace(one, finding=_unconfirmed(one.finding))
+        elif _only_in_cases(one, known_by, number, guessed):
+            yield replace(one, finding=replace(one.finding, verdict=UNSURE, reason=IN_CASES))
         elif (
             one.finding.verdict not in GRAVE
             or settings.strict
@@ -350,6 +353,20 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
+
+
+IN_CASES = "with meanings that nothing confirms it holds in special cases alone"
+
+
+def _only_in_cases(one: Found, known_by: Evidence, number: int, guessed: frozenset[str]) -> bool:
+    """Return whether a line on any vector, or on guessed frames and points, holds in special cases alone.
+
+    What is meant for any vector holds without such conditions: perhaps a slip made it true there.
+    """
+    sets = one.finding.sets if one.finding.verdict == UNDER else ()
+    anyhow = any(known_by.guessed.get(p) == ANY for p in known_by.used[number])
+    special = all(any(ASSUMPTIONS[a].kind == SPECIAL for a in s) for s in sets)
+    return bool(sets) and special and (anyhow or bool(guessed & labels_of(one.understood.formula)))
 
 
 def _is_amiss(one: Found, known: Meanings, known_by: Evidence, number: int) -> bool:
