@@ -365,7 +365,9 @@ def _only_in_cases(one: Found, known_by: Evidence, number: int, guessed: frozens
     """
     sets = one.finding.sets if one.finding.verdict == UNDER else ()
     anyhow = any(known_by.guessed.get(p) == ANY for p in known_by.used[number])
-    special = all(any(ASSUMPTIONS[a].kind == SPECIAL for a in s) for s in sets)
+    special = all(
+        any(a not in ASSUMPTIONS or ASSUMPTIONS[a].kind == SPECIAL for a in s) for s in sets
+    )
     return bool(sets) and special and (anyhow or bool(guessed & labels_of(one.understood.formula)))
 
 
