@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eom.checker.infer.evidence import Evidence, evidence, misfits
+from eom.checker.infer.evidence import Evidence, evidence, misfit
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands_of
 from eom.checker.judge.judge import HOLDS, UNDER
@@ -97,7 +97,7 @@ def counted(folder: Path, name: str, path: Path, head: re.Pattern[str]) -> Itera
         return
     formulas = [f.understood.formula for f in whole.found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in whole.found]
-    fails = [any(misfits(j.claim) for j in f.verdict.claims) for f in whole.found]
+    fails = [misfit(f.understood, known) for f in whole.found]
     said = evidence(formulas, hold, known, draft, fails)
     truth = dict(_spelt(rows))
     done: set[Look] = set()

@@ -111,10 +111,13 @@ class Proposal:
             rows = [d for d in self.drafts if d.table == table]
             lines += ["", f"[{table}]"] if rows else []
             lines += [_row(d) for d in rows]
-        lines += [line for one in self.systems for line in _described(one)]
+        whole = [one for one in self.systems if not one.headings]
+        lines += [line for one in whole for line in _described(one)]
         for heading, own in self.parts:
             lines += ["", "[[scope]]", f"heading = {json.dumps(heading)}", "[scope.symbols]"]
             lines += [_row(d) for d in own]
+        own_systems = [one for one in self.systems if one.headings]
+        lines += [line for one in own_systems for line in _described(one)]
         if self.defined:
             lines += ["", "# defined by the note itself:"]
             lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.defined]

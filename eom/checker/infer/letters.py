@@ -283,10 +283,8 @@ def turning(lexicon: Lexicon, look: Look) -> tuple[str, str]:
     found = lexicon.find(of) if look.name == "alpha" and look.presup and look.sup else None
     if found is None or found.meaning.quantity != "angular_velocity":
         return "", ""
-    both = {"presup": ("<F>",), "sup": ("<G>",)}
-    of = latex_of(replace(of, **both))
-    formula = rf"= \left(\frac{{d}}{{dt}} {of}\right)_{{<F>}}"
-    return latex_of(replace(look, **both)), formula
+    one, two = (replace(k, presup=("<F>",), sup=("<G>",)) for k in (of, look))
+    return latex_of(two), rf"= \left(\frac{{d}}{{dt}} {latex_of(one)}\right)_{{<F>}}"
 
 
 def _is_vector(lexicon: Lexicon, meaning: Meaning, latex: str) -> bool:
@@ -378,6 +376,7 @@ def _free_point(lexicon: Lexicon, looks: Iterable[Look]) -> Iterator[Draft]:
         for k in looks
         if k.name in open_ and lexicon.find(k) is None
         for c in k.corners
+        if c is not k.sup or "/" not in c
         for w in c
     )
     names = [w for w in labels if re.fullmatch("[A-Z]", w)]

@@ -74,13 +74,15 @@ class Said:
 
 
 _WORD = re.compile(r"[A-Za-z]{3}")
+_WORDY = frozenset({"prose", "heading"})
 
 
 @dataclass(frozen=True)
 class Prose:
     """The sentences of a note with marks for formulas, the mentions, and formulas that define letters.
 
-    ``cases``: formulas of sentences about a special case, with their lines.
+    ``cases``: formulas of sentences about a special case, with their lines; ``has_words``: whether words
+    stand outside of its formulas.
     """
 
     sentences: tuple[str, ...]
@@ -88,11 +90,7 @@ class Prose:
     formulas: tuple[Statement, ...]
     lines: tuple[int, ...]
     cases: tuple[tuple[Statement, int], ...] = ()
-
-    @property
-    def has_words(self) -> bool:
-        """Whether there are words in it."""
-        return any(_WORD.search(s) for s in self.sentences)
+    has_words: bool = True
 
     def shown(self, words: str) -> str:
         """Return words with the letters of symbols in the place of marks."""
@@ -140,6 +138,7 @@ def prose(document: Document) -> Prose:
         tuple(s for s, _ in formulas),
         tuple(n for _, n in formulas),
         tuple(cases),
+        any(_WORD.search(_plain(p.body)) for p in document.pieces if p.kind in _WORDY),
     )
 
 

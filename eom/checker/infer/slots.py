@@ -26,7 +26,8 @@ _TABLES = frozenset({"I", "J", "H", "h", "L"})
 _LABEL = re.compile(r"(?:cal )?[A-T](?:\^ast)?")
 """Labels that name something: no letters of any point, no points of a frame that others pass."""
 _FRAMES = ("A", "C", "D", "E", "B")
-_POINTS = ("OB", "O", "OA", "P")
+_INSIDE = ("OA", "OB", "O")
+_POINTS = ("O", "P", "OA", "OB")
 """Names of the house in the order in which they are given."""
 
 
@@ -59,7 +60,13 @@ def by_places(lexicon: Lexicon, looks: Iterable[Look], nodes: Iterable[Node]) ->
     if len(still) == 1 and all(named.get((w,)) != "I" for w in frames):
         named = {k: n for k, n in named.items() if k != (still[0],)}
     yield from _named("frames", frames, named, lambda w: _frame(w, turning), _FRAMES)
-    yield from _named("points", points, known, lambda w: _point(w, welded), _POINTS)
+    inside = [w for w in points if w in welded]
+    outside = [w for w in points if w not in welded]
+    first = [*_named("points", inside, known, lambda w: _point(w, welded), _INSIDE)]
+    yield from first
+    taken = {spelt((w,)): (w,) for w in inside}
+    known = known | {taken[d.latex]: d.meaning for d in first}
+    yield from _named("points", (*inside, *outside), known, lambda w: _point(w, welded), _POINTS)
 
 
 def _observer(node: Node) -> Look | None:

@@ -26,6 +26,7 @@ from eom.checker.infer.evidence import (
     uncounted,
     with_meaning,
 )
+from eom.checker.infer.letters import ANY
 from eom.checker.infer.lists import PRODUCT
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands_of
@@ -344,6 +345,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             or (one.finding.reason.startswith(UNFIT) and _is_amiss(one, known, known_by, number))
         ):
             yield replace(one, finding=_unconfirmed(one.finding))
+        elif _only_in_cases(one, known_by, number, guessed):
+            yield replace(one, finding=replace(one.finding, verdict=UNSURE, reason=IN_CASES))
         elif (
             one.finding.verdict not in GRAVE
             or settings.strict
@@ -369,6 +372,22 @@ def _supports(finding: Finding, *, words: bool) -> bool:
     special = {n for n, row in ASSUMPTIONS.items() if row.kind == SPECIAL}
     general = any(special.isdisjoint(s) for s in finding.sets)
     return words and (general or all(r.kind != "not stated" for r in finding.remarks))
+
+
+IN_CASES = "with meanings that nothing confirms it holds in special cases alone"
+
+
+def _only_in_cases(one: Found, known_by: Evidence, number: int, guessed: frozenset[str]) -> bool:
+    """Return whether a line on any vector, or on guessed frames and points, holds in special cases alone.
+
+    What is meant for any vector holds without such conditions: perhaps a slip made it true there.
+    """
+    sets = one.finding.sets if one.finding.verdict == UNDER else ()
+    anyhow = any(known_by.guessed.get(p) == ANY for p in known_by.used[number])
+    special = all(
+        any(a not in ASSUMPTIONS or ASSUMPTIONS[a].kind == SPECIAL for a in s) for s in sets
+    )
+    return bool(sets) and special and (anyhow or bool(guessed & labels_of(one.understood.formula)))
 
 
 def _is_amiss(one: Found, known: Meanings, known_by: Evidence, number: int) -> bool:
