@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 from codegen.compiling import events
 from codegen.compiling.compiled import Compiled
@@ -108,10 +109,13 @@ class Native:
             return found
         return replace(found, y=Projector(self.compiled, problem).points(found.t, found.y))
 
-    def quick(self, problem: Problem) -> runge_kutta.Quick | None:
-        """Return the quick way for problems like this one but for their values, if there is one."""
+    def quick(self, problem: Problem, **said: Any) -> runge_kutta.Prepared | None:
+        """Return the quick way for problems like this one but for their values, if there is one.
+
+        ``said``: fields of the trajectories beside what is found.
+        """
         quick = None if problem.project else self.method.quick
-        return quick if quick is not None and quick.takes(problem) else None
+        return None if quick is None else quick.prepared(problem, **said)
 
 
 def _runge_kutta(

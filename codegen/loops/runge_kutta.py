@@ -379,10 +379,9 @@ def loaded(
 def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     """Integrate a problem; stop at its end, at a singular configuration, or where numbers fail."""
     quick = method.quick
-    if quick is not None and quick.takes(problem):
-        return quick.integrate(
-            problem, problem.x0, problem.parameters, problem.inputs, problem.atol
-        )
+    ready = None if quick is None else quick.prepared(problem)
+    if ready is not None:
+        return ready.integrate(problem.x0, problem.parameters, problem.inputs, problem.atol)
     s = method.state(
         t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin
     )
@@ -465,36 +464,20 @@ class Quick:
             return False
         return problem.watch is None or problem.watch_every > FIRST_CALL
 
-    def integrate(
-        self, problem: Problem, x0: Array, parameters: Array, inputs: Array, atol: Array
-    ) -> Trajectory:
-        """Integrate a problem that it `takes`, with these values in the place of its own."""
-        grid, memory = problem.t_eval, self.template.copy()
+    def prepared(self, problem: Problem, **made: Any) -> Prepared | None:
+        """Return its runs of problems like this one but for their values; None where it does not `takes` it.
+
+        ``made``: fields of their trajectories beside what is found.
+        """
+        if not self.takes(problem):
+            return None
+        memory = self.template.copy()
         (memory[self.t], memory[self.t_end]), memory[self.rtol] = problem.t_span, problem.rtol
         memory[self.margin], memory[self.h_max] = problem.margin, problem.max_step
-        if problem.first_step:
-            memory[self.h] = problem.first_step
-        memory[self.x], memory[self.atol] = x0, atol
-        t, x = rows_of(grid, self.n)
-        first = self.x.start if grid is None else -1
-        attempts = min(FIRST_CALL, STEPS_A_CALL, problem.max_steps)
-        began = time.perf_counter()
-        ended = self.begun(
-            self.start, self.run, memory, parameters, inputs, t, x, grid, first, self.counts, attempts
-        )  # fmt: skip
-        seconds = time.perf_counter() - began
-        status, kept, steps, rejected, evaluations, which, time_of_stop = ended
-        if self.tells or status not in _ENDED:
-            whole = varied(problem, x0=x0, parameters=parameters, inputs=inputs, atol=atol)
-            return self._further(whole, memory, (t, x), status, seconds)
-        return varied(
-            _MADE, t=t[:kept].copy(), y=x[:kept].T.copy(), state_at_stop=memory[self.x].copy(),
-            stop=varied(_ENDED[status], t=time_of_stop, which=which),
-            closest=tuple(memory[self.closest].tolist()) if problem.singularities else (),
-            steps=steps, rejected=rejected, evaluations=evaluations, seconds=seconds,
-        )  # fmt: skip
+        memory[self.h] = problem.first_step or 0.0
+        return Prepared(self, problem, memory, made)
 
-    def _further(
+    def further(
         self,
         problem: Problem,
         memory: Array,
@@ -513,6 +496,58 @@ class Quick:
         if status == COARSE and store.begins_again(s, problem):
             status = clock.timed(loop.start)
         return _to_its_end(method, problem, s, store, clock, loop, status)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Runs by a `Quick` of one problem whose values change: ``memory`` is filled but for these."""
+
+    quick: Quick
+    problem: Problem
+    memory: Array
+    said: Mapping[str, Any]
+
+    @cached_property
+    def _made(self) -> Trajectory:
+        return varied(_MADE, **self.said)
+
+    @cached_property
+    def _room(self) -> tuple[int, int]:
+        """Where states begin if the start is to be the first row, else -1; steps of the first call."""
+        first = self.quick.x.start if self.problem.t_eval is None else -1
+        return first, min(FIRST_CALL, STEPS_A_CALL, self.problem.max_steps)
+
+    def integrate(
+        self,
+        x0: Array,
+        parameters: Array,
+        inputs: Array,
+        atol: Array,
+        onward: Callable[[Problem], Problem] | None = None,
+    ) -> Trajectory:
+        """Integrate with these values; ``onward``: makes the problem of a run that its first call does not end."""
+        quick, problem, memory = self.quick, self.problem, self.memory.copy()
+        grid, (first, attempts) = problem.t_eval, self._room
+        memory[quick.x], memory[quick.atol] = x0, atol
+        t, x = rows_of(grid, quick.n)
+        began = time.perf_counter()
+        status, kept, steps, rejected, evaluations, which, time_of_stop = quick.begun(
+            quick.start, quick.run, memory, parameters, inputs, t, x, grid, first, quick.counts, attempts
+        )  # fmt: skip
+        seconds = time.perf_counter() - began
+        if quick.tells or status not in _ENDED:
+            whole = varied(problem, x0=x0, parameters=parameters, inputs=inputs, atol=atol)
+            whole = whole if onward is None else onward(whole)
+            found = quick.further(whole, memory, (t, x), status, seconds)
+            return varied(found, **self.said) if self.said else found
+        if kept < len(t):
+            t, x = t[:kept].copy(), x[:kept]
+        return varied(
+            self._made, t=t, y=x.T.copy(), state_at_stop=memory[quick.x].copy(),
+            stop=varied(_ENDED[status], t=time_of_stop, which=which),
+            closest=tuple(memory[quick.closest].tolist()) if problem.singularities else (),
+            steps=steps, rejected=rejected, evaluations=evaluations, seconds=seconds,
+        )  # fmt: skip
 
 
 def _places(state: Any, name: str) -> slice:
