@@ -497,7 +497,9 @@ def _is_flag(value: Any, _: Any = ()) -> bool:
 
 def is_text(value: Any, _: Any = ()) -> bool:
     """Return whether a value is a text that can be written: one without lone surrogates."""
-    return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
+    if not isinstance(value, str):
+        return False
+    return value.isascii() or not any("\ud800" <= c <= "\udfff" for c in value)
 
 
 def _is_mapping(value: Any, kinds: Any) -> bool:

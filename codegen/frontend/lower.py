@@ -482,7 +482,7 @@ class Lowering:
             above = self._powers(late, above)
         else:
             above = self._scaled(self._powers(late), coefficient)
-        return self.b.add("div", above, below)
+        return above if below == self.b.const(1) else self.b.add("div", above, below)
 
     def _within_range(
         self, coefficient: Exact, factors: Sequence[Factor]
@@ -508,9 +508,11 @@ class Lowering:
 
     def _powers(self, factors: Iterable[tuple[int, Exact]], first: int | None = None) -> int:
         """Return the product of powers, beginning with ``first``."""
-        product = self.b.const(1) if first is None else first
+        one = self.b.const(1)
+        product = one if first is None else first
         for number, exponent in factors:
-            product = self.b.add("mul", product, self._power(number, exponent))
+            power = self._power(number, exponent)
+            product = power if product == one else self.b.add("mul", product, power)
         return product
 
     def power(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:

@@ -429,7 +429,7 @@ class _Going:
         return None if way is None else way(problem, **self.said)
 
     def quickly(self, quick: Any, problem: Problem) -> Trajectory:
-        """Make the same run as `on`; what is only needed where its first call does not end it is made then."""
+        """Make the same run as `on`; what a run needs behind its first call is made there."""
         look = _Look(self.task, problem, self.chosen)
         first = quick.integrate(
             problem.x0, problem.parameters, problem.inputs, problem.atol, look.onward

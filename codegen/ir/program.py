@@ -75,8 +75,8 @@ class Program:
 
     def counts(self) -> dict[str, int]:
         """Return how often each operation occurs, leaves left out, in the order of the table."""
-        present = [i.op for i in self.instructions]
-        return {op: present.count(op) for op in OPS if op in present}
+        present = Counter(i.op for i in self.instructions)
+        return {op: present[op] for op in OPS if op in present}
 
 
 def _text(instruction: Instruction) -> str:

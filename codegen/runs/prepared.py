@@ -27,7 +27,7 @@ from codegen.integrate.methods import Integrator as Loop
 from codegen.integrate.scales import quickly
 from codegen.ir.program import INVARIANTS, SINGULARITIES, Program
 from codegen.loops.projection import chosen
-from codegen.loops.runge_kutta import Prepared
+from codegen.loops.running import Prepared
 from codegen.native import native
 from codegen.native.trajectory import Array, Problem, varied
 from codegen.runs import arguments, pruning
