@@ -77,9 +77,8 @@ class RuleSet:
 def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | None:
     """Return an equal, simpler value of ``op`` on ``args`` if a rule knows one."""
     instructions = b.instructions
-    operands = [instructions[a] for a in args]
     listed, constants = rules.general, _NONE
-    if "const" in [i.op for i in operands]:
+    if any([instructions[a][0] == "const" for a in args]):
         constants = [constant(b, a) for a in args]
         listed = rules.rules
         if op in _EXACT and all(c is not None for c in constants):
@@ -110,8 +109,8 @@ def _small(value: Fraction) -> bool:
 
 def _negated(b: Numbers, number: int) -> int | None:
     """Return x if ``number`` is -x."""
-    instruction = b.instructions[number]
-    return instruction.args[0] if instruction.op == "neg" else None
+    op, args, _ = b.instructions[number]
+    return args[0] if op == "neg" else None
 
 
 def _neutral(neutral: int) -> Rule:
