@@ -166,7 +166,10 @@ def _sub_opposite(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None
 
 
 def _mul_zero(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
-    return next((k for k, c in zip(args, constants, strict=True) if c is not None and c == 0), None)
+    x, y = constants
+    if x is not None and not x:
+        return args[0]
+    return args[1] if y is not None and not y else None
 
 
 def _mul_quotient(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
