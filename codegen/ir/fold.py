@@ -78,7 +78,7 @@ def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | No
     """Return an equal, simpler value of ``op`` on ``args`` if a rule knows one."""
     instructions = b.instructions
     listed, constants = rules.general, _NONE
-    if any([instructions[a][0] == "const" for a in args]):
+    if "const" in [instructions[a][0] for a in args]:
         constants = [constant(b, a) for a in args]
         listed = rules.rules
         if op in _EXACT and all(c is not None for c in constants):

@@ -142,7 +142,7 @@ def constants_exactly(program: Program, digits: int) -> dict[int, Any]:
         if op not in OPS:
             if op in {"const", "pi"}:
                 exact[k] = _leaf_exact(instruction, Point(), context)
-        elif op not in SOLVE and all([a in exact for a in args]):
+        elif op not in SOLVE and {*args} <= exact.keys():
             operands = [exact[a] for a in args]
             exact[k] = _real(context, partial(row_of(instruction).exact, context, *operands))
     return exact

@@ -103,7 +103,7 @@ def verify(program: Program) -> None:
         _verify_instructions(program)
         _VERIFIED.append(program.instructions)
     size = len(program.instructions)
-    assert all([0 <= r < size for group in program.results.values() for r in group])
+    assert all(0 <= r < size for group in program.results.values() for r in group)
 
 
 _VERIFIED: deque[tuple[Instruction, ...]] = deque(maxlen=8)
@@ -118,7 +118,7 @@ def _verify_instructions(program: Program) -> None:
             assert not args, (k, op)
             assert (value is None) == (op in {"pi", "time"}), (k, op)
             continue
-        assert arity == len(args) or arity == VARIADIC, (k, op)  # noqa: PLR1714 - no tuple a row
+        assert arity == len(args) or arity == VARIADIC, (k, op)
         for a in args:
             assert 0 <= a < k, (k, op, args)
         if op not in _FURTHER:
@@ -169,7 +169,7 @@ def bindings(program: Program) -> list[int]:
     for op, args, _ in program.instructions:
         when = BINDING.get(op, 0)
         for a in args:
-            if known[a] > when:
+            if known[a] > when:  # noqa: PLR1730 - in half the time
                 when = known[a]
         known.append(when)
     return known
@@ -243,7 +243,7 @@ class Builder:
             binding = self.binding
             when = BINDING.get(op, 0)
             for a in args:
-                if binding[a] > when:
+                if binding[a] > when:  # noqa: PLR1730 - in half the time
                     when = binding[a]
             binding.append(when)
         return known

@@ -266,7 +266,7 @@ class _Renderer:
         template = self.templates[op]
         needs, given = template.needs or (0,) * len(args), [self.text[a] for a in args]
         if OPS[op].commutative and _binds_less(template.needs, given):
-            given = given[::-1]  # b * c * a for a * (b * c), the same to the last bit
+            given.reverse()  # b * c * a for a * (b * c), the same to the last bit
         operands = [
             text if power >= need else f"({text})"
             for (text, power), need in zip(given, needs, strict=True)
