@@ -11,12 +11,21 @@ state of size 1e-12 is held as well as one of size 1 beside it. The scale is
 * where nothing makes it grow, the largest scale of its unit, of which then the last digits count;
 * else not known.
 
+A state that is the derivative of another one by a parameter or a first state (`codegen.sensitivities`)
+has a size to be compared with, whatever it starts as: the scale of the state over that of the variable,
+a parameter's being its value. By that it is known what a change of the derivative is small beside while
+the time of growth is looked for, what is rounding in its rate, and its scale where nothing makes it grow:
+the absolute tolerance of dx/dp is then that of x over |p|. Its own growth goes before, so that a small
+derivative keeps its digits.
+
 A rate that is rounding of larger terms is no growth: what changes as a whole where the states change by
 1e-6 of themselves holds no digit, or is so sensitive that it says nothing of a size. The same is asked
 where a first value is below 1e-14 of others of its unit, as cos(pi/2) is.
 
 Sources: the first step of Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993),
-sect. II.4, compares sizes and rates likewise; they choose the scale of each component by hand.
+sect. II.4, compares sizes and rates likewise; they choose the scale of each component by hand. Tolerances of
+sensitivities over the size of the parameter: Serban and Hindmarsh, CVODES: the Sensitivity-Enabled ODE
+Solver in SUNDIALS (2005), sect. 3.2; Maly and Petzold, Appl. Numer. Math. 20 (1996) 57.
 """
 
 from __future__ import annotations
@@ -59,6 +68,15 @@ Moment = tuple[Array, Array]
 """Times (N,) and states (n, N)."""
 
 
+class Point(NamedTuple):
+    """Where a run starts: states, parameters, inputs, and the time of the system at which t is zero."""
+
+    states: Array
+    parameters: Array
+    inputs: Array
+    epoch: float
+
+
 @dataclass(frozen=True)
 class Scales:
     """Scales (n, N) of states, NaN where none is known, and the largest of each one's unit (n, N)."""
@@ -66,7 +84,7 @@ class Scales:
     values: Array
     largest: Array
     grows: NDArray[np.bool_]
-    """Where the scale is a first value or a growth, (n, N)."""
+    """Where the scale is a first value, a growth or given, (n, N)."""
 
     def tolerances(self, rtol: float) -> Array:
         """Return default absolute tolerances (n, N); where no scale is known that of a scale of 1."""
@@ -75,25 +93,77 @@ class Scales:
         return np.maximum(np.where(self.grows | (self.largest == 0), plain, rounding), LEAST)
 
 
-def scales(rates: Rates, units: Sequence[str], start: Array, t_span: tuple[float, float]) -> Scales:
+def scales(
+    rates: Rates,
+    units: Sequence[str],
+    start: Array,
+    t_span: tuple[float, float],
+    beside: Array | None = None,
+) -> Scales:
     """Return the scales of states that start at ``start`` (n, N) and run over ``t_span`` (s).
 
     ``units``: of each state; of those without one, "", nobody knows whether they can be compared, and
-    each has a time of its own. No column depends on another one.
+    each has a time of its own. ``beside`` (n, N): sizes that states are compared with besides, 0 for none.
+    No column depends on another one.
     """
     size = np.abs(start)
-    largest = _largest(units, size)
+    least = np.zeros_like(size) if beside is None else beside
+    largest = _largest(units, np.maximum(size, least))
     small = size <= RESIDUE * largest
     if not small.any():
         return Scales(size, largest, ~small)
     alone = np.array([u == "" for u in units])[:, None]
-    bounds = np.where(alone, size, largest)
+    bounds = np.where(alone, np.maximum(size, least), largest)
     wanted = np.asarray(small.any(axis=0))
     grown = _growth(rates, start, (bounds, largest), t_span, wanted)
     own = np.where(small, np.where(grown > 0, np.maximum(grown, size), 0.0), size)
-    shared = _largest(units, own)
-    known = np.where(shared > 0, shared, np.nan)
-    return Scales(np.where(own > 0, own, known), shared, own > 0)
+    shared = _largest(units, np.maximum(own, least))
+    known = np.where(least > 0, least, np.where(shared > 0, shared, np.nan))
+    return Scales(np.where(own > 0, own, known), shared, (own > 0) | (least > 0))
+
+
+def beside(rates: Rates, layout: Layout, start: Point, t_span: tuple[float, float]) -> Array | None:
+    """Return the sizes (n, N) that derivatives among the states are compared with; None without any.
+
+    ``start``: states (n, N), parameters (m,) or (m, N). 0 of states that are no derivatives, and where a
+    scale is not known or what is differentiated was left out.
+    """
+    number = {q.name: k for k, q in enumerate(layout.states)}
+    slopes = {n: s for n, s in layout.slopes.items() if n in number and s.of in number}
+    if not slopes:
+        return None
+    known = _of_others(rates, layout, start.states, t_span)
+    scale = {**dict(zip(number, known, strict=True)), **_parameters(layout, start)}
+    found = np.zeros_like(known)
+    with np.errstate(all="ignore"):
+        for name, slope in slopes.items():
+            found[number[name]] = scale[slope.of] / scale.get(slope.by, np.nan)
+    return np.where(np.isfinite(found), found, 0.0)
+
+
+def _of_others(rates: Rates, layout: Layout, start: Array, t_span: tuple[float, float]) -> Array:
+    """Return the scales (n, N) of the states that are no derivatives; NaN for the rest."""
+    own = [k for k, q in enumerate(layout.states) if q.name not in layout.slopes]
+
+    def alone(t: Array, x: Array) -> Array:
+        everything = start.copy()
+        everything[own] = x
+        return np.asarray(rates(t, everything)[own])
+
+    known = np.full_like(start, np.nan)
+    known[own] = scales(alone, [layout.states[k].unit for k in own], start[own], t_span).values
+    return known
+
+
+def _parameters(layout: Layout, start: Point) -> dict[str, Array]:
+    """Return the scale (N,) of each parameter: its size, or the largest of its unit where that is zero."""
+    values = np.abs(start.parameters)
+    size = np.broadcast_to(values.reshape(len(values), -1), (len(values), start.states.shape[1]))
+    if not layout.parameters:
+        return {}
+    units = [q.unit or f"of {q.name} alone" for q in layout.parameters]
+    found = np.where(size > 0, size, _largest(units, size))
+    return {q.name: row for q, row in zip(layout.parameters, found, strict=True)}
 
 
 def _largest(units: Sequence[str], size: Array) -> Array:
@@ -123,26 +193,38 @@ def _growth(
         slope = rates(np.full(start.shape[1], t_span[0]), start)
         length = _at_most(slope, allowed, t_span)
         for _ in range(TURNS):
-            points, slopes = _iterated(rates, start, slope, t_span, direction * length)
-            fits = _fits(slopes, length, allowed) | ~wanted
+            slopes = _iterated(rates, (start, slope, largest), t_span, direction * length)
+            slope, fits = slopes[0], _fits(slopes, length, allowed) | ~wanted
             if fits.all():
                 break
             length = np.where(fits, length, length / SHORTER)
-        return _first_growth(rates, points, slopes, np.where(fits, length, 0.0), largest)
+        return _first_growth(slopes, np.where(fits, length, 0.0))
 
 
-def _first_growth(
-    rates: Rates, points: Sequence[Moment], slopes: Array, length: Array, largest: Array
-) -> Array:
+def _first_growth(slopes: Array, length: Array) -> Array:
     """Return the growth of each state in the first iteration in which it has one, (n, N), or 0."""
-    grown = np.zeros_like(largest)
-    for (t, x), slope in zip(points, slopes, strict=True):
+    grown = np.zeros_like(slopes[0])
+    for slope in slopes:
         new = length * np.abs(slope)
-        new = np.where((grown == 0) & np.isfinite(new), new, 0.0)
-        if np.any((new > 0) & (new <= DOUBTFUL * np.where(largest > 0, largest, np.inf))):
-            new = np.where(_steady(rates, t, x, slope), new, 0.0)
-        grown += new
+        grown += np.where((grown == 0) & np.isfinite(new), new, 0.0)
     return grown
+
+
+def _is_doubtful(growth: Array, largest: Array) -> NDArray[np.bool_]:
+    """Return where a growth may be rounding: small beside others of its unit, or beside nothing."""
+    return np.asarray((growth > 0) & (growth <= DOUBTFUL * np.where(largest > 0, largest, np.inf)))
+
+
+def _without_rounding(rates: Rates, at: Moment, slope: Array, beside: tuple[Array, Array]) -> Array:
+    """Return rates at a moment, 0 where they are rounding: that has no part in any growth.
+
+    ``beside``: the length (N,) of growth, and the largest of each unit.
+    """
+    length, largest = beside
+    doubtful = _is_doubtful(length * np.abs(slope), largest)
+    if not doubtful.any():
+        return slope
+    return np.where(doubtful & ~_steady(rates, *at, slope), 0.0, slope)
 
 
 def _at_most(slope: Array, largest: Array, t_span: tuple[float, float]) -> Array:
@@ -156,19 +238,22 @@ def _at_most(slope: Array, largest: Array, t_span: tuple[float, float]) -> Array
 
 
 def _iterated(
-    rates: Rates, start: Array, slope: Array, t_span: tuple[float, float], step: Array
-) -> tuple[list[Moment], Array]:
-    """Return times and states of Picard's iteration, each with Euler's rule, and their rates.
+    rates: Rates, begun: tuple[Array, Array, Array], t_span: tuple[float, float], step: Array
+) -> Array:
+    """Return the rates in Picard's iteration, each with Euler's rule, without those that are rounding.
 
-    Times are those of the run: where the step is longer they are its end.
+    ``begun``: states and rates at the start, and the largest of each unit. Times are those of the run:
+    where the step is longer they are its end.
     """
+    start, slope, largest = begun
     begin, end = np.full(len(step), t_span[0]), t_span[1]
     then = np.where(np.abs(step) < abs(end - begin), begin + step, end)
-    points, slopes = [(begin, start)], [slope]
+    beside = np.abs(step), largest
+    slopes = [_without_rounding(rates, (begin, start), slope, beside)]
     for _ in range(DEPTH - 1):
-        points.append((then, start + step * slopes[-1]))
-        slopes.append(rates(*points[-1]))
-    return points, np.array(slopes)
+        moment = then, start + step * slopes[-1]
+        slopes.append(_without_rounding(rates, moment, rates(*moment), beside))
+    return np.array(slopes)
 
 
 def _fits(slopes: Array, length: Array, largest: Array) -> NDArray[np.bool_]:
@@ -189,23 +274,15 @@ def _steady(rates: Rates, t: Array, x: Array, slope: Array) -> NDArray[np.bool_]
 
 
 def defaults(
-    rates: Rates, layout: Layout, start: Array, t_span: tuple[float, float], rtol: float
+    rates: Rates, layout: Layout, start: Point, t_span: tuple[float, float], rtol: float
 ) -> tuple[Array, str]:
-    """Return default absolute tolerances of states that start at ``start`` (n, N), and what to report."""
-    found = scales(rates, [q.unit for q in layout.states], start, t_span)
+    """Return default absolute tolerances of states (n, N) of a start, and what to report."""
+    units, sizes = [q.unit for q in layout.states], beside(rates, layout, start, t_span)
+    found = scales(rates, units, start.states, t_span, sizes)
     unknown = [
         q.name for q, row in zip(layout.states, found.values, strict=True) if np.isnan(row).any()
     ]
     return found.tolerances(rtol), _notice(unknown, rtol) if unknown else ""
-
-
-class Point(NamedTuple):
-    """Where a run starts: states, parameters, inputs, and the time of the system at which t is zero."""
-
-    states: Array
-    parameters: Array
-    inputs: Array
-    epoch: float
 
 
 def of_run(
@@ -229,8 +306,8 @@ def of_run(
         u = start.inputs if signals is None else signals(float(t[0]), state)
         return compiled.rhs(now, state, start.parameters, u)[:, None]
 
-    column = start.states[:, None]
-    found, notice = defaults(rates, compiled.layout, column, t_span, rtol)
+    columns = start._replace(states=start.states[:, None])
+    found, notice = defaults(rates, compiled.layout, columns, t_span, rtol)
     return found[:, 0], notice
 
 
@@ -243,10 +320,10 @@ def quickly(
 ) -> Quickly | None:
     """Return the same for many runs, in one call each (`codegen/native/runs.c`), to the last bit.
 
-    ``epoch``: time of the system at which t is zero. None without C.
+    ``epoch``: time of the system at which t is zero. None without C, and for derivatives among the states.
     """
     extension = native.extension() if compiled.target == "c" else None
-    if extension is None:
+    if extension is None or compiled.layout.slopes:
         return None
     units, alone = units_of(compiled)
     rates, call, (begin, end), n = (

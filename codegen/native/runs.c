@@ -114,39 +114,53 @@ static void steady_part(const rates_t *r, double t, const double *x, const doubl
     }
 }
 
-/* How far each state goes at first, in grown; work: (2 DEPTH + 2) n doubles. */
+static int is_doubtful(double growth, double largest) {
+    return growth > 0.0 && growth <= DOUBTFUL * (largest > 0.0 ? largest : HUGE_VAL);
+}
+
+/* Put 0 for rates at a point that are rounding. */
+static void without_rounding(const rates_t *r, double t, const double *x, double *slope, const double *largest,
+                             double length, double *new, double *moved) {
+    int doubtful = 0;
+    for (Py_ssize_t k = 0; k < r->n; ++k) {
+        new[k] = length * fabs(slope[k]);
+        doubtful |= is_doubtful(new[k], largest[k]);
+    }
+    if (!doubtful) return;
+    steady_part(r, t, x, slope, new, moved);
+    for (Py_ssize_t k = 0; k < r->n; ++k)
+        if (new[k] == 0.0 && is_doubtful(length * fabs(slope[k]), largest[k])) slope[k] = 0.0;
+}
+
+/* How far each state goes at first, in grown; work: (DEPTH + 3) n doubles. */
 static void growth_of(const rates_t *r, const double *start, const double *bounds, const double *largest,
                       double begin, double end, double *grown, double *work) {
     const Py_ssize_t n = r->n;
-    double *slopes = work, *points = work + DEPTH * n, *new = work + 2 * DEPTH * n, *moved = new + n;
+    double *slopes = work, *point = work + DEPTH * n, *new = point + n, *moved = new + n;
     const double direction = end > begin ? 1.0 : -1.0;
-    memcpy(points, start, (size_t)n * sizeof *start);
     slope_at(r, begin, start, slopes);
-    double length = at_most(slopes, bounds, n, fabs(end - begin)), then = begin;
+    double length = at_most(slopes, bounds, n, fabs(end - begin));
     int fit = 0;
     for (int turn = 0; turn < TURNS && !fit; ++turn) {
         if (turn > 0) length = length / SHORTER;
-        const double step = direction * length;
-        then = fabs(step) < fabs(end - begin) ? begin + step : end;
+        const double step = direction * length, then = fabs(step) < fabs(end - begin) ? begin + step : end;
+        without_rounding(r, begin, start, slopes, largest, length, new, moved);
         fit = 1;
         for (int d = 1; d < DEPTH; ++d) {
-            for (Py_ssize_t k = 0; k < n; ++k) points[d * n + k] = start[k] + step * slopes[(d - 1) * n + k];
-            slope_at(r, then, points + d * n, slopes + d * n);
-            fit = fit && is_short(slopes + (d - 1) * n, slopes + d * n, bounds, length, n);
+            double *before = slopes + (d - 1) * n, *slope = slopes + d * n;
+            for (Py_ssize_t k = 0; k < n; ++k) point[k] = start[k] + step * before[k];
+            slope_at(r, then, point, slope);
+            without_rounding(r, then, point, slope, largest, length, new, moved);
+            fit = fit && is_short(before, slope, bounds, length, n);
         }
     }
     if (!fit) length = 0.0;
     for (Py_ssize_t k = 0; k < n; ++k) grown[k] = 0.0;
-    for (int d = 0; d < DEPTH; ++d) {
-        int doubtful = 0;
+    for (int d = 0; d < DEPTH; ++d)
         for (Py_ssize_t k = 0; k < n; ++k) {
-            new[k] = length * fabs(slopes[d * n + k]);
-            if (grown[k] != 0.0 || !isfinite(new[k])) new[k] = 0.0;
-            doubtful |= new[k] > 0.0 && new[k] <= DOUBTFUL * (largest[k] > 0.0 ? largest[k] : HUGE_VAL);
+            const double growth = length * fabs(slopes[d * n + k]);
+            if (grown[k] == 0.0 && isfinite(growth)) grown[k] += growth;
         }
-        if (doubtful) steady_part(r, d ? then : begin, points + d * n, slopes + d * n, new, moved);
-        for (Py_ssize_t k = 0; k < n; ++k) grown[k] += new[k];
-    }
 }
 
 /* The tolerances; in unknown the numbers of states whose scale is not known, how many there are is returned. */
@@ -219,10 +233,10 @@ static PyObject *scales(PyObject *self, PyObject *const *args, Py_ssize_t count)
     PyObject *unknown = NULL;
     if (PyBytes_AsStringAndSize(args[4], &units, &size) == 0 && size == n * (Py_ssize_t)sizeof(int) &&
         fits(args[10], &out, n, 1)) {
-        double *work = PyMem_Malloc((size_t)(4 + 2 * DEPTH + 4) * (size_t)n * sizeof(double));
+        double *work = PyMem_Malloc((size_t)(4 + DEPTH + 5) * (size_t)n * sizeof(double));
         if (work != NULL) {
             prepare(target, views[P].buf);
-            const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), n, work + (4 + 2 * DEPTH + 2) * n};
+            const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), n, work + (4 + DEPTH + 3) * n};
             double *last = rates.room + n;
             const int alone = (int)PyLong_AsLong(args[5]);
             const double begin = PyFloat_AsDouble(args[6]), end = PyFloat_AsDouble(args[7]);
