@@ -23,9 +23,9 @@ A rate that is rounding of larger terms is no growth: what changes as a whole wh
 where a first value is below 1e-14 of others of its unit, as cos(pi/2) is.
 
 Sources: the first step of Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993),
-sect. II.4, compares sizes and rates likewise; they choose the scale of each component by hand. Tolerances of
-sensitivities over the size of the parameter: Serban and Hindmarsh, CVODES: the Sensitivity-Enabled ODE
-Solver in SUNDIALS (2005), sect. 3.2; Maly and Petzold, Appl. Numer. Math. 20 (1996) 57.
+sect. II.4, compares sizes and rates likewise; they choose the scale of each component by hand. Tolerances
+of sensitivities over the size of the parameter: Serban and Hindmarsh, CVODES: the Sensitivity-Enabled
+ODE Solver in SUNDIALS (2005); Maly and Petzold, Appl. Numer. Math. 20 (1996) 57.
 """
 
 from __future__ import annotations
@@ -64,6 +64,7 @@ FEW = 5
 
 Rates = Callable[[Array, Array], Array]
 """Rates (n, N) at times (N,) and states (n, N)."""
+Places = NDArray[np.intp]
 Moment = tuple[Array, Array]
 """Times (N,) and states (n, N)."""
 
@@ -122,48 +123,74 @@ def scales(
     return Scales(np.where(own > 0, own, known), shared, (own > 0) | (least > 0))
 
 
+class Slopes(NamedTuple):
+    """Where derivatives are among states: their places, those of what is differentiated, and by what.
+
+    ``by``: places among the states, followed by the parameters, and by what is not known. ``own``: the
+    places of the states that are no derivatives.
+    """
+
+    place: Places
+    of: Places
+    by: Places
+    own: Places
+
+
+def slopes_of(layout: Layout) -> Slopes | None:
+    """Return where derivatives are among the states of a layout; None without any.
+
+    Those whose state was left out are compared with nothing.
+    """
+    number = {q.name: k for k, q in enumerate(layout.states)}
+    known = [(k, s) for n, k in number.items() if (s := layout.slopes.get(n)) and s.of in number]
+    if not known:
+        return None
+    below = {q.name: k for k, q in enumerate(layout.parameters, len(number))}
+    last = len(number) + len(below)
+    by = [(below if s.by_parameter else number).get(s.by, last) for _, s in known]
+    own = [k for n, k in number.items() if n not in layout.slopes]
+    columns = [k for k, _ in known], [number[s.of] for _, s in known], by, own
+    return Slopes(*(np.array(column, dtype=np.intp) for column in columns))
+
+
 def beside(rates: Rates, layout: Layout, start: Point, t_span: tuple[float, float]) -> Array | None:
     """Return the sizes (n, N) that derivatives among the states are compared with; None without any.
 
     ``start``: states (n, N), parameters (m,) or (m, N). 0 of states that are no derivatives, and where a
     scale is not known or what is differentiated was left out.
     """
-    number = {q.name: k for k, q in enumerate(layout.states)}
-    slopes = {n: s for n, s in layout.slopes.items() if n in number and s.of in number}
-    if not slopes:
+    slopes = slopes_of(layout)
+    if slopes is None:
         return None
-    known = _of_others(rates, layout, start.states, t_span)
-    scale = {**dict(zip(number, known, strict=True)), **_parameters(layout, start)}
-    found = np.zeros_like(known)
-    with np.errstate(all="ignore"):
-        for name, slope in slopes.items():
-            found[number[name]] = scale[slope.of] / scale.get(slope.by, np.nan)
-    return np.where(np.isfinite(found), found, 0.0)
-
-
-def _of_others(rates: Rates, layout: Layout, start: Array, t_span: tuple[float, float]) -> Array:
-    """Return the scales (n, N) of the states that are no derivatives; NaN for the rest."""
-    own = [k for k, q in enumerate(layout.states) if q.name not in layout.slopes]
+    own, whole = slopes.own, start.states
 
     def alone(t: Array, x: Array) -> Array:
-        everything = start.copy()
+        everything = whole.copy()
         everything[own] = x
         return np.asarray(rates(t, everything)[own])
 
-    known = np.full_like(start, np.nan)
-    known[own] = scales(alone, [layout.states[k].unit for k in own], start[own], t_span).values
-    return known
+    known = np.full_like(whole, np.nan)
+    known[own] = scales(alone, [layout.states[k].unit for k in own], whole[own], t_span).values
+    return over_variables(slopes, layout, known, start.parameters)
 
 
-def _parameters(layout: Layout, start: Point) -> dict[str, Array]:
-    """Return the scale (N,) of each parameter: its size, or the largest of its unit where that is zero."""
-    values = np.abs(start.parameters)
-    size = np.broadcast_to(values.reshape(len(values), -1), (len(values), start.states.shape[1]))
-    if not layout.parameters:
-        return {}
-    units = [q.unit or f"of {q.name} alone" for q in layout.parameters]
-    found = np.where(size > 0, size, _largest(units, size))
-    return {q.name: row for q, row in zip(layout.parameters, found, strict=True)}
+def over_variables(slopes: Slopes, layout: Layout, known: Array, parameters: Array) -> Array:
+    """Return the scales (n, N) of states over those of variables; 0 where one is not known.
+
+    ``known`` (n, N): scales of states, NaN for none. A parameter (m,) or (m, N) has that of its size, or
+    the largest of its unit where that is zero.
+    """
+    count = known.shape[1]
+    values = np.abs(parameters).reshape(len(parameters), -1)
+    sizes = np.broadcast_to(values, (len(values), count))
+    if (sizes == 0).any():
+        units = [q.unit or f"of {q.name} alone" for q in layout.parameters]
+        sizes = np.where(sizes > 0, sizes, _largest(units, sizes))
+    scale = np.vstack([known, sizes, np.full((1, count), np.nan)])
+    found = np.zeros_like(known)
+    with np.errstate(all="ignore"):
+        found[slopes.place] = scale[slopes.of] / scale[slopes.by]
+    return np.where(np.isfinite(found), found, 0.0)
 
 
 def _largest(units: Sequence[str], size: Array) -> Array:
@@ -320,35 +347,51 @@ def quickly(
 ) -> Quickly | None:
     """Return the same for many runs, in one call each (`codegen/native/runs.c`), to the last bit.
 
-    ``epoch``: time of the system at which t is zero. None without C, and for derivatives among the states.
+    ``epoch``: time of the system at which t is zero. None without C, and where derivatives stand before
+    the states that they are of.
     """
     extension = native.extension() if compiled.target == "c" else None
-    if extension is None or compiled.layout.slopes:
+    slopes = _derived(compiled, "slopes", lambda: slopes_of(compiled.layout))
+    count = 0 if slopes is None else len(slopes.own)
+    if extension is None or (slopes is not None and not np.array_equal(slopes.own, range(count))):
         return None
     units, alone = units_of(compiled)
-    rates, call, (begin, end), n = (
+    rates, call, layout, n = (
         compiled.rhs,
         extension.scales,
-        t_span,
+        compiled.layout,
         len(compiled.layout.states),
     )
+    how = (units, alone, *t_span, epoch, rtol)
+
+    def sizes(at: tuple[Array, Array, Array]) -> Array | None:
+        known = np.full((n, 1), np.nan)
+        if slopes is None or call(rates, *at, *how, known[:count, 0], None) is None:
+            return None
+        return over_variables(slopes, layout, known, at[1])[:, 0]
 
     def tolerances(x: Array, p: Array, u: Array) -> tuple[Array, str] | None:
         found = np.empty(n)
-        unknown = call(rates, x, p, u, units, alone, begin, end, epoch, rtol, found)
+        compared = sizes((x, p, u)) if count else found[:0]
+        unknown = None if compared is None else call(rates, x, p, u, *how, found, compared)
         if not unknown:
             return None if unknown is None else (found, "")
-        return found, _notice([compiled.layout.states[k].name for k in unknown], rtol)
+        return found, _notice([layout.states[k].name for k in unknown], rtol)
 
     return tolerances
 
 
+def _derived(compiled: Compiled, name: str, make: Callable[[], Any]) -> Any:
+    """Return what is made of a compiled system once."""
+    if (name,) not in compiled.derived:
+        compiled.derived[(name,)] = make()
+    return compiled.derived[(name,)]
+
+
 def units_of(compiled: Compiled) -> tuple[bytes, int]:
     """Return the units of states as generated code has them, made once; see `_numbered`."""
-    key = ("units of states",)
-    found: Any = compiled.derived.get(key)
-    if found is None:
-        found = compiled.derived[key] = _numbered([q.unit for q in compiled.layout.states])
+    states = compiled.layout.states
+    found: Any = _derived(compiled, "units of states", lambda: _numbered([q.unit for q in states]))
     units, alone = found
     return units, alone
 

@@ -157,7 +157,9 @@ def sensitivities(
 
     Notes
     -----
-    Units are those of a state over those of a variable.
+    Units are those of a state over those of a variable. A run that is given no absolute tolerance
+    holds each derivative by its own size, or, where nothing moves it at first, by the size of the
+    state over that of the variable (a parameter's value).
 
     References
     ----------

@@ -69,10 +69,15 @@ typedef struct {
     double epoch;
     Py_ssize_t n;
     double *room; /* (n,), for a state that is moved */
+    double *whole; /* NULL, or all states, of which the first n are considered, and room for their rates behind them */
 } rates_t;
 
 static void slope_at(const rates_t *r, double t, const double *x, double *slope) {
-    r->target->function(r->epoch + t, x, r->target->constants, r->u, slope);
+    const size_t considered = (size_t)r->n * sizeof *x;
+    double *all = r->whole == NULL ? NULL : r->whole + r->target->length[X];
+    if (all != NULL) memcpy(r->whole, x, considered);
+    r->target->function(r->epoch + t, all == NULL ? x : r->whole, r->target->constants, r->u, all == NULL ? slope : all);
+    if (all != NULL) memcpy(slope, all, considered);
 }
 
 /* The largest size of a state of the same unit; least: n values of room. */
@@ -163,25 +168,42 @@ static void growth_of(const rates_t *r, const double *start, const double *bound
         }
 }
 
-/* The tolerances; in unknown the numbers of states whose scale is not known, how many there are is returned. */
-static int tolerances_of(const rates_t *r, const double *x, const int *unit, int alone, double begin, double end,
-                         double rtol, double *atol, double *work, double *unknown) {
+typedef struct {
+    const int *unit;
+    int alone;
+    const double *beside; /* sizes that states are compared with besides, or NULL */
+    double begin, end;
+} compared_t;
+
+/* The scales, 0 where a state does not grow, in size, and the largest of each unit; work: (DEPTH + 5) n doubles. */
+static void sizes_of(const rates_t *r, const double *x, const compared_t *c, double *size, double *largest, double *work) {
     const Py_ssize_t n = r->n;
-    double *size = work, *largest = size + n, *bounds = largest + n, *grown = bounds + n, *rest = grown + n;
-    int small = 0, count = 0;
-    for (Py_ssize_t k = 0; k < n; ++k) size[k] = fabs(x[k]);
-    largest_of_unit(unit, size, n, grown, largest);
+    double *bounds = work, *grown = bounds + n, *rest = grown + n;
+    int small = 0;
     for (Py_ssize_t k = 0; k < n; ++k) {
-        bounds[k] = unit[k] == alone ? size[k] : largest[k];
+        size[k] = fabs(x[k]);
+        bounds[k] = c->beside != NULL && c->beside[k] > size[k] ? c->beside[k] : size[k];
+    }
+    largest_of_unit(c->unit, bounds, n, grown, largest);
+    for (Py_ssize_t k = 0; k < n; ++k) {
+        if (c->unit[k] != c->alone) bounds[k] = largest[k];
         small |= size[k] <= RESIDUE * largest[k];
     }
-    if (small) {
-        growth_of(r, x, bounds, largest, begin, end, grown, rest);
-        for (Py_ssize_t k = 0; k < n; ++k)
-            if (size[k] <= RESIDUE * largest[k])
-                size[k] = grown[k] > 0.0 ? (grown[k] > size[k] ? grown[k] : size[k]) : 0.0;
-        largest_of_unit(unit, size, n, grown, largest);
+    if (!small) return;
+    growth_of(r, x, bounds, largest, c->begin, c->end, grown, rest);
+    for (Py_ssize_t k = 0; k < n; ++k) {
+        if (size[k] <= RESIDUE * largest[k]) size[k] = grown[k] > 0.0 ? (grown[k] > size[k] ? grown[k] : size[k]) : 0.0;
+        bounds[k] = c->beside != NULL && c->beside[k] > size[k] ? c->beside[k] : size[k];
     }
+    largest_of_unit(c->unit, bounds, n, grown, largest);
+    for (Py_ssize_t k = 0; k < n; ++k)
+        if (!(size[k] > 0.0) && c->beside != NULL) size[k] = c->beside[k];
+}
+
+/* The tolerances; in unknown the numbers of states whose scale is not known, how many there are is returned. */
+static int tolerances_of(const double *size, const double *largest, Py_ssize_t n, double rtol, double *atol,
+                         double *unknown) {
+    int count = 0;
     for (Py_ssize_t k = 0; k < n; ++k) {
         const double scale = size[k] > 0.0 ? size[k] : (largest[k] > 0.0 ? largest[k] : 1.0);
         double own = PART * rtol * scale;
@@ -220,31 +242,50 @@ static PyObject *numbers_of(const double *values, int count) {
     return found;
 }
 
-/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out) -> numbers of the states whose scale is not
- * known, or None where it says nothing; units: bytes of an int each */
+/* Fill out from the start x; see scales. */
+static PyObject *scales_from(const rates_t *r, const double *x, const compared_t *c, double rtol, double *out,
+                             double *work) {
+    const Py_ssize_t n = r->n;
+    double *size = work, *largest = size + n, *rest = largest + n;
+    sizes_of(r, x, c, size, largest, rest);
+    if (r->whole == NULL) return numbers_of(rest, tolerances_of(size, largest, n, rtol, out, rest));
+    for (Py_ssize_t k = 0; k < n; ++k) out[k] = size[k] > 0.0 ? size[k] : (largest[k] > 0.0 ? largest[k] : NAN);
+    Py_RETURN_NOTIMPLEMENTED;
+}
+
+/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out, beside) -> numbers of the states whose scale is
+ * not known, or None where it says nothing; units: bytes of an int each; beside: sizes that states are compared with,
+ * empty for none. Where beside is None, out gets the scales of the first states alone, as many as it is long, NaN where
+ * none is known, and the result is NotImplemented. */
 static PyObject *scales(PyObject *self, PyObject *const *args, Py_ssize_t count) {
     (void)self;
-    target_t *target = count == 11 ? target_of(args[0]) : NULL;
-    Py_buffer views[ARRAYS], out;
+    enum { ROWS = 2 + DEPTH + 5 + 1 + 2 };
+    target_t *target = count == 12 ? target_of(args[0]) : NULL;
+    Py_buffer views[ARRAYS], out, beside;
     char *units;
     Py_ssize_t size;
     if (target == NULL || !hold(target, args + 1, views)) Py_RETURN_NONE;
     const Py_ssize_t n = target->length[X];
+    const int first = args[11] == Py_None;
+    const Py_ssize_t considered = first ? PyObject_Length(args[10]) : n, given = first ? 0 : PyObject_Length(args[11]);
     PyObject *unknown = NULL;
     if (PyBytes_AsStringAndSize(args[4], &units, &size) == 0 && size == n * (Py_ssize_t)sizeof(int) &&
-        fits(args[10], &out, n, 1)) {
-        double *work = PyMem_Malloc((size_t)(4 + DEPTH + 5) * (size_t)n * sizeof(double));
-        if (work != NULL) {
+        considered >= 0 && considered <= n && (given == 0 || given == n) && fits(args[10], &out, considered, 1)) {
+        double *work = PyMem_Malloc((size_t)ROWS * (size_t)n * sizeof(double));
+        const int held = given == 0 || fits(args[11], &beside, n, 0);
+        if (work != NULL && held) {
+            double *room = work + (ROWS - 3) * n, *whole = first ? room + n : NULL;
             prepare(target, views[P].buf);
-            const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), n, work + (4 + DEPTH + 3) * n};
-            double *last = rates.room + n;
-            const int alone = (int)PyLong_AsLong(args[5]);
-            const double begin = PyFloat_AsDouble(args[6]), end = PyFloat_AsDouble(args[7]);
-            const int count_unknown = tolerances_of(&rates, views[X].buf, (const int *)(const void *)units, alone, begin,
-                                                    end, PyFloat_AsDouble(args[9]), out.buf, work, last);
-            if (!PyErr_Occurred()) unknown = numbers_of(last, count_unknown);
-            PyMem_Free(work);
+            if (first) memcpy(whole, views[X].buf, (size_t)n * sizeof *whole);
+            const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), considered, room, whole};
+            const compared_t compared = {(const int *)(const void *)units, (int)PyLong_AsLong(args[5]),
+                                         given == n && n > 0 ? beside.buf : NULL, PyFloat_AsDouble(args[6]),
+                                         PyFloat_AsDouble(args[7])};
+            const double rtol = PyFloat_AsDouble(args[9]);
+            if (!PyErr_Occurred()) unknown = scales_from(&rates, views[X].buf, &compared, rtol, out.buf, work);
         }
+        if (held && given > 0) PyBuffer_Release(&beside);
+        PyMem_Free(work);
         PyBuffer_Release(&out);
     }
     let_go(views);
@@ -294,7 +335,7 @@ static PyObject *steepest(PyObject *self, PyObject *const *args, Py_ssize_t coun
         double *work = PyMem_Malloc(6 * (size_t)n * sizeof(double));
         if (work != NULL) {
             prepare(target, views[P].buf);
-            const rates_t rates = {target, views[U].buf, 0.0, n, NULL};
+            const rates_t rates = {target, views[U].buf, 0.0, n, NULL, NULL};
             bound = steepest_of(&rates, PyFloat_AsDouble(args[5]), views[X].buf, (const int *)(const void *)units,
                                 atol.buf, PyFloat_AsDouble(args[7]), work);
             PyMem_Free(work);

@@ -289,3 +289,29 @@ def test_a_chain_that_starts_at_rest_costs_no_more_than_with_given_tolerances():
     sizes[sizes == 0] = 1.0
     exact, found = (s.matrix(run.y[:, -1]) * sizes for run in (close, own))
     assert np.abs(found - exact).max() < 1e-7 * np.abs(exact).max()
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ["heavy-top", "double-pendulum", "t-handle"])
+def test_tolerances_in_c_are_the_same_to_the_last_bit(name, monkeypatch):
+    """Parameters of zero, first states of zero and all sizes, both directions of time."""
+    scene, draw = load_scene(name), np.random.default_rng(5)
+    compiled = codegen.compile(scene.derive(), "c")
+    values = [np.array([*v.values()]) for v in (scene.initial_values(), scene.parameter_values())]
+    s = sensitivities(compiled, [*scene.parameter_values()], [*scene.initial_values()])
+    n, none, quick = len(values[0]), np.zeros(0), 0
+    for turn in range(30):
+        start = np.array([*s.initial(dict(zip(s.states, values[0], strict=True))).values()])
+        start[:n] *= draw.choice([0.0, 1.0, 1e-17, 1e-9, 1e200, -3.0], n)
+        parameters = values[1] * draw.choice([0.0, 1.0, 1e9, 1e-12], len(values[1]))
+        span = (0.0, 3.0) if turn % 2 else (3.0, -1e5)
+        point = scales.Point(start, parameters, none, 0.25)
+        found = scales.of_run(s.compiled, point, span, 1e-9, None)
+        of_many = scales.quickly(s.compiled, span, 1e-9, point.epoch)
+        quick += of_many is not None and of_many(start, parameters, none) is not None
+        with monkeypatch.context() as without:
+            without.setattr(native, "_extension", lambda: None)
+            plain = scales.of_run(s.compiled, point, span, 1e-9, None)
+        assert found[0].tobytes() == plain[0].tobytes()
+        assert found[1] == plain[1]
+    assert native.python_headers() is None or quick == 30
