@@ -11,12 +11,11 @@ state of size 1e-12 is held as well as one of size 1 beside it. The scale is
 * where nothing makes it grow, the largest scale of its unit, of which then the last digits count;
 * else not known.
 
-A state that is the derivative of another one by a parameter or a first state (`codegen.sensitivities`)
-has a size to be compared with, whatever it starts as: the scale of the state over that of the variable,
-a parameter's being its value. By that it is known what a change of the derivative is small beside while
-the time of growth is looked for, what is rounding in its rate, and its scale where nothing makes it grow:
-the absolute tolerance of dx/dp is then that of x over |p|. Its own growth goes before, so that a small
-derivative keeps its digits.
+Where nothing makes the derivative of a state by a parameter or a first state grow
+(`codegen.sensitivities`), its scale is that of the state over that of the variable, a parameter's being
+its value: the absolute tolerance of dx/dp is then that of x over |p|. Its own growth goes before, so that
+a small derivative keeps its digits; and the time of growth is found without it, as dx/dp may be much
+larger than x/p (of a body that hovers x is small, and any change moves it).
 
 A rate that is rounding of larger terms is no growth: what changes as a whole where the states change by
 1e-6 of themselves holds no digit, or is so sensitive that it says nothing of a size. The same is asked
@@ -99,28 +98,29 @@ def scales(
     units: Sequence[str],
     start: Array,
     t_span: tuple[float, float],
-    beside: Array | None = None,
+    otherwise: Array | None = None,
 ) -> Scales:
     """Return the scales of states that start at ``start`` (n, N) and run over ``t_span`` (s).
 
     ``units``: of each state; of those without one, "", nobody knows whether they can be compared, and
-    each has a time of its own. ``beside`` (n, N): sizes that states are compared with besides, 0 for none.
+    each has a time of its own. ``otherwise`` (n, N): scales of states that do not grow, 0 for none.
     No column depends on another one.
     """
     size = np.abs(start)
-    least = np.zeros_like(size) if beside is None else beside
-    largest = _largest(units, np.maximum(size, least))
+    largest = _largest(units, size)
     small = size <= RESIDUE * largest
     if not small.any():
         return Scales(size, largest, ~small)
     alone = np.array([u == "" for u in units])[:, None]
-    bounds = np.where(alone, np.maximum(size, least), largest)
+    bounds = np.where(alone, size, largest)
     wanted = np.asarray(small.any(axis=0))
     grown = _growth(rates, start, (bounds, largest), t_span, wanted)
     own = np.where(small, np.where(grown > 0, np.maximum(grown, size), 0.0), size)
-    shared = _largest(units, np.maximum(own, least))
-    known = np.where(least > 0, least, np.where(shared > 0, shared, np.nan))
-    return Scales(np.where(own > 0, own, known), shared, (own > 0) | (least > 0))
+    if otherwise is not None:
+        own = np.where(own > 0, own, otherwise)
+    shared = _largest(units, own)
+    known = np.where(shared > 0, shared, np.nan)
+    return Scales(np.where(own > 0, own, known), shared, own > 0)
 
 
 class Slopes(NamedTuple):
@@ -139,7 +139,7 @@ class Slopes(NamedTuple):
 def slopes_of(layout: Layout) -> Slopes | None:
     """Return where derivatives are among the states of a layout; None without any.
 
-    Those whose state was left out are compared with nothing.
+    Those whose state was left out are not among them.
     """
     number = {q.name: k for k, q in enumerate(layout.states)}
     known = [(k, s) for n, k in number.items() if (s := layout.slopes.get(n)) and s.of in number]
@@ -153,8 +153,10 @@ def slopes_of(layout: Layout) -> Slopes | None:
     return Slopes(*(np.array(column, dtype=np.intp) for column in columns))
 
 
-def beside(rates: Rates, layout: Layout, start: Point, t_span: tuple[float, float]) -> Array | None:
-    """Return the sizes (n, N) that derivatives among the states are compared with; None without any.
+def of_slopes(
+    rates: Rates, layout: Layout, start: Point, t_span: tuple[float, float]
+) -> Array | None:
+    """Return the scales (n, N) of derivatives among the states, should they not grow; None without any.
 
     ``start``: states (n, N), parameters (m,) or (m, N). 0 of states that are no derivatives, and where a
     scale is not known or what is differentiated was left out.
@@ -225,7 +227,7 @@ def _growth(
             if fits.all():
                 break
             length = np.where(fits, length, length / SHORTER)
-        return _first_growth(slopes, np.where(fits, length, 0.0))
+        return _first_growth(np.asarray(slopes), np.where(fits, length, 0.0))
 
 
 def _first_growth(slopes: Array, length: Array) -> Array:
@@ -304,8 +306,8 @@ def defaults(
     rates: Rates, layout: Layout, start: Point, t_span: tuple[float, float], rtol: float
 ) -> tuple[Array, str]:
     """Return default absolute tolerances of states (n, N) of a start, and what to report."""
-    units, sizes = [q.unit for q in layout.states], beside(rates, layout, start, t_span)
-    found = scales(rates, units, start.states, t_span, sizes)
+    units, otherwise = [q.unit for q in layout.states], of_slopes(rates, layout, start, t_span)
+    found = scales(rates, units, start.states, t_span, otherwise)
     unknown = [
         q.name for q, row in zip(layout.states, found.values, strict=True) if np.isnan(row).any()
     ]
@@ -364,7 +366,7 @@ def quickly(
     )
     how = (units, alone, *t_span, epoch, rtol)
 
-    def sizes(at: tuple[Array, Array, Array]) -> Array | None:
+    def otherwise(at: tuple[Array, Array, Array]) -> Array | None:
         known = np.full((n, 1), np.nan)
         if slopes is None or call(rates, *at, *how, known[:count, 0], None) is None:
             return None
@@ -372,8 +374,8 @@ def quickly(
 
     def tolerances(x: Array, p: Array, u: Array) -> tuple[Array, str] | None:
         found = np.empty(n)
-        compared = sizes((x, p, u)) if count else found[:0]
-        unknown = None if compared is None else call(rates, x, p, u, *how, found, compared)
+        of_others = otherwise((x, p, u)) if count else found[:0]
+        unknown = None if of_others is None else call(rates, x, p, u, *how, found, of_others)
         if not unknown:
             return None if unknown is None else (found, "")
         return found, _notice([layout.states[k].name for k in unknown], rtol)

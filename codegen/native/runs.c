@@ -171,7 +171,7 @@ static void growth_of(const rates_t *r, const double *start, const double *bound
 typedef struct {
     const int *unit;
     int alone;
-    const double *beside; /* sizes that states are compared with besides, or NULL */
+    const double *otherwise; /* scales of states that do not grow, 0 for none, or NULL */
     double begin, end;
 } compared_t;
 
@@ -180,24 +180,19 @@ static void sizes_of(const rates_t *r, const double *x, const compared_t *c, dou
     const Py_ssize_t n = r->n;
     double *bounds = work, *grown = bounds + n, *rest = grown + n;
     int small = 0;
+    for (Py_ssize_t k = 0; k < n; ++k) size[k] = fabs(x[k]);
+    largest_of_unit(c->unit, size, n, grown, largest);
     for (Py_ssize_t k = 0; k < n; ++k) {
-        size[k] = fabs(x[k]);
-        bounds[k] = c->beside != NULL && c->beside[k] > size[k] ? c->beside[k] : size[k];
-    }
-    largest_of_unit(c->unit, bounds, n, grown, largest);
-    for (Py_ssize_t k = 0; k < n; ++k) {
-        if (c->unit[k] != c->alone) bounds[k] = largest[k];
+        bounds[k] = c->unit[k] == c->alone ? size[k] : largest[k];
         small |= size[k] <= RESIDUE * largest[k];
     }
     if (!small) return;
     growth_of(r, x, bounds, largest, c->begin, c->end, grown, rest);
     for (Py_ssize_t k = 0; k < n; ++k) {
         if (size[k] <= RESIDUE * largest[k]) size[k] = grown[k] > 0.0 ? (grown[k] > size[k] ? grown[k] : size[k]) : 0.0;
-        bounds[k] = c->beside != NULL && c->beside[k] > size[k] ? c->beside[k] : size[k];
+        if (!(size[k] > 0.0) && c->otherwise != NULL) size[k] = c->otherwise[k];
     }
-    largest_of_unit(c->unit, bounds, n, grown, largest);
-    for (Py_ssize_t k = 0; k < n; ++k)
-        if (!(size[k] > 0.0) && c->beside != NULL) size[k] = c->beside[k];
+    largest_of_unit(c->unit, size, n, grown, largest);
 }
 
 /* The tolerances; in unknown the numbers of states whose scale is not known, how many there are is returned. */
@@ -253,15 +248,15 @@ static PyObject *scales_from(const rates_t *r, const double *x, const compared_t
     Py_RETURN_NOTIMPLEMENTED;
 }
 
-/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out, beside) -> numbers of the states whose scale is
- * not known, or None where it says nothing; units: bytes of an int each; beside: sizes that states are compared with,
- * empty for none. Where beside is None, out gets the scales of the first states alone, as many as it is long, NaN where
+/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out, otherwise) -> numbers of the states whose scale is
+ * not known, or None where it says nothing; units: bytes of an int each; otherwise: scales of states that do not grow,
+ * empty for none. Where it is None, out gets the scales of the first states alone, as many as it is long, NaN where
  * none is known, and the result is NotImplemented. */
 static PyObject *scales(PyObject *self, PyObject *const *args, Py_ssize_t count) {
     (void)self;
     enum { ROWS = 2 + DEPTH + 5 + 1 + 2 };
     target_t *target = count == 12 ? target_of(args[0]) : NULL;
-    Py_buffer views[ARRAYS], out, beside;
+    Py_buffer views[ARRAYS], out, otherwise;
     char *units;
     Py_ssize_t size;
     if (target == NULL || !hold(target, args + 1, views)) Py_RETURN_NONE;
@@ -272,19 +267,19 @@ static PyObject *scales(PyObject *self, PyObject *const *args, Py_ssize_t count)
     if (PyBytes_AsStringAndSize(args[4], &units, &size) == 0 && size == n * (Py_ssize_t)sizeof(int) &&
         considered >= 0 && considered <= n && (given == 0 || given == n) && fits(args[10], &out, considered, 1)) {
         double *work = PyMem_Malloc((size_t)ROWS * (size_t)n * sizeof(double));
-        const int held = given == 0 || fits(args[11], &beside, n, 0);
+        const int held = given == 0 || fits(args[11], &otherwise, n, 0);
         if (work != NULL && held) {
             double *room = work + (ROWS - 3) * n, *whole = first ? room + n : NULL;
             prepare(target, views[P].buf);
             if (first) memcpy(whole, views[X].buf, (size_t)n * sizeof *whole);
             const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), considered, room, whole};
             const compared_t compared = {(const int *)(const void *)units, (int)PyLong_AsLong(args[5]),
-                                         given == n && n > 0 ? beside.buf : NULL, PyFloat_AsDouble(args[6]),
+                                         given == n && n > 0 ? otherwise.buf : NULL, PyFloat_AsDouble(args[6]),
                                          PyFloat_AsDouble(args[7])};
             const double rtol = PyFloat_AsDouble(args[9]);
             if (!PyErr_Occurred()) unknown = scales_from(&rates, views[X].buf, &compared, rtol, out.buf, work);
         }
-        if (held && given > 0) PyBuffer_Release(&beside);
+        if (held && given > 0) PyBuffer_Release(&otherwise);
         PyMem_Free(work);
         PyBuffer_Release(&out);
     }

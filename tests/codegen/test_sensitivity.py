@@ -225,10 +225,10 @@ def test_a_parameter_that_is_zero_has_the_largest_size_of_its_unit_or_none():
         return lambda t, y: s.compiled.batch()(t, y, np.array([*values, 1.0]), np.zeros(0))
 
     for values, sizes in (((0.0, 5.0), [0, 0.4, 0.4, 1]), ((0.0, 0.0), [0, 0, 0, 1])):
-        found = scales.beside(rates(values), layout, at(*values), (0.0, 1.0))
+        found = scales.of_slopes(rates(values), layout, at(*values), (0.0, 1.0))
         np.testing.assert_allclose(found[:, 0], sizes)
     plain = codegen.compile(system, "numpy").layout
-    assert scales.beside(rates((1.0, 1.0)), plain, at(1.0, 1.0), (0.0, 1.0)) is None
+    assert scales.of_slopes(rates((1.0, 1.0)), plain, at(1.0, 1.0), (0.0, 1.0)) is None
 
 
 @needs_compiler
@@ -257,18 +257,39 @@ def test_rounding_in_the_rates_of_sensitivities_forces_no_steps(method):
 @needs_compiler
 @pytest.mark.parametrize("size", [1e-150, 1e-12, 1.0, 1e9])
 def test_small_sensitivities_keep_their_digits_in_any_unit_of_the_parameter(size):
-    """x = cos t, v = -sin t; y' = e p x, y(0) = 0: dy/dp = e sin t, dw/dp = e (1 - cos t)."""
-    rates = {x: v, v: -x, sp.Symbol("y", real=True): e * p * x, w: sp.Symbol("y", real=True)}
+    """x = cos t, v = -sin t; y' = a v + e p x, w' = y: dy/dp = e sin t, dw/dp = e (1 - cos t).
+
+    Small as y is (a = 0), and small beside y over p (a = 1).
+    """
+    y, a = sp.symbols("y a", real=True)
+    rates = {x: v, v: -x, y: a * v + e * p * x, w: y}
     s = sensitivities(codegen.compile(System.from_rates("small", rates), "c"), ["p"])
     t, first = np.linspace(0, 6, 25), s.initial({"x": 1.0, "v": 0.0, "y": 0.0, "w": 0.0})
     for unit in (1.0, 1e-9, 1e12):
-        run = codegen.simulate(
-            s.compiled, first, (0, 6), {"p": unit, "e": size / unit}, "DOP853", 1e-9, t_eval=t
-        )
-        slope, summed = size / unit * np.sin(t), size / unit * (1 - np.cos(t))
-        assert np.abs(run["dy_dp"] - slope).max() < 1e-7 * np.abs(slope).max()
-        assert np.abs(run["dw_dp"] - summed).max() < 1e-7 * np.abs(summed).max()
-        assert run.steps < 60
+        for large in (0.0, 1.0):
+            values = {"p": unit, "e": size / unit, "a": large}
+            run = codegen.simulate(s.compiled, first, (0, 6), values, "DOP853", 1e-9, t_eval=t)
+            slope, summed = size / unit * np.sin(t), size / unit * (1 - np.cos(t))
+            assert np.abs(run["dy_dp"] - slope).max() < 1e-7 * np.abs(slope).max()
+            assert np.abs(run["dw_dp"] - summed).max() < 1e-7 * np.abs(summed).max()
+            assert run.steps < 60
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_what_hovers_is_followed_in_a_few_steps():
+    """A quadrotor at rest: rounding of its weight less its thrust, and derivatives much larger than x/p."""
+    scene = load_scene("quadrotor")
+    s = sensitivities(
+        codegen.compile(scene.derive(), "c"),
+        [*scene.parameter_values()], [*scene.initial_values()],
+    )  # fmt: skip
+    run = codegen.simulate(
+        s.compiled, s.initial(scene.initial_values()), (0, 0.15), scene.parameter_values(), "DOP853", 1e-12,
+        inputs=scene.input_values(),
+    )  # fmt: skip
+    assert run.success
+    assert run.steps < 30
 
 
 @needs_compiler
