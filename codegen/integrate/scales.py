@@ -227,12 +227,12 @@ def _growth(
             if fits.all():
                 break
             length = np.where(fits, length, length / SHORTER)
-        return _first_growth(np.asarray(slopes), np.where(fits, length, 0.0))
+        return _first_growth(slopes, np.where(fits, length, 0.0))
 
 
 def _first_growth(slopes: Array, length: Array) -> Array:
     """Return the growth of each state in the first iteration in which it has one, (n, N), or 0."""
-    grown = np.zeros_like(slopes[0])
+    grown: Array = np.zeros_like(slopes[0])
     for slope in slopes:
         new = length * np.abs(slope)
         grown += np.where((grown == 0) & np.isfinite(new), new, 0.0)
