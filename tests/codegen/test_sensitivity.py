@@ -336,3 +336,23 @@ def test_tolerances_in_c_are_the_same_to_the_last_bit(name, monkeypatch):
         assert found[0].tobytes() == plain[0].tobytes()
         assert found[1] == plain[1]
     assert native.python_headers() is None or quick == 30
+
+
+@needs_compiler
+def test_each_trajectory_of_an_ensemble_has_scales_by_its_own_parameters():
+    """Spring constants a factor of 1e12 apart: dx/dk = -t sin(w t)/(2 w), w^2 = k; dx/dw(0) is zero."""
+    rates = {x: v / m, v: -k * x / m, w: -w / m}
+    s = sensitivities(codegen.compile(System.from_rates("many", rates), "c"), ["k", "m"], ["w"])
+    sizes = np.array([1e-6, 1.0, 1e6])
+    start = s.initial({"x": 1.0, "v": 0.0, "w": 1e-3})
+    fleet = codegen.ensemble(
+        s.compiled, start, (0, 2), {"k": sizes, "m": 1.0 + 0 * sizes}, "DOP853", 1e-10, t_eval=[2.0]
+    )
+    for j, size in enumerate(sizes):
+        run = codegen.simulate(s.compiled, start, (0, 2), {"k": size, "m": 1.0}, "DOP853", 1e-10)
+        root = np.sqrt(size)
+        slope = -2 * np.sin(2 * root) / (2 * root)
+        most = 1e-7 * min(2.0, 1 / root)
+        assert abs(fleet["dx_dk"][-1, j] - slope) < most
+        assert abs(run["dx_dk"][-1] - slope) < most
+        assert fleet["dx_dw_0"][-1, j] == run["dx_dw_0"][-1] == 0
