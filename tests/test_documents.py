@@ -53,7 +53,9 @@ def test_the_report_that_the_readme_shows_is_that_of_its_command():
     assert program.endswith("/eom")
     done = CliRunner().invoke(main, words)
     assert done.exit_code == 1
-    assert shown.strip() in done.output
+    begin, rest = shown.strip().rsplit("...", 1)
+    assert begin.rstrip() in done.output
+    assert rest == ""
 
 
 def rows(text):

@@ -71,7 +71,8 @@ def _slips() -> Rows:
     "--lexicon/--no-lexicon",
     default=True,
     show_default=True,
-    help="Front matter that says what symbols mean, so that eom check can judge the page.",
+    help="Front matter that says what symbols mean, so that eom check can judge the page. Where the"
+    " checker needs laws of the topic, they stand in it: without it they are not told.",
 )
 @option(
     "folder",

@@ -40,7 +40,7 @@ from eom.checker.judge.members import Members, of_members
 from eom.checker.judge.models import ENOUGH, NO_BODY, Models, Search
 from eom.checker.judge.scalars import Proportion, Scalars, numbers
 from eom.checker.judge.systems import LENGTH, TRIES, Solutions
-from eom.checker.judge.worlds import MAX_TESTS, Worlds, apart
+from eom.checker.judge.worlds import MAX_TESTS, Worlds
 from eom.checker.mean.claims import (
     CONSTANT,
     DEFINITION,
@@ -107,7 +107,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     if claim.otherwise is not None:
         return _by_both(claim, lambda c: judge(c, given))
     if claim.moving is not None and not EQUALITIES.issuperset(claim.relations):
-        return judge(c, given) if (c := apart(claim)) else Judgement(UNDECIDED, reason=OPEN)
+        return Judgement(UNDECIDED, reason=OPEN)
     if claim.relations == (PROPORTIONAL,):
         return _proportional(claim, tuple(given))
     if claim.parameters is None and is_nearly(claim):
