@@ -14,8 +14,8 @@ state of size 1e-12 is held as well as one of size 1 beside it. The scale is
 Where nothing makes the derivative of a state by a parameter or a first state grow
 (`codegen.sensitivities`), its scale is that of the state over that of the variable, a parameter's being
 its value: the absolute tolerance of dx/dp is then that of x over |p|. Its own growth goes before, so that
-a small derivative keeps its digits; and the time of growth is found without it, as dx/dp may be much
-larger than x/p (of a body that hovers x is small, and any change moves it).
+a small derivative keeps its digits; and no time of growth is shortened by it, as dx/dp may be much larger
+than x/p (of a body that hovers x is small, and any change moves it), nor by what is small beside it.
 
 A rate that is rounding of larger terms is no growth: what changes as a whole where the states change by
 1e-6 of themselves holds no digit, or is so sensitive that it says nothing of a size. The same is asked
@@ -114,7 +114,8 @@ def scales(
     alone = np.array([u == "" for u in units])[:, None]
     bounds = np.where(alone, size, largest)
     wanted = np.asarray(small.any(axis=0))
-    grown = _growth(rates, start, (bounds, largest), t_span, wanted)
+    beside = np.zeros_like(size) if otherwise is None else _largest(units, otherwise)
+    grown = _growth(rates, start, (bounds, largest, beside), t_span, wanted)
     own = np.where(small, np.where(grown > 0, np.maximum(grown, size), 0.0), size)
     if otherwise is not None:
         own = np.where(own > 0, own, otherwise)
@@ -207,23 +208,24 @@ def _largest(units: Sequence[str], size: Array) -> Array:
 def _growth(
     rates: Rates,
     start: Array,
-    bounds: tuple[Array, Array],
+    bounds: tuple[Array, Array, Array],
     t_span: tuple[float, float],
     wanted: NDArray[np.bool_],
 ) -> Array:
     """Return how far each state goes at first, (n, N); 0 where it does not, or by rounding alone.
 
-    ``bounds``: by how much a state may change, and the largest of its unit, beside which it may be
-    rounding. ``wanted`` (N,): the columns that need it; the others are not waited for.
+    ``bounds``: by how much a state may change, the largest of its unit, beside which it may be rounding,
+    and what its growth may change by at least. ``wanted`` (N,): the columns that need it; the others are
+    not waited for.
     """
-    allowed, largest = bounds
+    allowed, largest, beside = bounds
     direction = np.sign(t_span[1] - t_span[0])
     with np.errstate(all="ignore"):
         slope = rates(np.full(start.shape[1], t_span[0]), start)
         length = _at_most(slope, allowed, t_span)
         for _ in range(TURNS):
             slopes = _iterated(rates, (start, slope, largest), t_span, direction * length)
-            slope, fits = slopes[0], _fits(slopes, length, allowed) | ~wanted
+            slope, fits = slopes[0], _fits(slopes, length, allowed, beside) | ~wanted
             if fits.all():
                 break
             length = np.where(fits, length, length / SHORTER)
@@ -285,10 +287,14 @@ def _iterated(
     return np.array(slopes)
 
 
-def _fits(slopes: Array, length: Array, largest: Array) -> NDArray[np.bool_]:
-    """Return of each column whether the time is short: no state changes its growth by more than itself."""
+def _fits(slopes: Array, length: Array, largest: Array, beside: Array) -> NDArray[np.bool_]:
+    """Return of each column whether the time is short: no state changes its growth by more than itself.
+
+    What changes it by less than ``beside`` does not count.
+    """
     allowed = largest + length * np.abs(slopes[:-1])
-    short = length * np.abs(np.diff(slopes, axis=0)) <= allowed
+    change = length * np.abs(np.diff(slopes, axis=0))
+    short = (change <= allowed) | (change <= beside)
     return np.asarray(np.all(short | (allowed == 0), axis=(0, 1)))
 
 

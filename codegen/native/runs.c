@@ -98,10 +98,12 @@ static double at_most(const double *slope, const double *bounds, Py_ssize_t n, d
     return pace > 0.0 && isfinite(SHORTER / pace) ? SHORTER / pace : span;
 }
 
-static int is_short(const double *before, const double *after, const double *bounds, double length, Py_ssize_t n) {
+static int is_short(const double *before, const double *after, const double *bounds, const double *beside, double length,
+                    Py_ssize_t n) {
     for (Py_ssize_t k = 0; k < n; ++k) {
         const double allowed = bounds[k] + length * fabs(before[k]);
-        if (!(length * fabs(after[k] - before[k]) <= allowed || allowed == 0.0)) return 0;
+        const double change = length * fabs(after[k] - before[k]);
+        if (!(change <= allowed || (beside != NULL && change <= beside[k]) || allowed == 0.0)) return 0;
     }
     return 1;
 }
@@ -139,7 +141,7 @@ static void without_rounding(const rates_t *r, double t, const double *x, double
 
 /* How far each state goes at first, in grown; work: (DEPTH + 3) n doubles. */
 static void growth_of(const rates_t *r, const double *start, const double *bounds, const double *largest,
-                      double begin, double end, double *grown, double *work) {
+                      const double *beside, double begin, double end, double *grown, double *work) {
     const Py_ssize_t n = r->n;
     double *slopes = work, *point = work + DEPTH * n, *new = point + n, *moved = new + n;
     const double direction = end > begin ? 1.0 : -1.0;
@@ -156,7 +158,7 @@ static void growth_of(const rates_t *r, const double *start, const double *bound
             for (Py_ssize_t k = 0; k < n; ++k) point[k] = start[k] + step * before[k];
             slope_at(r, then, point, slope);
             without_rounding(r, then, point, slope, largest, length, new, moved);
-            fit = fit && is_short(before, slope, bounds, length, n);
+            fit = fit && is_short(before, slope, bounds, beside, length, n);
         }
     }
     if (!fit) length = 0.0;
@@ -175,10 +177,10 @@ typedef struct {
     double begin, end;
 } compared_t;
 
-/* The scales, 0 where a state does not grow, in size, and the largest of each unit; work: (DEPTH + 5) n doubles. */
+/* The scales, 0 where a state does not grow, in size, and the largest of each unit; work: (DEPTH + 6) n doubles. */
 static void sizes_of(const rates_t *r, const double *x, const compared_t *c, double *size, double *largest, double *work) {
     const Py_ssize_t n = r->n;
-    double *bounds = work, *grown = bounds + n, *rest = grown + n;
+    double *bounds = work, *grown = bounds + n, *beside = grown + n, *rest = beside + n;
     int small = 0;
     for (Py_ssize_t k = 0; k < n; ++k) size[k] = fabs(x[k]);
     largest_of_unit(c->unit, size, n, grown, largest);
@@ -187,7 +189,8 @@ static void sizes_of(const rates_t *r, const double *x, const compared_t *c, dou
         small |= size[k] <= RESIDUE * largest[k];
     }
     if (!small) return;
-    growth_of(r, x, bounds, largest, c->begin, c->end, grown, rest);
+    if (c->otherwise != NULL) largest_of_unit(c->unit, c->otherwise, n, grown, beside);
+    growth_of(r, x, bounds, largest, c->otherwise == NULL ? NULL : beside, c->begin, c->end, grown, rest);
     for (Py_ssize_t k = 0; k < n; ++k) {
         if (size[k] <= RESIDUE * largest[k]) size[k] = grown[k] > 0.0 ? (grown[k] > size[k] ? grown[k] : size[k]) : 0.0;
         if (!(size[k] > 0.0) && c->otherwise != NULL) size[k] = c->otherwise[k];
@@ -254,7 +257,7 @@ static PyObject *scales_from(const rates_t *r, const double *x, const compared_t
  * none is known, and the result is NotImplemented. */
 static PyObject *scales(PyObject *self, PyObject *const *args, Py_ssize_t count) {
     (void)self;
-    enum { ROWS = 2 + DEPTH + 5 + 1 + 2 };
+    enum { ROWS = 2 + DEPTH + 6 + 1 + 2 };
     target_t *target = count == 12 ? target_of(args[0]) : NULL;
     Py_buffer views[ARRAYS], out, otherwise;
     char *units;
