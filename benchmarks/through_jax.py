@@ -244,10 +244,9 @@ def _values(name: str, found: Found) -> list[Row]:
     for kind, what in (("written", "rates as written"), ("values", "rates compiled")):
         row = _judged(f"{name}, {what}", found[kind], VALUES)
         if not row.met and "bound" in found:
-            errors = (f"error {found[k]:.1e}" for k in ("our error", "their error"))
-            row = Row(
-                row.what, *errors, "", f"< {VALUES:.0e} or {found['bound']:.1e}", found["within"]
-            )
+            ours, theirs = (f"error {found[k]:.1e}" for k in ("our error", "their error"))
+            target = f"< {VALUES:.0e} or {found['bound']:.1e}"
+            row = Row(row.what, ours, theirs, "", target, found["within"])
         made.append(row)
     return made
 
