@@ -3,8 +3,8 @@
 Titles are read without SymPy; a derivation is made, and each of its steps verified, when it is asked
 for.
 
-Imports: `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.system`, `eom.terms`,
-`eom.terms.rules`, `eom.typeset`, `eom.worlds`.
+Imports: `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.quantities`, `eom.system`,
+`eom.terms`, `eom.terms.rules`, `eom.typeset`, `eom.worlds`.
 """
 
 from __future__ import annotations

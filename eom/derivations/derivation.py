@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations import standing
 from eom.derivations.deciding import Deciding
 from eom.derivations.derived import Derived
 from eom.derivations.reached import (
@@ -297,6 +298,8 @@ class Derivation:
         The labels of steps by what they state.
     letters : dict of object to str
         What other symbols are, in words.
+    stands : dict of str to Term, str or None
+        What results are, by name.
 
     Raises
     ------
@@ -319,6 +322,7 @@ class Derivation:
     own: Own = field(default_factory=Own, init=False)
     stated: dict[Equation, str] = field(default_factory=dict, init=False)
     letters: dict[Any, str] = field(default_factory=dict, init=False)
+    stands: dict[str, Term | str | None] = field(default_factory=dict, init=False)
     _deciding: Deciding | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -787,16 +791,35 @@ class Derivation:
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
     def letter(self, symbol: Any, words: str) -> None:
-        """Say what a symbol is that stands for no term.
+        """Say what a symbol is that stands for no term, or a quantity that reasons alone speak of.
 
         Parameters
         ----------
-        symbol : symbol
-            Such as a parameter of a shape.
+        symbol : symbol or Term
+            Such as a parameter of a shape; of words alone ``quantity("vector", "rho")``.
         words : str
             What it is.
         """
         self.letters[symbol] = words
+
+    @typed
+    def stands_for(self, name: str, term: Term | str | None) -> None:
+        """Say what a result is, or a quantity of a system among the results: so pages write it.
+
+        Parameters
+        ----------
+        name : str
+            Of the result, of the quantity, or a letter in the words of a system, such as the axis
+            ``a1`` where the derivation has another name for it.
+        term : Term, str or None
+            As a term; a vector stands for its magnitude. Or what it is in words; None of what the
+            derivation does not speak of, which its page then leaves out.
+
+        Notes
+        -----
+        `finish` verifies it, where all symbols of the result have a meaning, under what is then assumed.
+        """
+        self.stands[name] = term
 
     @typed
     def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
@@ -1158,7 +1181,15 @@ class Derivation:
         -------
         Derived
             Frozen; nothing can be stated any more.
+
+        Raises
+        ------
+        DerivationError
+            For a result that is not what it stands for.
         """
+        for line in standing.claims(self.stands, result):
+            if has_meaning(line, self.scalars):
+                self.check(line, "what a result stands for")
         return Derived(
             self.name,
             self.title,
@@ -1168,4 +1199,5 @@ class Derivation:
             result,
             self.own.copy(),
             dict(self.letters),
+            dict(self.stands),
         )

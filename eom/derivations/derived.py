@@ -12,6 +12,7 @@ from typing import Any
 
 from eom.derivations.forms import show_derivation
 from eom.derivations.showing import show_steps
+from eom.derivations.standing import Stands
 from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
 from eom.errors import unknown_name
@@ -41,6 +42,9 @@ class Derived:
         Frames, points, bodies and laws that it defines.
     letters : mapping of object to str, optional
         What other symbols are, in words.
+    stands : mapping of str to Term, str or None, optional
+        What results, and quantities of systems among them, are, by name: see
+        `eom.derivations.derivation.Derivation.stands_for`.
 
     Notes
     -----
@@ -55,6 +59,7 @@ class Derived:
     result: Mapping[str, Any]
     own: Own = field(default_factory=Own, repr=False)
     letters: Mapping[Any, str] = field(default_factory=dict)
+    stands: Stands = field(default_factory=dict)
 
     def __getitem__(self, label: str) -> Step:
         """Return the step with a label.

@@ -41,4 +41,4 @@ def show_derivation(
     if not steps:
         raise InputError("a handout has steps", hint="leave out --no-steps, or --form handout")
     blocks = list(handout(derivation, chosen))
-    return pages.HANDOUT % pages.latex_page(blocks) if style == "latex" else FORMATS[style](blocks)
+    return pages.latex_handout(blocks) if style == "latex" else FORMATS[style](blocks)

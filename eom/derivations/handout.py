@@ -17,7 +17,7 @@ from eom.terms.terms import Term
 from eom.typeset.blocks import Block, Heading, Line, Note, Paragraph, Steps
 from eom.typeset.breaking import height
 from eom.typeset.letters import Notation
-from eom.typeset.pages import latex_lines
+from eom.typeset.pages import handout_lines
 from eom.typeset.sentences import phrases
 
 PAGE = 62.0
@@ -133,7 +133,7 @@ def _fitting(steps: Iterable[Step], room: float, size: Callable[[Step], float]) 
 def _height(step: Step, notation: Notation) -> float:
     """Return about how many lines a step takes on paper."""
     words = 1 + (len(step.reason) + 12) // _WORDS
-    lines = (p for line in lines_of(step.statement, notation) for p in latex_lines(line))
+    lines = (p for line in lines_of(step.statement, notation) for p in handout_lines(line))
     return words + _GAP + sum(map(_line_height, lines))
 
 

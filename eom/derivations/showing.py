@@ -14,10 +14,20 @@ from typing import Any, Protocol
 
 import sympy as sp
 
+from eom.derivations import standing
 from eom.derivations.corrections import CLAIMS, NOTES
+from eom.derivations.standing import Stands
 from eom.derivations.steps import Step
 from eom.derivations.verification import Scalars
-from eom.derivations.wording import frames_of, letters_in_words, notation_of, spelt
+from eom.derivations.wording import (
+    factors,
+    frames_of,
+    letters_in_words,
+    notation_of,
+    spelt,
+    spoken,
+    terms_of,
+)
 from eom.errors import unknown_name
 from eom.system import System
 from eom.terms.terms import (
@@ -98,6 +108,10 @@ class Shown(Protocol):
         """What other symbols are, in words."""
 
     @property
+    def stands(self) -> Stands:
+        """What results, and quantities of systems, are, by name."""
+
+    @property
     def assumptions(self) -> tuple[str, ...]:
         """Every assumption that some step makes."""
 
@@ -155,7 +169,7 @@ def blocks(
     else:
         yield from (one.drawing for one in drawn)
         yield _statements(derivation, notation)
-    yield from _results(derivation, notation)
+    yield from results(derivation, notation)
 
 
 def _assumed(derivation: Shown, notation: Notation) -> Iterator[Item]:
@@ -182,8 +196,7 @@ def _listed(heading: str, items: tuple[Item, ...]) -> list[Block]:
 
 def symbols(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, Prose]]:
     """Yield symbols with their meanings: quantities, SymPy symbols, then signs of operations."""
-    sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
-    found = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
+    found = terms_of(derivation)
     seen: set[str] = set()
     own = {t for t in derivation.scalars.values() if t.data and t.data[0] in _ANY}
     items = [_quantity(n, notation) for n in found if n.head == "atom" and n not in own]
@@ -191,6 +204,8 @@ def symbols(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, Prose]
     shown = {render(box, "text") for box, _ in items}
     letters = ((symbol(s.name), meaning) for s, meaning in _letters_of(derivation, found))
     items += [(box, meaning) for box, meaning in letters if render(box, "text") not in shown]
+    items += [_named_in_words(one, derivation, notation) for one in _spoken(derivation, notation)]
+    items += _of_systems(derivation, notation)
     items += list(_operations(found, notation))
     known = letters_in_words(derivation, notation)
     for box, meaning in items:
@@ -215,6 +230,35 @@ def _letters_of(derivation: Shown, found: Iterable[Term]) -> Iterator[tuple[Any,
     for s in sorted(used - set(derivation.scalars), key=sp.default_sort_key):
         if s in told:
             yield s, told[s]
+
+
+def _spoken(derivation: Shown, notation: Notation) -> Iterator[Any]:
+    """Yield the quantities and symbols that reasons, assumptions and meanings of letters name."""
+    said = [_SAID.get(tag, "") for s in derivation.steps for tag in s.states]
+    reasons = [s.reason for s in derivation.steps]
+    texts = [
+        *map(meaning_of, derivation.assumptions),
+        *reasons,
+        *said,
+        *derivation.letters.values(),
+    ]
+    return spoken(derivation, texts, notation)
+
+
+def _named_in_words(one: Any, derivation: Shown, notation: Notation) -> tuple[Box, str]:
+    if not isinstance(one, Term):
+        return symbol(one.name), derivation.letters[one]
+    box, meaning = _quantity(one, notation)
+    return box, derivation.letters.get(one, meaning)
+
+
+def _of_systems(derivation: Shown, notation: Notation) -> Iterator[tuple[Box, str]]:
+    """Yield the letters of systems among the results with their meanings."""
+    for letter, term, q in standing.listed(derivation, notation):
+        shown = letter or Formula(q.symbol, {q.symbol: q.latex} if q.latex else {})
+        if term is not None:
+            shown = Row((shown, Operator(":="), term_box(term, notation)))
+        yield shown, q.meaning
 
 
 def _quantity(term: Term, notation: Notation) -> tuple[Box, str]:
@@ -412,10 +456,6 @@ MUNDANE = frozenset(
 """Rules that are named where no other one is applied."""
 
 
-FACTORS: dict[str, Box] = {name: Symbol(name) for name in "ab"}
-"""The letters of rules such as a.b = b.a."""
-
-
 @dataclass
 class _Notes:
     """What stands beside each step; an assumption is put into words where it first counts.
@@ -447,9 +487,8 @@ class _Notes:
         told = f"Assumed: {assumed}." if assumed else ""
         words = capitalised(step.reason, self.known)
         said, before = (phrases(w, self.known) for w in (words, told))
-        return Note(
-            self.numbers[step.label], said, phrases(remarks, {**self.known, **FACTORS}), before
-        )
+        beside = phrases(remarks, {**self.known, **factors(self.notation)}, apart=True)
+        return Note(self.numbers[step.label], said, beside, before)
 
     def _stated(self, label: str) -> str:
         """Return the label of a display or claim, at its first mention with what was corrected in it."""
@@ -492,31 +531,69 @@ def _statements(derivation: Shown, notation: Notation) -> Block:
 # -- results ---------------------------------------------------------------------------------
 
 
-def _results(derivation: Shown, notation: Notation) -> Iterator[Block]:
+def results(derivation: Shown, notation: Notation) -> Iterator[Block]:
+    """Yield the results of a derivation under their heading, systems last."""
     if derivation.result:
         yield Heading("Result")
-    for name, value in derivation.result.items():
-        yield from _result(name, value, notation)
+    known = letters_in_words(derivation, notation) | standing.spoken(derivation, notation)
+    named = _Results(derivation, notation, known)
+    rows = sorted(derivation.result.items(), key=lambda row: isinstance(row[1], System))
+    for name, value in rows:  # a system has headings of its own
+        yield from named.blocks(name, value)
 
 
-def _result(name: str, value: Any, notation: Notation) -> Iterator[Block]:
-    """Yield a system, a statement, an expression, a collection of them, or any other value."""
-    if isinstance(value, System):
-        yield Heading(value.title or value.name, 3)
-        for block in printing.blocks(value):
+@dataclass(frozen=True)
+class _Results:
+    """The results of a derivation in a notation; ``known``: the letters in their words."""
+
+    derivation: Shown
+    notation: Notation
+    known: Mapping[str, Box]
+
+    def blocks(self, name: str, value: Any) -> Iterator[Block]:
+        """Yield a system, a statement, an expression, a collection of them, or any other value."""
+        if isinstance(value, System):
+            yield from self._system(value)
+        elif parts := _parts_of(name, value):
+            for key, part in parts:
+                yield from self.blocks(key, part)
+        elif isinstance(value, Equation):
+            yield Display(lines_of(value, self.notation))
+        elif isinstance(value, sp.MatrixBase) and value.shape in {(3, 1), (3, 3)}:
+            yield Display(self._matrix(name, entries(value)))
+        elif _is_formula(value):
+            yield Display((Line(self._left(name), EQUALS, _pieces(value, self.notation)),))
+        else:
+            yield Paragraph(f"{name.replace('_', ' ')}: {value}")
+
+    def _system(self, system: System) -> Iterator[Block]:
+        yield Heading(system.title or system.name, 3)
+        shown = standing.shown_part(self.derivation, system)
+        letters = standing.letters_of(self.derivation, shown, self.notation)
+        for block in printing.blocks(
+            shown, letters=letters, worded=lambda w: phrases(w, self.known), codes=False
+        ):
             yield Heading(block.words, 4) if isinstance(block, Heading) else block
-    elif parts := _parts_of(name, value):
-        for key, part in parts:
-            yield from _result(key, part, notation)
-    elif isinstance(value, Equation):
-        yield Display(lines_of(value, notation))
-    elif isinstance(value, sp.MatrixBase) and value.shape in {(3, 1), (3, 3)}:
-        named = Equation(Term("expr", (), (sp.Symbol(name),)), entries(value))
-        yield Display(_named_matrix(name, named, notation))
-    elif _is_formula(value):
-        yield Display((Line(_name(name), EQUALS, _pieces(value, notation)),))
-    else:
-        yield Paragraph(f"{name.replace('_', ' ')}: {value}")
+
+    def _matrix(self, name: str, value: Term) -> tuple[Line, ...]:
+        """Return a matrix with its name, entry by entry if it is wide."""
+        term = self.derivation.stands.get(name)
+        if isinstance(term, Term):
+            return lines_of(Equation(term, value), self.notation)
+        lines = lines_of(Equation(Term("expr", (), (sp.Symbol(name),)), value), self.notation)
+        left = self._left(name)
+        return (replace(lines[0], left=left, broken_left=()),) if len(lines) == 1 else lines
+
+    def _left(self, name: str) -> Box:
+        """Return what a result stands for, its letter with indices, or words."""
+        term = self.derivation.stands.get(name)
+        if isinstance(term, Term):
+            return standing.box_of(term, self.notation)
+        letter = name.partition("_")[0].rstrip("0123456789")
+        if term is None and nucleus(letter).style == "italic":
+            return symbol(name)
+        words = phrases(term or name.replace("_", " "), self.known)
+        return row(*(Words(w) if isinstance(w, str) else w for w in words))
 
 
 def _parts_of(name: str, value: Any) -> list[tuple[str, Any]]:
@@ -532,12 +609,6 @@ def _parts_of(name: str, value: Any) -> list[tuple[str, Any]]:
     return [(f"{name}_{k}", part) for k, part in enumerate(parts, 1)]
 
 
-def _named_matrix(name: str, equation: Equation, notation: Notation) -> tuple[Line, ...]:
-    """Return a matrix with its name, entry by entry if it is wide."""
-    lines = lines_of(equation, notation)
-    return (replace(lines[0], left=_name(name), broken_left=()),) if len(lines) == 1 else lines
-
-
 def _is_formula(value: Any) -> bool:
     return isinstance(value, Equation | Term | sp.Basic | sp.MatrixBase)
 
@@ -549,12 +620,6 @@ def _pieces(value: Any, notation: Notation) -> tuple[Box, ...]:
         parts = [row(*_pieces(part, notation)) for part in value]
         return (Fence(joined(parts) or Row(())),)
     return expression_pieces(value) if isinstance(value, sp.Expr) else (Formula(value),)
-
-
-def _name(name: str) -> Box:
-    """Return a letter with its indices, or words."""
-    letter = name.partition("_")[0].rstrip("0123456789")
-    return symbol(name) if nucleus(letter).style == "italic" else Words(name.replace("_", " "))
 
 
 def _latex(shown: list[Block]) -> str:

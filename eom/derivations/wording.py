@@ -1,21 +1,40 @@
 """The letters of a derivation in a notation: of frames, points, quantities and symbols, and in its words.
 
-Reasons are written in plain letters: h the angular momentum, J the inertia. A page has those of its
-notation.
+Reasons are written in plain letters: h the angular momentum, J the inertia. Each names a quantity of the
+derivation, or a symbol of it, and a page has the letters of its notation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import sympy as sp
+
+from eom.derivations import standing
+from eom.derivations.standing import component_name, named_by, terms_in
+from eom.system import System
 from eom.terms.rules import entrywise
-from eom.terms.terms import INERTIAL, Equation, Term, der, nodes
-from eom.terms.vocabulary import CENTRE, QUANTITIES, unit
+from eom.terms.terms import (
+    DYADIC,
+    INERTIAL,
+    MATRIX,
+    SCALAR,
+    VECTOR,
+    Equation,
+    Term,
+    column,
+    der,
+    expr,
+    nodes,
+    zero,
+)
+from eom.terms.vocabulary import CENTRE, quantity, unit
 from eom.typeset.boxes import GREEK_NAMES, Box, Symbol, symbol
 from eom.typeset.letters import ROLES, Notation, letter_box
-from eom.typeset.notation import term_box, write
+from eom.typeset.notation import PLAIN, term_box, write
+from eom.typeset.sentences import names_in
 
 FRAME_LABELS: dict[str, tuple[int, ...]] = {
     "angular_velocity": (1, 2),
@@ -25,13 +44,6 @@ FRAME_LABELS: dict[str, tuple[int, ...]] = {
 """Where the labels of a quantity are frames."""
 POINT_LABELS: dict[str, tuple[int, ...]] = {"position": (1, 2)}
 """Where they are points, besides those by `eom.typeset.letters.ROLES`."""
-PLAIN_LETTERS = {
-    "J": "inertia",
-    "h": "angular_momentum",
-    "p": "linear_momentum",
-    "c": "first_moment",
-}
-"""The letters of reasons."""
 _INDICES = frozenset("ijk")
 _MASSES = {("total_mass", "system"): "M", ("total_mass", "body"): "M", ("mass", "P"): "m"}
 """The letters of masses in reasons."""
@@ -87,11 +99,16 @@ def _with_frame(notation: Notation, label: str, letter: str) -> Notation:
 
 
 def spelt(derivation: Any, notation: Notation) -> Any:
-    """Return a derivation whose whole mass has the letter that it has in the notation: one, not two."""
-    names = {}
-    for s, meaning in derivation.scalars.items():
-        if meaning.head == "atom" and meaning.data[0] == "total_mass":
-            names[s] = type(s)(write(meaning, notation, "ascii"), **s.assumptions0)
+    """Return a derivation whose symbols have the letters that a notation has for what they are.
+
+    So are called the whole mass, torques, momenta and energies with their components, and quantities of a
+    system that stand for one with a letter and but indices.
+    """
+    names = {
+        s: type(s)(name, **s.assumptions0)
+        for s, name in _renamed(derivation, notation)
+        if name != s.name
+    }
     if not names:
         return derivation
     renamed = entrywise(lambda e: e.xreplace(names))
@@ -103,13 +120,49 @@ def spelt(derivation: Any, notation: Notation) -> Any:
         derivation,
         steps=tuple(replace(s, statement=called(s.statement)) for s in derivation.steps),
         scalars={names.get(s, s): renamed(t) for s, t in derivation.scalars.items()},
+        letters={names.get(s, s): words for s, words in derivation.letters.items()},
+        result={
+            name: _of_symbols(value, names, called) for name, value in derivation.result.items()
+        },
+        stands={n: renamed(t) if isinstance(t, Term) else t for n, t in derivation.stands.items()}
+        | {s.name: expr(own) for s, own in names.items()},
     )
+
+
+def _renamed(derivation: Any, notation: Notation) -> Iterator[tuple[Any, str]]:
+    """Yield symbols with their names in a notation."""
+    for s, meaning in derivation.scalars.items():
+        if name := component_name(s.name, meaning, notation):
+            yield s, name
+        elif meaning.data[:1] == ("total_mass",):
+            yield s, write(meaning, notation, "ascii")
+    letters = (s for s in derivation.letters if not isinstance(s, Term))
+    for s in (*derivation.scalars, *letters):
+        term = derivation.stands.get(s.name)
+        if isinstance(term, Term) and (name := named_by(s.name, term, notation)):
+            yield s, name
+
+
+def _of_symbols(
+    value: Any, names: Mapping[Any, Any], called: Callable[[Equation], Equation]
+) -> Any:
+    """Return a result with other symbols; a system keeps those by which programs know it."""
+    if isinstance(value, sp.Basic | sp.MatrixBase):
+        return value.xreplace(names)
+    if isinstance(value, Mapping):
+        return {name: _of_symbols(part, names, called) for name, part in value.items()}
+    if isinstance(value, tuple | list):
+        return type(value)(_of_symbols(part, names, called) for part in value)
+    if isinstance(value, Term):
+        return called(Equation(value, value)).left
+    return called(value) if isinstance(value, Equation) else value
 
 
 def terms_of(derivation: Any) -> list[Term]:
     """Return every term within the steps and the meanings of the symbols of a derivation."""
     sides = [t for s in derivation.steps for t in (s.statement.left, s.statement.right)]
-    return [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
+    stated = [n for t in (*sides, *derivation.scalars.values()) for n in nodes(t)]
+    return [*stated, *terms_in(derivation)]
 
 
 def frames_of(found: list[Term]) -> list[str]:
@@ -149,88 +202,110 @@ def named(derivation: Any, notation: Notation) -> Iterator[Named]:
         yield Named(symbol(name), ("symbol", name))
 
 
-def letters_in_words(derivation: Any, notation: Notation) -> Mapping[str, Box]:
-    """Return the boxes of letters that reasons spell, in a notation."""
+def nameable(derivation: Any) -> dict[str, Term]:
+    """Return the quantities that words can name, by what they are called there.
+
+    Words have the letters of `eom.typeset.notation.PLAIN`: h_C, f_ij, C_AB. h alone is that about the one
+    point that is spoken of, R a position from the inertial origin, r from the centre of mass, rho from O,
+    b1 an axis. A name for two quantities is one for neither.
+    """
     found = terms_of(derivation)
-    known: dict[str, Box] = {name: symbol(name) for name in ("t", *sorted(_INDICES - {"k"}))}
-    for letter, name in PLAIN_LETTERS.items():
-        known |= _plain_letter(letter, name, found, notation)
-    known |= _places(found, notation)
+    atoms = [n for n in dict.fromkeys(found) if n.head == "atom" and n.data[0] != "unit"]
+    called: dict[str, set[Term]] = {}
+    for atom in atoms:
+        for name in (write(atom, PLAIN), *_short(atom)):
+            called.setdefault(name, set()).add(atom)
+    known = {name: one for name, (one, *others) in called.items() if not others}
+    known |= {n.data[1]: n for n in atoms if ROLES.get(n.data[0], ())[:1] == ("letter",)}
+    known |= _places(atoms) | _turned_forces(atoms)
+    known |= {f"{f.lower()}{k}": unit(f, k) for f in frames_of(found) for k in (1, 2, 3)}
+    return known | {write(t, PLAIN): t for t in derivation.letters if isinstance(t, Term)}
+
+
+def _short(atom: Term) -> Iterator[str]:
+    """Yield what a quantity is called besides: without its point, or by the letter of a whole mass."""
+    roles = ROLES.get(atom.data[0], ())
+    if roles[-1:] == ("point",):
+        yield PLAIN.letters[atom.data[0]].partition("^")[0]
+    if atom.data in _MASSES:
+        yield _MASSES[atom.data]
+    if atom.data == ("angular_velocity", "B", "I"):
+        yield "omega"
+
+
+def letters_in_words(derivation: Any, notation: Notation) -> dict[str, Box]:
+    """Return the boxes of letters that reasons spell, in a notation.
+
+    ``h_C'`` is the rate as seen from I, ``[h_C]_B`` the components in B; what stands under ``h_C = 0``
+    is the zero of such a kind, under ``C_BA = 1`` the unit matrix.
+    """
+    found = terms_of(derivation)
+    frames = frames_of(found)
+    labels = {k for n in found if n.head == "atom" for k in n.data[1:]}
+    indices = {"t", *_INDICES - {"k"}, *labels & {*_INDICES, "n"}}
+    known: dict[str, Box] = {name: symbol(name) for name in sorted(indices)}
+    known |= standing.spoken(derivation, notation)
     known |= {p: notation.point(p) for p in points_of(found)}
-    for frame in frames_of(found):
-        known |= {frame: notation.frame(frame), **_axes(frame, notation)}
-    known |= _indexed(found, notation)
-    for n in found:
-        if n.head == "atom" and ROLES.get(n.data[0], ())[:1] == ("letter",):
-            known[n.data[1]] = term_box(n, notation)
-        if n.head == "atom":
-            known |= {k: symbol(k) for k in n.data[1:] if k in {*_INDICES, "n"}}
-        if n.head == "atom" and n.data in _MASSES:
-            known[_MASSES[n.data]] = term_box(n, notation)
-        if n.head == "atom" and n.data[0] == "rotation":
-            known["C_" + "".join(n.data[1:])] = term_box(n, notation)
+    if any(isinstance(value, System) for value in derivation.result.values()):
+        known |= {CENTRES[1]: notation.point(CENTRE)}
+    known |= {frame: notation.frame(frame) for frame in frames}
+    for name, term in nameable(derivation).items():
+        known |= _forms(name, term, frames, notation)
     symbols = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
-    names = {s.name for s in (*symbols, *derivation.scalars)} - GREEK_NAMES
-    return known | {name: symbol(name) for name in names.difference(frames_of(found))}
+    own = {s for s in derivation.letters if not isinstance(s, Term)}
+    names = {s.name for s in (*symbols, *derivation.scalars, *own)} - GREEK_NAMES
+    return known | {name: symbol(name) for name in names.difference(frames)}
 
 
-_INDEXED = {"linear_momentum": "p", "internal_force": "f", "external_force": "f"}
-"""The letters by which reasons spell quantities of particles, with their indices: f_ij."""
+def _forms(name: str, term: Term, frames: list[str], notation: Notation) -> dict[str, Box]:
+    """Return the boxes of a quantity and of what is made of it."""
+    forms = {name: term}
+    if term.kind in {SCALAR, VECTOR}:
+        rate = der(term, INERTIAL)
+        forms |= {f"{name}'": rate, f"{name}''": der(rate, INERTIAL)}
+    if term.kind in {VECTOR, DYADIC}:
+        forms |= {f"{n} = 0": zero(t.kind) for n, t in tuple(forms.items())}
+        forms |= {f"[{name}]_{f}": column(term, f) for f in frames}
+    if term.kind == MATRIX:
+        forms[f"{name} = 1"] = quantity("identity_matrix")
+    return {n: term_box(t, notation) for n, t in forms.items()}
 
 
-def _indexed(found: list[Term], notation: Notation) -> dict[str, Box]:
-    """Return the boxes of quantities of particles as reasons spell them, either way round."""
-    known: dict[str, Box] = {}
-    for n in found:
-        letter = _INDEXED.get(n.data[0]) if n.head == "atom" else None
-        labels = n.data[1:] if letter else ()
-        if labels and _INDICES.issuperset(labels):
-            for order in {tuple(labels), tuple(reversed(labels))}:
-                turned = replace(n, data=(n.data[0], *order))
-                known[f"{letter}_{''.join(order)}"] = term_box(turned, notation)
-    return known
+def factors(notation: Notation) -> Mapping[str, Box]:
+    """Return the letters of rules such as a.b = b.a, which hold for any vectors."""
+    nought = term_box(zero(VECTOR), notation)
+    letters = {name: letter_box(notation, name, VECTOR) for name in "ab"}
+    return letters | {f"{name} = 0": nought for name in letters}
 
 
-def _axes(frame: str, notation: Notation) -> dict[str, Box]:
-    """Return the axes of a frame as reasons spell them: b1."""
-    numbers = "123" if len(frame) == 1 else ""
-    return {f"{frame.lower()}{k}": term_box(unit(frame, int(k)), notation) for k in numbers}
+def spoken(derivation: Any, texts: Iterable[str], notation: Notation) -> Iterator[Any]:
+    """Yield the quantities and symbols that texts name."""
+    known = letters_in_words(derivation, notation)
+    things = nameable(derivation) | {
+        s.name: s for s in derivation.letters if not isinstance(s, Term)
+    }
+    names = {n for text in texts for n in names_in(text, known)}
+    yield from (thing for name, thing in things.items() if name in names)
 
 
-def _places(found: list[Term], notation: Notation) -> dict[str, Box]:
-    """Return the boxes of positions as reasons spell them: r, R, rho, r_i; and of omega.
+def _turned_forces(atoms: list[Term]) -> dict[str, Term]:
+    """Return the forces of pairs by the name of the opposite one."""
+    pairs = [n for n in atoms if n.data[0] == "internal_force" and _INDICES.issuperset(n.data[1:])]
+    turned = [replace(n, data=(n.data[0], *reversed(n.data[1:]))) for n in pairs]
+    return {write(n, PLAIN): n for n in turned}
+
+
+def _places(atoms: list[Term]) -> dict[str, Term]:
+    """Return positions as reasons spell them: r, R, rho, r_i.
 
     r is from the centre of mass where an element has such a position, else from the inertial origin.
     """
-    atoms = [n for n in dict.fromkeys(found) if n.head == "atom"]
     places = [a for a in atoms if a.data[0] == "position"]
     own = any(a.data[1] in {"dm", "P"} and a.data[2] == "C" for a in places)
-    letters = {"R": "OI", "r": "C" if own else "OI", "rho": "O"}
-    known: dict[str, Box] = {}
-    for letter, origin in letters.items():
-        for a in places:
-            if a.data[2] == origin:
-                of = a.data[1]
-                name = letter if of in {"dm", "P"} else f"{letter}_{of}"
-                known[name] = term_box(a, notation)
-                known[f"{name}'"] = term_box(der(a, INERTIAL), notation)
-                known[f"{name}''"] = term_box(der(der(a, INERTIAL), INERTIAL), notation)
-    turning = next((a for a in atoms if a.data == ("angular_velocity", "B", "I")), None)
-    return known if turning is None else known | {"omega": term_box(turning, notation)}
-
-
-def _plain_letter(letter: str, name: str, found: list[Term], notation: Notation) -> dict[str, Box]:
-    """Return the box of a plain letter, bare and with a point, where a derivation has the quantity.
-
-    Where a notation has an inertia for each point, the bare one is that of the first that is spoken of.
-    """
-    atoms = [n for n in found if n.head == "atom" and n.data[0] == name]
-    if not atoms:
-        return {}
-    own = name == "inertia" and name in notation.atoms
-    bare = letter_box(notation, notation.letters[name], QUANTITIES[name].kind)
-    boxes = {letter: term_box(atoms[0], notation) if own else bare}
-    for n in atoms:
-        if "point" in ROLES[name] and n.data[-1] in _POINTS:
-            boxes[f"{letter}_{n.data[-1]}"] = term_box(n, notation)
-    return boxes
+    origins = {"R": "OI", "r": "C" if own else "OI", "rho": "O"}
+    return {
+        letter if a.data[1] in {"dm", "P"} else f"{letter}_{a.data[1]}": a
+        for letter, origin in origins.items()
+        for a in places
+        if a.data[2] == origin
+    }

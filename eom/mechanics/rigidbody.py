@@ -352,13 +352,16 @@ def scalar(name: str, expression: Expr, unit: str, meaning: str, latex: str = ""
     )
 
 
-def momentum_outputs(h: Vector, C: Expr | None) -> list[Definition]:
-    """Return the magnitude of ``h``, its components in B and, where C_BA is known, in A."""
+def momentum_outputs(h: Vector, C: Expr | None, inertial: str = "a") -> list[Definition]:
+    """Return the magnitude of ``h``, its components in B and, where C_BA is known, in A.
+
+    ``inertial``: the letter of the axes of A in words.
+    """
     outputs = [scalar("H", sp.sqrt(h.dot(h)), "N m s", "magnitude of the angular momentum")]
     outputs += [Definition(_momentum_quantity(k), c) for k, c in enumerate(h.components, 1)]
     if C is not None:
         outputs += [
-            scalar(f"H_{k}", c, "N m s", f"angular momentum along a{k}")
+            scalar(f"H_{k}", c, "N m s", f"angular momentum along {inertial}{k}")
             for k, c in enumerate(C.T * h.column, 1)
         ]
     return outputs

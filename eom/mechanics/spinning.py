@@ -311,7 +311,7 @@ class SpinningSymmetricBody:
             meaning = "kinetic energy less the work of the torque about b1 in turning through theta"
             outputs.append(scalar("E", kinetic - m1 * THETA, "J", meaning))
         C_BI = self.C_BI.matrix
-        outputs += momentum_outputs(h, C_BI)
+        outputs += momentum_outputs(h, C_BI, "i")
         outputs += [
             scalar(f"torque_{k}", m, "N m", f"torque about b{k}", rf"\tau_{k}")
             for k, m in enumerate((m1, m2, m3), 1)

@@ -49,7 +49,7 @@ class Line:
     left: Box | None
     relation: Box
     right: tuple[Box, ...]
-    words: str = ""
+    words: Prose = ""
     broken_left: tuple[Box, ...] = ()
 
 

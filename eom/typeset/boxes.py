@@ -116,10 +116,10 @@ class Operator:
 
 @dataclass(frozen=True)
 class Formula:
-    """A SymPy expression, ``value``; ``names`` are LaTeX names that symbols bring along."""
+    """A SymPy expression, ``value``; ``names``: LaTeX names that symbols bring along, or their boxes."""
 
     value: Expr
-    names: Mapping[Expr, str] = field(default_factory=dict, compare=False)
+    names: Mapping[Expr, str | Box] = field(default_factory=dict, compare=False)
 
 
 @dataclass(frozen=True)
@@ -188,10 +188,10 @@ def accented(mark: str, box: Box) -> Box | None:
 
 
 def raised(box: Box, sup: Box) -> Box:
-    """Return a box with a superscript; a box that already has one is bracketed."""
+    """Return a box with a superscript; a fraction, and a box that already has one, is bracketed."""
     if isinstance(box, Scripts) and box.sup is None and box.left is None:
         return replace(box, sup=sup)
-    if isinstance(box, Scripts):
+    if isinstance(box, Scripts | Fraction):
         return Scripts(Fence(box), sup=sup)
     return Scripts(box, sup=sup)
 

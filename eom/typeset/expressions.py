@@ -37,7 +37,7 @@ from eom.typeset.boxes import (
 )
 
 Expr = Any
-Names = Mapping[Expr, str]
+Names = Mapping[Expr, str | Box]
 
 FUNCTIONS = ("sin", "cos", "tan", "cot", "sec", "csc", "sinh", "cosh", "tanh", "log")
 """Functions whose argument stands without brackets where it is one letter."""
@@ -47,7 +47,8 @@ _COMMANDS = {name: Sign(f"\\{name}", name, "mi") for name in FUNCTIONS}
 def expression_box(value: Expr, names: Names | None = None) -> Box:
     """Return a SymPy expression or matrix as boxes; what is not known stays a `Formula`.
 
-    ``names``: LaTeX of symbols by themselves; others are called by `eom.typeset.boxes.symbol`.
+    ``names``: boxes of symbols, or LaTeX of those by themselves; others are called by
+    `eom.typeset.boxes.symbol`.
     """
     known = names or {}
     if isinstance(value, sp.MatrixBase):
@@ -418,7 +419,7 @@ def _power(value: Expr, names: Names) -> Box:
     if _is_even(exponent) and isinstance(base, sp.Add) and _is_mostly_negative(base):
         base = -base
     if base == sp.E:
-        return Scripts(Symbol("e"), sup=expression_box(exponent, names))
+        return Scripts(Symbol("e"), sup=_exponent(exponent, names))
     if _is_negative(exponent):
         return _unsigned([value], names)
     if exponent.is_Rational and not exponent.is_Integer and exponent.p == 1:
@@ -440,9 +441,26 @@ def _is_mostly_negative(total: Expr) -> bool:
 
 
 def _exponent(exponent: Expr, names: Names) -> Box:
+    """Return what is raised: a quotient on one line, as letters in a fraction would be tiny there."""
     if exponent.is_Rational and not exponent.is_Integer:
         return Row((Symbol(str(exponent.p)), Operator("slash"), Symbol(str(exponent.q))))
-    return expression_box(exponent, names)
+    above, below = sp.fraction(exponent)
+    if below == 1:
+        return expression_box(exponent, names)
+    sign = Operator("negative") if _is_negative(above) else None
+    upper = _base(above, names) if isinstance(above, sp.Add) else None
+    return row(
+        sign,
+        upper or expression_box(-above if sign else above, names),
+        Operator("slash"),
+        _factor_below(below, names),
+    )
+
+
+def _factor_below(below: Expr, names: Names) -> Box:
+    box = expression_box(below, names)
+    single = isinstance(below, sp.Symbol | sp.Pow | sp.Function) or below.is_Integer
+    return box if single else Fence(box)
 
 
 def _base(base: Expr, names: Names) -> Box:
@@ -470,7 +488,7 @@ def _applied(name: Box, argument: Expr, names: Names) -> Box:
 
 
 def _exponential(value: Expr, names: Names) -> Box:
-    return Scripts(Symbol("e"), sup=expression_box(value.args[0], names))
+    return Scripts(Symbol("e"), sup=_exponent(value.args[0], names))
 
 
 def _absolute(value: Expr, names: Names) -> Box:
@@ -537,7 +555,10 @@ def is_tall(box: Box) -> bool:
 
 
 def _letter(value: Expr, names: Names) -> Box:
-    return Formula(value, names) if value in names else symbol(value.name)
+    named = names.get(value)
+    if named is None:
+        return symbol(value.name)
+    return Formula(value, names) if isinstance(named, str) else named
 
 
 def _number(value: Expr, names: Names) -> Box:

@@ -85,6 +85,8 @@ OPERATORS: dict[str, tuple[str, str, str]] = {
     "circle": (r"\circ", "∘", "o"),
     "open": (r"\bigl( ", "(", "("),
     "close": (r" \bigr)", ")", ")"),
+    "(": ("(", "(", "("),
+    ")": (")", ")", ")"),
     "star": ("*", "*", "*"),
     "d": (r"\mathrm{d}", "d", "d"),
     "partial": (r"\partial ", "∂", "d"),
@@ -312,7 +314,7 @@ def _opened(write: Render) -> Callable[[Formula, Render], str]:
     """Return what writes a formula as its boxes, and by ``write`` what has none but itself."""
 
     def rule(box: Formula, inner: Render) -> str:
-        if box.names and isinstance(box.value, sp.Symbol) and box.value in box.names:
+        if isinstance(box.value, sp.Symbol) and isinstance(box.names.get(box.value), str):
             return write(box)
         boxes = expression_box(box.value, box.names)
         return write(boxes) if isinstance(boxes, Formula) else inner(boxes)
@@ -322,7 +324,8 @@ def _opened(write: Render) -> Callable[[Formula, Render], str]:
 
 def _latex_formula(box: Formula) -> str:
     symbols: set[Expr] = box.value.atoms(sp.Symbol)
-    names = {s: box.names.get(s) or symbol_latex(s.name) for s in symbols}
+    known = {s: box.names.get(s) or symbol_latex(s.name) for s in symbols}
+    names = {s: n if isinstance(n, str) else render(n, "latex") for s, n in known.items()}
     words = any(names[s].startswith(r"\mathrm") for s in symbols)
     product = r" \, " if words else None
     settings = {"symbol_names": names, "mul_symbol": product, "mat_str": "matrix"}
@@ -524,9 +527,13 @@ def _mathml_formula(box: Formula) -> str:
     return f"<mrow>{_ENTITY.sub(lambda m: html.unescape(m[0]), words)}</mrow>"
 
 
+_BOLD_DIGITS = {ord(str(k)): chr(0x1D7CE + k) for k in range(10)}
+"""Digits in bold, as unit matrices are written; browsers know no other way to write them."""
+
+
 def _mathml_symbol(box: Symbol, _: Render) -> str:
     if box.name.isdigit():
-        return f"<mn>{box.name}</mn>"
+        return f"<mn>{box.name.translate(_BOLD_DIGITS) if box.style == 'bold' else box.name}</mn>"
     letter = html.escape(styled(box.name, box.style))
     upright = box.style == "roman" and len(letter) == 1
     return f'<mi mathvariant="normal">{letter}</mi>' if upright else f"<mi>{letter}</mi>"
@@ -565,9 +572,24 @@ def _mathml_scripts(box: Scripts, inner: Render) -> str:
     return f"<{tag}>{base}{sub}{sup}</{tag}>" if sub or sup else base
 
 
+_CLEAR = {"vec": "0.04em", "dot": "0.12em", "ddot": "0.12em", "dddot": "0.12em", "ddddot": "0.12em"}
+"""Room below a mark that browsers set so low that it grows together with letters."""
+
+
+def _is_compound(box: Box) -> bool:
+    base = box.base if isinstance(box, Scripts) else box
+    return isinstance(base, Row | Fence | Grid | Formula | Fraction)
+
+
 def _mathml_accent(box: Accent, inner: Render) -> str:
+    """Return a mark on a letter; a tilde on more stands raised behind it, as browsers have no wide one."""
+    if box.mark == "widetilde" and _is_compound(box.base):
+        held = box.base if isinstance(box.base, Grid | Fence) else Fence(box.base)
+        return f"<msup>{inner(held)}<mo>\u223c</mo></msup>"
     tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
-    return f"<{tag}{kind}>{inner(box.base)}<mo>{ACCENTS[box.mark][2]}</mo></{tag}>"
+    clear = _CLEAR.get(box.mark, "0.08em" if kind and isinstance(box.base, Accent) else "")
+    room = f' style="padding-bottom: {clear}"' if clear else ""
+    return f"<{tag}{kind}>{inner(box.base)}<mo{room}>{ACCENTS[box.mark][2]}</mo></{tag}>"
 
 
 def _mathml_fenced(box: Fence | Grid, middle: str) -> str:
@@ -579,8 +601,10 @@ def _mathml_fenced(box: Fence | Grid, middle: str) -> str:
 
 
 def _mathml_grid(box: Grid, inner: Render) -> str:
-    cells = ("".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows)
-    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else ""
+    """Return a table; fractions in it are as large as beside it."""
+    cells = ["".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows]
+    kind = ' displaystyle="true"' if any("<mfrac" in line for line in cells) else ""
+    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else kind
     table = f"<mtable{kind}>{''.join(f'<mtr>{c}</mtr>' for c in cells)}</mtable>"
     return _mathml_fenced(box, table)
 
@@ -591,6 +615,9 @@ _MATHML_FORMS = {
     "minus": ' form="infix"',
     "open": ' stretchy="false"',
     "close": ' stretchy="false"',
+    "(": ' form="prefix" stretchy="false"',
+    ")": ' form="postfix" stretchy="false"',
+    "slash": ' lspace="0" rspace="0"',
 }
 
 

@@ -13,6 +13,7 @@ import base64
 import html
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from eom.typeset.blocks import (
@@ -153,7 +154,8 @@ def _text_display(block: Display, letters: str) -> list[str]:
     if letters != "text":
         size = max(map(_length, lefts))
         return [
-            _text_line(line, letters, size) + (f"  # {line.words}" if line.words else "")
+            _text_line(line, letters, size)
+            + (f"  # {_text_words(line.words, letters)}" if line.words else "")
             for line in block.lines
         ]
     size = max((n for n in map(_length, lefts) if n <= WIDTH // 2), default=0)
@@ -166,7 +168,7 @@ def _text_rows(line: Line, size: int) -> list[str]:
     rows = [row for p in parts for row in _wrapped(_text_line(p, "text", size), "      ")]
     if not line.words:
         return rows
-    words = f"# {line.words}"
+    words = f"# {_text_words(line.words, 'text')}"
     if _length(rows[-1]) + 2 + _length(words) <= COLUMNS:
         return [*rows[:-1], f"{rows[-1]}  {words}"]
     return [*rows, *_wrapped(f"      {words}", "      # ")]
@@ -259,8 +261,8 @@ def _text_table(letters: str) -> dict[type, Callable[[Any], list[str]]]:
 
 # -- LaTeX -----------------------------------------------------------------------------------
 
-_SMALLER = ((115, r"\tiny"), (98, r"\scriptsize"), (82, r"\footnotesize"))
-"""Sizes for what cannot be broken and is wider than so many letters."""
+_SIZES = (r"\tiny", r"\scriptsize", r"\footnotesize")
+"""Sizes for what cannot be broken and is wider than so many letters, those of `_Paper`."""
 
 
 LATEX_LINE = 180
@@ -284,42 +286,64 @@ def _latex_relation(part: Line) -> str:
     return render(part.relation, "latex") or ("" if begins else r"\quad{}")
 
 
-def _latex_line(line: Line) -> str:
+HANDOUT_LINE = 108
+"""Letters, as they are seen, on a line of a formula of a handout."""
+
+
+def handout_lines(line: Line) -> list[Line]:
+    """Return a line as the lines that it takes on the paper of a handout."""
+    return broken(line, HANDOUT_LINE)
+
+
+@dataclass(frozen=True)
+class _Paper:
+    """How a line is broken, and the letters that are too many on one for each of `_SIZES`."""
+
+    breaking: Callable[[Line], list[Line]]
+    limits: tuple[int, ...]
+
+
+_WHOLE = _Paper(latex_lines, (115, 98, 82))
+_SHORT = _Paper(handout_lines, (156, 134, HANDOUT_LINE))
+
+
+def _latex_line(line: Line, paper: _Paper) -> str:
     rows = []
-    for part in latex_lines(line):
+    for part in paper.breaking(line):
         left = render(part.left, "latex") if part.left else ""
         relation = _latex_relation(part)
-        rows.append(f"{left} &{relation} {_latex_fitted(part)}")
+        rows.append(f"{left} &{relation} {_latex_fitted(part, paper)}")
     return " \\\\\n".join(rows)
 
 
-def _latex_fitted(part: Line) -> str:
+def _latex_fitted(part: Line, paper: _Paper) -> str:
     size = sum(width(p) for p in part.right) + (width(part.left) if part.left else 0)
     formula = render(Row(part.right), "latex")
-    for limit, command in _SMALLER:
+    for limit, command in zip(paper.limits, _SIZES, strict=True):
         if size > limit:
             return f"\\text{{{command}$\\displaystyle {formula}$}}"
     return formula
 
 
-def _latex_aligned(lines: Iterable[tuple[str, Line]]) -> list[str]:
+def _latex_aligned(lines: Iterable[tuple[str, Line]], paper: _Paper) -> list[str]:
     """Return an aligned display with words before its lines."""
     rows = []
     first, *others = lines
     before = [first[0]] if first[0] else []
-    rows.append(_latex_line(first[1]))
+    rows.append(_latex_line(first[1], paper))
     rows += [
-        (f"\\intertext{{{words}}}\n" if words else "") + _latex_line(line) for words, line in others
+        (f"\\intertext{{{words}}}\n" if words else "") + _latex_line(line, paper)
+        for words, line in others
     ]
     return [*before, "\\begin{align*}", " \\\\\n".join(rows), "\\end{align*}"]
 
 
-def _latex_display(block: Display) -> list[str]:
+def _latex_display(block: Display, paper: _Paper) -> list[str]:
     described = [
         (f"\\noindent {_latex_words(line.words)}:" if line.words else "", line)
         for line in block.lines
     ]
-    return _latex_aligned(described)
+    return _latex_aligned(described, paper)
 
 
 def _latex_note(note: Note) -> str:
@@ -366,8 +390,8 @@ _LATEX: dict[type, Callable[[Any], list[str]]] = {
     Heading: lambda b: [f"\\{_SECTIONS[b.level]}{{{escape_latex(b.words)}}}"],
     Paragraph: lambda b: [f"\\noindent {_latex_words(b.words)}", ""],
     Bullets: _latex_bullets,
-    Display: _latex_display,
-    Steps: lambda b: _latex_aligned(_latex_noted(b)),
+    Display: lambda b: _latex_display(b, _WHOLE),
+    Steps: lambda b: _latex_aligned(_latex_noted(b), _WHOLE),
     Table: latex,
     Drawing: lambda b: [
         "\\begin{center}",
@@ -375,6 +399,12 @@ _LATEX: dict[type, Callable[[Any], list[str]]] = {
         f"{{\\small {_latex_words(b.words)}}}",
         "\\end{center}",
     ],
+}
+
+_HANDOUT: dict[type, Callable[[Any], list[str]]] = {
+    **_LATEX,
+    Display: lambda b: _latex_display(b, _SHORT),
+    Steps: lambda b: _latex_aligned(_latex_noted(b), _SHORT),
 }
 
 LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
@@ -387,7 +417,7 @@ LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
 \end{document}
 """
 
-HANDOUT = r"""\documentclass[10pt,fleqn]{article}
+_HANDOUT_DOCUMENT = r"""\documentclass[10pt,fleqn]{article}
 \usepackage{amsmath,amssymb}
 \usepackage[a4paper,margin=15mm]{geometry}
 \pagestyle{empty}
@@ -566,7 +596,8 @@ th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }
 .why {{ margin: .5rem 0 .2rem; }}
 .assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}
 .formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; overflow-y: hidden; padding: .3rem 0; }}
-math {{ font-size: 1.1rem; }}
+math {{ font-size: 1.1em; }}
+.formula math {{ margin: .25rem 0; }}
 small, figcaption {{ color: var(--soft); }}
 figure {{ margin: 1rem 0; }}
 </style>
@@ -586,6 +617,11 @@ def text_page(blocks: Iterable[Block], letters: str = "text") -> str:
 def latex_page(blocks: Iterable[Block]) -> str:
     """Return a page as LaTeX that a document with amsmath and amssymb can include."""
     return _page(_LATEX, blocks)
+
+
+def latex_handout(blocks: Iterable[Block]) -> str:
+    """Return a document of LaTeX that holds much on a page."""
+    return _HANDOUT_DOCUMENT % _page(_HANDOUT, blocks)
 
 
 def markdown_page(blocks: Iterable[Block]) -> str:

@@ -20,21 +20,52 @@ from eom.typeset import pages
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line
 from eom.typeset.boxes import Box, Formula, Fraction, Operator, Row, Symbol, Words
 from eom.typeset.markup import symbol_latex
+from eom.typeset.sentences import Prose
 from eom.typeset.writing import expression_pieces, in_decimals
 
 __all__ = ["FORMATS", "blocks", "latex", "markdown", "show", "symbol_latex", "text"]
 
 Expr = Any
-Names = Mapping[Expr, str]
+Names = Mapping[Expr, str | Box]
+Worded = Callable[[str], Prose]
+"""What sets the letters in words."""
 
 _OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
 """A letter with an index, or commands; words that came as LaTeX would be set as products."""
 
 
-def blocks(system: System, *, primes: bool = False) -> list[Block]:
-    """Return what there is to print; empty sections are left out. ``primes``: write x' for dx/dt."""
+def blocks(
+    system: System,
+    *,
+    primes: bool = False,
+    letters: Names | None = None,
+    worded: Worded = str,
+    codes: bool = True,
+) -> list[Block]:
+    """Return what there is to print; empty sections are left out. ``primes``: write x' for dx/dt.
+
+    ``letters``: what quantities are called on a page that has letters of its own, ``worded``: what sets
+    them in words; ``codes``: whether assumptions stand beside the names by which programs know them.
+    """
     system = _as_decimals(system) if system.numbers == "decimals" else system
-    names = _own_names(system)
+    shown = _blocks(system, {**_own_names(system), **(letters or {})}, primes, codes)
+    return [_said(block, worded) for block in shown]
+
+
+def _said(block: Block, worded: Worded) -> Block:
+    """Return a list or display with the letters in its words set."""
+    if isinstance(block, Bullets):
+        return Bullets(tuple((n, worded(w) if isinstance(w, str) else w) for n, w in block.items))
+    if isinstance(block, Display):
+        lines = (
+            replace(line, words=worded(line.words)) if isinstance(line.words, str) else line
+            for line in block.lines
+        )
+        return Display(tuple(lines))
+    return block
+
+
+def _blocks(system: System, names: Names, primes: bool, codes: bool) -> list[Block]:
     return [
         *_variables("States", system.states, names),
         *_variables("Parameters", system.parameters, names),
@@ -54,7 +85,7 @@ def blocks(system: System, *, primes: bool = False) -> list[Block]:
                 for s in system.singularities
             ],
         ),
-        *_assumptions(system),
+        *_assumptions(system, codes),
     ]
 
 
@@ -82,7 +113,7 @@ def _own_names(system: System) -> Names:
     return {s: latex for s, latex in names.items() if latex != symbol_latex(s.name)}
 
 
-def latex_names(system: System) -> Names:
+def latex_names(system: System) -> dict[Expr, str]:
     """Return the letter of each symbol of a system, as LaTeX."""
     groups = (system.states, system.parameters, system.inputs)
     quantities = [q for group in groups for q in group]
@@ -99,8 +130,8 @@ def _variables(heading: str, quantities: Iterable[Quantity], names: Names) -> li
     return [Heading(heading), Bullets(items)] if items else []
 
 
-def _assumptions(system: System) -> list[Block]:
-    items = tuple((a.name, a.meaning) for a in system.assumptions)
+def _assumptions(system: System, codes: bool) -> list[Block]:
+    items = tuple((a.name if codes else None, a.meaning) for a in system.assumptions)
     return [Heading("Assumptions"), Bullets(items)] if items else []
 
 

@@ -114,7 +114,7 @@ def by_axes(parts: tuple[Term, ...]) -> tuple[Term, ...]:
     return tuple(part for _, part in sorted(zip(units, parts, strict=True), key=lambda p: p[0]))
 
 
-def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tuple[Box, ...]:
+def expression_pieces(value: Any, names: Mapping[Any, str | Box] | None = None) -> tuple[Box, ...]:
     """Return the terms of a SymPy sum with their signs."""
     return with_signs(_signed_expression(value, names or {}))
 
@@ -180,14 +180,14 @@ def _is_negative(term: Term) -> bool:
     return term.head == "expr" and bool(term.data[0].as_coeff_Mul()[0].is_negative)
 
 
-def _signed_expression(value: Any, names: Mapping[Any, str]) -> list[tuple[bool, Box]]:
+def _signed_expression(value: Any, names: Mapping[Any, str | Box]) -> list[tuple[bool, Box]]:
     return [(minus, _plain(rest, names)) for minus, rest in expressions.signed(value)]
 
 
-def _plain(value: Any, names: Mapping[Any, str] | None = None) -> Box:
+def _plain(value: Any, names: Mapping[Any, str | Box] | None = None) -> Box:
     """Return a SymPy expression without a sign as a box."""
-    if value.is_Symbol and not (names and value in names):
-        return symbol(value.name)
+    if value.is_Symbol:
+        return expressions.expression_box(value, names)
     if value.is_Rational and not value.is_Integer:
         return Fraction(Symbol(str(value.p)), Symbol(str(value.q)))
     if value.is_Float and "e" not in str(value):
@@ -407,8 +407,13 @@ def _at(writer: Writer, term: Term) -> Written:
 
 
 def _partial(writer: Writer, term: Term) -> Written:
-    above, below = (row(Operator("partial"), writer.box(a, ATOM)) for a in term.args)
-    return Fraction(above, below), ATOM
+    """Return a quotient; a sum stands beside it, as what is within a fraction is small."""
+    sign = Operator("partial")
+    inner, variable = (writer.box(a, ATOM) for a in term.args)
+    below = row(sign, variable)
+    if isinstance(inner, Fence):
+        return Row((Fraction(sign, below), Operator("times"), inner)), OPEN
+    return Fraction(row(sign, inner), below), ATOM
 
 
 def is_inertial(frame: str) -> bool:

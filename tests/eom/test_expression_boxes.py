@@ -8,6 +8,7 @@ from eom.typeset.expressions import expression_box, in_order
 from eom.typeset.markup import render
 from eom.typeset.writing import expression_pieces
 
+A, B, C = sp.symbols("a b c", positive=True)
 SIZES = {s.name: s for s in sp.symbols("I1 I2 I3 m m_r g l R R_b R_t nu", positive=True)}
 LETTERS = {
     s.name: s
@@ -82,3 +83,20 @@ def test_a_determinant_of_one_entry_is_no_magnitude():
     assert render(expression_box(one), "text") == "det(b \u2212 c)"
     assert render(expression_box(one), "latex") == r"\det\left( b - c \right)"
     assert render(expression_box(two), "text").startswith("|")
+
+
+@pytest.mark.parametrize(
+    ("power", "wanted"),
+    [
+        ((A - B) / C, "(a - b)/c"),
+        (-A / B, "-a/b"),
+        (-A * C / (B + C), r"-a c/\left( b + c \right)"),
+        (A / (2 * B), r"a/\left( 2 b \right)"),
+        (sp.pi / 2, r"\pi/2"),
+        (-A, "-a"),
+    ],
+)
+def test_quotients_in_exponents_stand_on_one_line(power, wanted):
+    assert render(expression_box(sp.exp(power)), "latex") == f"e^{{{wanted}}}"
+    if not power.could_extract_minus_sign():
+        assert render(expression_box(sp.Symbol("x") ** power), "latex") == f"x^{{{wanted}}}"

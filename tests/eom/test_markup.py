@@ -22,6 +22,7 @@ from eom.typeset.boxes import (
     Unseen,
     Words,
     accented,
+    raised,
     symbol,
 )
 from eom.typeset.expressions import expression_box
@@ -180,3 +181,34 @@ def test_a_function_with_its_bracket_stands_a_little_apart_in_mathml():
     m, n, c = sp.symbols("m n c")
     assert "mspace" in render(expression_box(c * sp.log(m / n)), "mathml")
     assert "mspace" not in render(expression_box(c * (m + n)), "mathml")
+
+
+@pytest.mark.parametrize(
+    ("mark", "room"), [("dot", True), ("ddot", True), ("vec", True), ("hat", False), ("bar", False)]
+)
+def test_marks_that_would_touch_a_letter_have_room_below(mark, room):
+    assert ("padding-bottom" in render(Accent(mark, Symbol("x")), "mathml")) == room
+
+
+def test_digits_in_bold_are_so_in_mathml():
+    assert render(Symbol("10", "bold"), "mathml") == "<mn>\U0001d7cf\U0001d7ce</mn>"
+    assert render(Symbol("10"), "mathml") == "<mn>10</mn>"
+
+
+def test_fractions_in_a_matrix_are_as_large_as_beside_it_in_mathml():
+    x, half = Symbol("x"), Fraction(Symbol("x"), Symbol("2"))
+    assert 'displaystyle="true"' in render(Grid(((x, half),)), "mathml")
+    assert "displaystyle" not in render(Grid(((x, x),)), "mathml")
+
+
+def test_a_fraction_is_bracketed_before_something_is_raised():
+    fraction = Fraction(Symbol("x"), Symbol("t"))
+    assert render(raised(fraction, Operator("bullet")), "text") == "(x/t)^•"
+
+
+def test_a_wide_tilde_stands_behind_what_it_is_on_in_mathml():
+    letters = Row((Symbol("a"), Symbol("b")))
+    written = render(Accent("widetilde", letters), "mathml")
+    assert written.startswith("<msup><mrow><mo stretchy")
+    assert written.endswith("<mo>\u223c</mo></msup>")
+    assert "mover" in render(Accent("widetilde", Symbol("a")), "mathml")

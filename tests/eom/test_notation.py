@@ -423,3 +423,10 @@ def test_random_terms_compile(tmp_path):
         check=False,
     )
     assert done.returncode == 0, done.stdout[-1500:].decode(errors="replace")
+
+
+def test_the_partial_derivative_of_a_sum_stands_beside_it():
+    chosen = notation_named("arrow")
+    assert write(partial(S, T), chosen, "latex") == r"\frac{\partial s}{\partial t}"
+    whole = write(partial(add(S, T), T), chosen, "latex")
+    assert whole.startswith(r"\frac{\partial }{\partial t} \left( s + t")

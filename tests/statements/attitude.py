@@ -231,7 +231,7 @@ def where_sequences_are_singular():
 @says("derive tilde-identities turned-tilde", "a cross product may be formed in either frame")
 @says(
     "derive tilde-identities tilde-of-cross",
-    "the tilde of a cross product: both sides have the same entries",
+    "the skew matrix of a cross product: both sides have the same entries",
 )
 @says("derive tilde-identities skew", "skew-symmetric: both sides have the same entries")
 def tildes():

@@ -141,7 +141,7 @@ def second_moments_about_another_point():
     "a principal axis is an eigenvector, the moment its eigenvalue",
 )
 @says("eom.mass.principal", "C J C^T = diag(moments)")
-@says("derive euler-equations J-principal", "in principal axes J is diagonal")
+@says("derive euler-equations J-principal", "in principal axes the inertia matrix is diagonal")
 def principal_axes_are_rows_of_eigenvectors():
     m, r = cloud(6)
     J = about(m, r)
@@ -170,7 +170,7 @@ def axes_of_symmetry_are_the_third():
 
 @says(
     "derive rigid-body-momentum J-tilde",
-    "the product of two tildes is r r^T - (r^T r) 1: minus the integrand",
+    "the product of two skew matrices is [r]_B [r]_B^T less [r]_B^T [r]_B times the unit matrix: minus the integrand",
 )
 @says("derive rigid-body-momentum h-inertia-parted", "r x (omega x r) = omega (r.r) - r (r.omega)")
 def products_of_tildes():

@@ -16,9 +16,10 @@ from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.spans import ReadingError
 from eom.checker.read.symbol_shape import Look, Seen, seen
+from eom.derivations import standing
 from eom.derivations.derived import Derived
 from eom.derivations.verification import in_full
-from eom.derivations.wording import notation_of
+from eom.derivations.wording import factors, notation_of, spelt
 from eom.errors import InputError
 from eom.system import System
 from eom.terms.rules import entrywise, slopes
@@ -27,6 +28,7 @@ from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import NOTATIONS, notation_named, term_box
 from eom.typeset.printing import latex_names
+from eom.typeset.sentences import phrases
 
 PRESETS: dict[str, tuple[str, dict[str, str]]] = {
     "arrow": ("arrow-tilde", {"dyads": "true", "juxtaposed": "true"}),
@@ -57,6 +59,7 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
             got=", ".join(derivation.own.configured),
             hint="the page without front matter is written, as `eom derive` does without --lexicon",
         )
+    derivation = spelt(derivation, chosen)
     base, besides = PRESETS[chosen.name]
     found = list(dict.fromkeys(n for n in _nodes(derivation) if n.head == "atom"))
     known = preset(base).frames
@@ -66,14 +69,14 @@ def front_matter(derivation: Derived, notation: str = "arrow") -> str:
     lines += ["[check.notation]", *(f"{k} = {v}" for k, v in besides.items())] if besides else []
     lines += _table("frames", {k: f for k, f in named.items() if label_of(k) not in known})
     points = dict.fromkeys(p for t in found for p in _points(t))
-    spelt = ((render(chosen.point(p), "latex"), p) for p in points)
-    lines += _table("points", {k: p for k, p in spelt if _is_label(k)})
+    called = ((render(chosen.point(p), "latex"), p) for p in points)
+    lines += _table("points", {k: p for k, p in called if _is_label(k)})
     rows = (_symbols(found, chosen), _columns(derivation, chosen), _rates(derivation, chosen))
     meant = {k: v for some in rows for k, v in some}
     meant |= dict(_scalars(derivation, chosen, preset(base)))
     given = _given_rates(derivation)
     meant |= {symbol_latex(s.name): f"coordinate {s.name}" for s in given}
-    meant = dict(_any(derivation, preset(base))) | meant
+    meant = dict(_any(derivation, preset(base))) | dict(_of_rules(derivation, chosen)) | meant
     meant |= dict(_outputs(derivation, chosen, {look_of(letter) for letter in meant}))
     lines += _table("symbols", meant)
     lines += _moving(derivation, chosen)
@@ -202,10 +205,12 @@ def _outputs(
     shown = ((_seen(symbol_latex(s.name)), s) for s in _free(derivation))
     known = {found.look: s for found, s in shown if found is not None and not found.dots}
     for system in (r for r in derivation.result.values() if isinstance(r, System)):
-        letters = {s: _seen(letter) for s, letter in latex_names(system).items()}
+        shown_as = standing.letters_of(derivation, system, notation)
+        names = latex_names(system) | {s: render(box, "latex") for s, box in shown_as.items()}
+        letters = {s: _seen(letter) for s, letter in names.items()}
         same = {s: known[f.look] for s, f in letters.items() if f is not None and f.look in known}
         for d in system.outputs:
-            letter = latex_names(system)[d.symbol]
+            letter = names[d.symbol]
             free, value = d.expression.free_symbols, expr(d.expression.xreplace(same))
             all_known = free <= same.keys() and given & value.data[0].free_symbols
             if all_known and _is_pattern(letter) and look_of(letter) not in taken:
@@ -218,6 +223,17 @@ def _any(derivation: Derived, known: Lexicon) -> Iterator[tuple[str, str]]:
         letter = symbol_latex(s.name)
         if _is_pattern(letter) and known.find(look_of(letter)) is None:
             yield letter, f"scalar {s.name}"
+
+
+def _of_rules(derivation: Derived, notation: Notation) -> Iterator[tuple[str, str]]:
+    """Yield the letters of rules such as a.b = b.a that some line names: any vectors."""
+    known = factors(notation)
+    said = (part for s in derivation.steps for rule in s.by for part in phrases(rule, known))
+    formulas = [render(part, "latex") for part in said if not isinstance(part, str)]
+    for name in filter(str.isalpha, known):
+        letter = render(known[name], "latex")
+        if any(letter in formula for formula in formulas) and _is_pattern(letter):
+            yield letter, f"vector {name}"
 
 
 def _symbols(found: list[Term], notation: Notation) -> Iterator[tuple[str, str]]:

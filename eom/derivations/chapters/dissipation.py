@@ -61,18 +61,18 @@ J_BODY = add(J, -SPHERE)
 T_ROT = quantity("rotational_energy", "body", "C")
 STATES = (*OMEGA.components, *model.SIGMA.components)
 RATES = tuple(sp.Symbol(f"{s}_dot", real=True) for s in STATES)
-E, S = sp.Symbol("E", real=True), sp.Symbol("Q", real=True)
+SQUARE = sp.Symbol("Q", real=True)
 COEFFICIENTS = sp.symbols("p_0:5", real=True)
 NUTATION_RATE = sp.Symbol("theta_dot", real=True)
 EFFECTIVE, EFFECTIVE_RATE = sp.symbols("I_e I_e_dot", real=True)
-ENERGY, POWER, ENERGY_RATE = sp.symbols("K P K_dot", real=True)
+ENERGY, POWER, ENERGY_RATE = sp.symbols("T P T_dot", real=True)
 LETTERS = {
     TRANSVERSE: sp.Symbol("I_t", positive=True),
     AXIAL: sp.Symbol("I_a", positive=True),
     model.POWER: POWER,
     T: ENERGY,
 }
-"""What the energy sink is written with: T and D are those of body and slug."""
+"""What the energy sink is written with."""
 
 
 def energy_dissipation() -> Derived:
@@ -82,13 +82,22 @@ def energy_dissipation() -> Derived:
     )
     _balance(d)
     _energy(d)
-    excess = _major_axis(d).equation.right.expression
+    excess = _major_axis(d).equation
     system = model.viscous_slug()
     rates = _equations(d, system)
     _stability(d, rates)
     _energy_sink(d)
     sink = d.recall("sink-nutation").equation.right.expression
-    return d.finish(equations=system, excess_energy=excess, nutation_rate=sink)
+    d.stands.update(
+        {
+            **{f"h_{k}": None for k in (1, 2, 3)},
+            "sigma": SIGMA,
+            "dissipation": expr(POWER),
+            "excess_energy": excess.left,
+            "nutation_rate": expr(NUTATION_RATE),
+        }
+    )
+    return d.finish(equations=system, excess_energy=excess.right.expression, nutation_rate=sink)
 
 
 # -- body and slug ---------------------------------------------------------------------------
@@ -280,17 +289,17 @@ def _major_axis(d: Derivation) -> Chain:
     for k, moment in enumerate(MOMENTS, 1):
         d.letter(moment, f"principal moment of inertia about b{k} of the body without the slug")
     energy = d.name_scalar(
-        E,
+        ENERGY,
         expr(model.slug_energy()),
         "energy of body and slug in principal axes of the body",
         label="energy-components",
     )
     square = d.name_scalar(
-        S, expr(h.dot(h)), "square of their angular momentum", label="momentum-components"
+        SQUARE, expr(h.dot(h)), "square of their angular momentum", label="momentum-components"
     )
     return d.show(
         Equation(
-            expr(E - S / (2 * (MOMENTS[2] + model.SLUG))),
+            expr(ENERGY - SQUARE / (2 * (MOMENTS[2] + model.SLUG))),
             expr(sp.Add(*(c * base**2 for c, base in squares))),
         ),
         "the energy above that of a spin about b3 with the same momentum, squares completed: if I3 "
@@ -442,11 +451,15 @@ def _energy_sink(d: Derivation) -> None:
         (LETTERS[TRANSVERSE], "moment across the axis"),
         (LETTERS[AXIAL], "moment about the axis"),
         (model.NUTATION, "angle between h and the axis of symmetry"),
-        (POWER, "power that is lost"),
         (H, "magnitude of the angular momentum"),
-        (ENERGY, "energy of rotation"),
     ):
         d.letter(symbol, words)
+    d.name_scalar(
+        POWER,
+        expr(-model.energy_rate()),
+        "power that is lost in the film",
+        label="power",
+    )
     lost = d.name_scalar(
         ENERGY_RATE,
         expr(-POWER),
@@ -463,8 +476,8 @@ def _nutation(d: Derivation, lost: Chain) -> None:
     d.name_scalar(
         NUTATION_RATE,
         expr(ENERGY_RATE / sp.Derivative(energy, model.NUTATION)),
-        "a symmetric body has the energy K over the angle theta from h to the axis, so that K' = "
-        "(dK/dtheta) theta'",
+        "a symmetric body has the energy T over the angle theta from h to the axis, so that T' = "
+        "(dT/dtheta) theta'",
         label="sink",
     ).then(
         "carried out: the angle falls if I_a > I_t, to spin about the axis of a disc, and grows if "
@@ -486,13 +499,12 @@ def _effective(d: Derivation, lost: Chain) -> None:
     )
     d.name_scalar(
         EFFECTIVE_RATE,
-        expr(sp.Derivative(H**2 / (2 * ENERGY), ENERGY) * ENERGY_RATE),
+        expr(-(H**2) * ENERGY_RATE / (2 * ENERGY**2)),
         "its rate, as H is constant",
         label="effective-rate",
     ).then(
-        "carried out: for any body it only grows, towards the greatest moment",
+        "for any body it only grows, towards the greatest moment",
         put_in(lost.equation),
-        entrywise(lambda e: e.doit(), "derivative"),
         label="sink-effective",
     )
     d.check(

@@ -129,7 +129,7 @@ def _by_inertia(d: Derivation, outside: Chain, moved: Chain) -> Chain:
         "r' = omega x r", use(moved.equation), label="h"
     )
     half = outside.then(
-        "the integral is h",
+        "the integral is h_C",
         use(spin.equation, backwards=True),
         label="T-h",
         states=["000:E33"],
@@ -142,7 +142,7 @@ def _by_inertia(d: Derivation, outside: Chain, moved: Chain) -> Chain:
         fold_into(J),
         label="h-J",
     )
-    return half.then("h = J.omega", use(momentum.equation), label="T-J")
+    return half.then("h_C = J_C.omega", use(momentum.equation), label="T-J")
 
 
 def _only_omega(term: Term) -> Term:
@@ -191,10 +191,10 @@ def _rate(d: Derivation) -> None:
 
 def _rate_of_rotation(d: Derivation) -> Chain:
     constant = d.given(
-        Equation(der(J, "B"), zero("dyadic")), "J does not change in B", label="J-constant"
+        Equation(der(J, "B"), zero("dyadic")), "J_C does not change in B", label="J-constant"
     )
     local = d.start(der(mul(number(1, 2), dot(W, dot(J, W))))).then(
-        "product rule in B, where J is constant; J is symmetric",
+        "product rule in B, where J_C is constant; it is symmetric",
         differentiate_in("B"),
         use(constant.equation),
         distribute,
@@ -205,7 +205,7 @@ def _rate_of_rotation(d: Derivation) -> Chain:
     euler = Equation(dot(J, der(W, "B")), add(TORQUE, -cross(W, dot(J, W))))
     d.law(euler, "Euler's equation, derived in its own chapter", label="euler")
     return local.then(
-        "Euler's equation; omega.(omega x h) = 0",
+        "Euler's equation; omega.(omega x h_C) = 0",
         use(euler),
         distribute,
         triple_zero(W),

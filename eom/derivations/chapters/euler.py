@@ -7,6 +7,7 @@ import sympy as sp
 from eom.derivations.chapters.rotation import explicit, principal_matrix
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.standing import BODY
 from eom.exact.algebra import gather, gather_above
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body
@@ -57,6 +58,8 @@ def euler_equations() -> Derived:
     _matrix(d)
     _principal(d)
     _where_valid(d)
+    d.only(*FREE, "principal_axes")
+    d.stands.update(BODY)
     return d.finish(equations=principal_system())
 
 
@@ -98,16 +101,15 @@ def _dyadic(d: Derivation) -> None:
 
 
 def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
-    d.given(Equation(der(J, "B"), zero("dyadic")), "J does not change in B", label="J-constant")
+    words = "J_C does not change in B"
+    d.given(Equation(der(J, "B"), zero("dyadic")), words, label="J-constant")
     local = momentum.both(
         "differentiate in B",
         lambda t: der(t, "B"),
         differentiate,
         label="local-terms",
         states=["000:E21"],
-    ).then(
-        "J does not change in B", vanish(der(J, "B")), distribute, label="local", states=["000:E21"]
-    )
+    ).then(words, vanish(der(J, "B")), distribute, label="local", states=["000:E21"])
     d.start(der(W)).then(
         "the transport theorem", transport("B"), label="omega-rate", states=["000:E22"]
     ).then("omega x omega = 0", parallel, distribute, label="omega-rates-equal")
@@ -121,18 +123,18 @@ def _euler(d: Derivation, seen: Chain, momentum: Chain, law: Chain) -> None:
     d.in_components(
         d.recall("local"),
         "B",
-        "and where J does not change; omega has one rate in both frames",
+        "and where J_C does not change; omega has one rate in both frames",
         use(d.recall("omega-rates-equal").equation, backwards=True),
         label="local-matrix",
         states=["000:E21"],
     )
     seen.then(
-        "with h = J.omega",
+        "with h_C = J_C.omega",
         use(local.equation),
         use(momentum.equation),
         label="rate-dyadic",
         states=["001:E1"],
-    ).both("dh/dt is the torque", use(law.equation)).turned(
+    ).both("h_C' is the torque", use(law.equation)).turned(
         "Euler's equation", label="euler-dyadic", states=["000:E23", "001:E1"]
     )
 

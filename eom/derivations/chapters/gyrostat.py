@@ -6,6 +6,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations import standing
 from eom.derivations.chapters.rotation import name_spin
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
@@ -54,7 +55,25 @@ def gyrostat_momentum() -> Derived:
     system = gyrostat(2)
     _check_equations(d, system)
     _dual_spin(d)
+    d.stands.update(_called(system))
     return d.finish(equations=system)
+
+
+def _called(system: System) -> standing.Stands:
+    """Return what the system's quantities are: those of the body, and of each rotor."""
+    rotors = range(1, len(system.inputs) + 1)
+    names = {"Js": "rotor_inertia", "Omega": "rotor_speed", "u": "rotor_torque"}
+    own = {f"{s}_{k}": quantity(name, str(k)) for s, name in names.items() for k in rotors}
+    speeds = [sp.Symbol(f"Omega_{k}", real=True) for k in rotors]
+    rates = {f"rotor_rate_{k}": expr(s + OMEGA.components[k - 1]) for k, s in enumerate(speeds, 1)}
+    return {
+        "h": H,
+        "J": J,
+        "T": quantity("rotational_energy", "body", "C"),
+        "T_omega": None,
+        **own,
+        **rates,
+    }
 
 
 def _check_equations(d: Derivation, system: System) -> None:
@@ -87,7 +106,7 @@ def _body(d: Derivation) -> None:
     d.assume("newton_2", "third_law_strong")
     law = d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
     rate.both(
-        "dh/dt is the torque: the equation of the whole",
+        "h_C' is the torque: the equation of the whole",
         use(law.equation),
         into_sums,
         label="equation",
@@ -111,7 +130,7 @@ def _rate(d: Derivation) -> Chain:
         label="local-rate",
     )
     return d.start(der(H)).then(
-        "the transport theorem, with h inserted",
+        "the transport theorem, with h_C inserted",
         transport("B"),
         use(local.equation),
         use(momentum.equation),

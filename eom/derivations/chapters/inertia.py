@@ -118,7 +118,7 @@ def _sign(d: Derivation) -> Chain:
         )
     )
     form.infer(
-        "so x.J.x is not negative: zero only where all mass lies on the line of x through O",
+        "so x.J_O.x is not negative: zero only where all mass lies on the line of x through O",
         squares,
         label="semi-definite",
         states=["002:C1"],
@@ -139,7 +139,7 @@ def _thin_rod(d: Derivation) -> None:
     )
     applied = d.show(
         Equation(product.equation.left, double.equation.left),
-        "both are the same: J.v sums up rho x (v x rho)",
+        "both are the same: J_O.v sums up rho x (v x rho)",
         use(product.equation),
         use(double.equation),
         label="J-double",
@@ -278,7 +278,7 @@ def _shift(d: Derivation) -> None:
     )
     moment = quantity("first_moment", "body", "OA")
     first = d.start(tilde(column(moment, "B"))).then(
-        "the first moment about O_A; the tilde is linear",
+        "the first moment about O_A; the skew matrix is linear",
         unfold("first_moment"),
         components("B"),
         through_sums,
@@ -331,19 +331,20 @@ def _no_rotation(d: Derivation) -> None:
     """Refute that any matrix of eigenvectors is a rotation: one that is stretched, one left-handed."""
     values = sp.diag(*sp.symbols("lambda_1:4", positive=True))
     cases = (
-        ("stretched", sp.diag(2, 1, 1), "the first eigenvector twice as long"),
-        ("exchanged", sp.Matrix([[0, 1, 0], [1, 0, 0], [0, 0, 1]]), "the first two exchanged"),
+        ("stretched", sp.diag(2, 1, 1), "with the first one twice as long"),
+        ("exchanged", sp.Matrix([[0, 1, 0], [1, 0, 0], [0, 0, 1]]), "with the first two exchanged"),
     )
     for name, E, words in cases:
         d.start(matmul(matmul(entries(E.inv()), entries(values)), entries(E))).then(
-            f"columns of E that are eigenvectors, with {words}: E^-1 J E is diagonal all the same",
+            f"in place of C_AB other columns that are eigenvectors, {words}: the product is diagonal all "
+            "the same",
             compute(),
             label=f"{name}-diagonal",
             states=["002:C2"],
         )
     stretched, exchanged = (E for _, E, _ in cases)
     d.start(matmul(transpose(entries(stretched)), entries(stretched))).then(
-        "but its transpose is not its inverse: this E is no rotation",
+        "but of the first one the transpose is not the inverse: it is no rotation",
         compute(),
         label="stretched-no-rotation",
         states=["002:C2"],
@@ -382,7 +383,7 @@ def _principal_about(
     )
     d.show(
         Equation(matmul(matmul(inverse(C_AB), column(I_P, "A")), C_AB), diagonal.equation.right),
-        "with the eigenvectors as columns of E = C_AB, whose inverse is the reverse rotation",
+        "with the eigenvectors as columns of C_AB, whose inverse is the reverse rotation",
         reversed_rotation,
         use(diagonal.equation),
         label=f"diagonalised{end}",

@@ -69,6 +69,7 @@ def rigid_momentum() -> Derived:
     J = _inertia_matrix(d)
     _about_body_point(d)
     _torque(d)
+    d.stands_for("J", column(quantity("inertia", "C"), "B"))
     return d.finish(J=J)
 
 
@@ -200,7 +201,7 @@ def _about_centre(d: Derivation) -> None:
     spin = d.recall("h-centre").then(
         "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11", "000:E32"]
     )
-    turned = spin.then("omega x r = - r x omega", swap(W, R), distribute)
+    turned = spin.then("omega x r = -r x omega", swap(W, R), distribute)
     d.in_components(
         turned,
         "B",
@@ -259,12 +260,13 @@ def inertia_by_definition(
 def inertia_by_tildes(
     d: Derivation, written: Chain, about: str, frame: str = "B", **options: Any
 ) -> Chain:
-    """Write the inertia matrix as minus the integral of the squared tilde."""
+    """Write the inertia matrix as minus the integral of the squared skew matrix."""
     r, spelt = column(position("dm", about), frame), PLACES.get(about)
-    product = f" is {spelt} {spelt}^T - ({spelt}^T {spelt}) 1" if spelt else ", written out"
+    x = f"[{spelt}]_{frame}"
+    product = f" is {x} {x}^T less {x}^T {x} times the unit matrix" if spelt else ", written out"
     return d.show(
         Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
-        f"the product of two tildes{product}: minus the integrand",
+        f"the product of two skew matrices{product}: minus the integrand",
         use(written.equation),
         double_tilde,
         distribute,
@@ -348,7 +350,7 @@ def _inertia_about_body_point(d: Derivation, seen: Chain) -> None:
         "rho does not change in B", vanish(fixed.equation.left), distribute, label="h-omega"
     )
     turned = crossed.then(
-        "omega x rho = - rho x omega",
+        "omega x rho = -rho x omega",
         swap(W, RHO),
         distribute,
         label="h-swapped",

@@ -246,6 +246,7 @@ def tilde_identities() -> Derived:
     _turned(d, a)
     triple = d.start(dot(cross(A, B), C))
     triple.then("the scalar triple product", scalar_triple, label="triple", states=["000:E31"])
+    d.stands_for("tilde", tilde(a))
     return d.finish(
         tilde=sp.Matrix(3, 3, [e.data[0] for e in d.recall("tilde").equation.right.args])
     )
@@ -267,7 +268,7 @@ def _double_products(d: Derivation, a: Term, b: Term) -> None:
             tilde(matmul(tilde(a), b)),
             add(matmul(tilde(a), tilde(b)), -matmul(tilde(b), tilde(a))),
         ),
-        "the tilde of a cross product: both sides have the same entries",
+        "the skew matrix of a cross product: both sides have the same entries",
         use(d.recall("column-of-a").equation),
         use(d.recall("column-of-b").equation),
         compute(),
@@ -341,7 +342,7 @@ def principal_matrix(
         words = f"b{k} is a principal axis"
         eigen.append(d.given(meaning, words, label=f"principal-axis-{k}{end}").equation)
     return d.start(column(inertia, "B")).then(
-        "in principal axes J is diagonal",
+        "in principal axes the inertia matrix is diagonal",
         by_axes("B"),
         *(use(e) for e in eigen),
         distribute,

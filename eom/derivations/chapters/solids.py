@@ -219,9 +219,11 @@ def _about_points(d: Derivation, solid: str, whole: MassProperties) -> dict[str,
         where = "the centre of mass" if point == CENTRE else f"the point {point}"
         d.show(
             Equation(entries(shifted), entries(sp.Matrix(inertia))),
-            f"inertia matrix about {where}, at {_place(r)}: J = tr(S) 1 - S, moved there",
+            f"inertia matrix about {where}, at {_place(r)}: the trace of the second moments times the "
+            "unit matrix, less their matrix, moved there",
             values,
             label=f"inertia-{point.replace(' ', '-')}",
         )
         found[f"J about {where}"] = sp.Matrix(inertia)
+        d.stands_for(f"J about {where}", f"inertia matrix about {where}")
     return found

@@ -6,6 +6,7 @@ import sympy as sp
 
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.standing import IN_SPACE, MOMENTUM, Stands
 from eom.mechanics import spinning
 from eom.mechanics.spinning import (
     I1,
@@ -42,6 +43,17 @@ B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
 A3 = unit("A", 3)
 AXLE = spinning.SPIN
 """The angular velocity about the axle; the scene's state C, a letter that frame and centre have here."""
+_CALLED: Stands = {
+    **MOMENTUM,
+    **IN_SPACE,
+    "T": quantity("rotational_energy", "body", "C"),
+    **{f"torque_{k}": dot(unit("B", k), TORQUE) for k in (1, 2, 3)},
+    **{f"axle_{k}": dot(unit("I", k), B2) for k in (1, 2, 3)},
+    "I3": dot(B3, dot(J, B3)),
+    "h_G": column(H, "B"),
+    "rate": column(der(H), "B"),
+}
+"""What the results and the quantities of the system are."""
 ONE_FRACTION = entrywise(lambda e: sp.together(sp.expand(e)))
 
 
@@ -57,6 +69,7 @@ def spinning_symmetric_body() -> Derived:
     _momentum(d, body)
     _momentum_rate(d, body)
     _motion(d, body)
+    d.stands.update(_CALLED)
     return d.finish(
         equations=body.system(), h_G=body.h_G.column, rate=body.momentum_rate.total.column
     )

@@ -10,6 +10,7 @@ from eom.derivations.chapters.rotation import explicit, name_spin, principal_mat
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
+from eom.derivations.standing import BODY
 from eom.exact.algebra import gather
 from eom.mechanics import freebody, steady
 from eom.mechanics.freebody import MOMENTS, herpolhode_rate
@@ -98,7 +99,11 @@ def torque_free_motion() -> Derived:
     _poinsot(d)
     _herpolhode(d)
     _precession(d)
-    return d.finish(equations=free_rigid_body("quaternion"), **_results())
+    d.only("torque_free", "principal_axes")
+    growth = _results()
+    words = {name: name.replace("about b", "about axis ") for name in growth}
+    d.stands.update({**BODY, **{f"torque_{k}": None for k in (1, 2, 3)}, **words})
+    return d.finish(equations=free_rigid_body("quaternion"), **growth)
 
 
 def _results() -> dict[str, Expr]:
@@ -490,9 +495,10 @@ def _herpolhode(d: Derivation) -> None:
         put_in(*(d.recall(f"rate-{k}").equation for k in (1, 2, 3))),
         label="rate-column-free",
     )
+    d.letter(quantity("vector", "rho"), "part of omega across h")
     d.start(dot(H, cross(W, der(W)))).then(
-        "the tip turns about h at the rate (rho x rho').h/(H rho^2), where rho is the part of omega "
-        "across h: the herpolhode",
+        "the tip turns about h at the rate (rho x rho').h/(H (rho.rho)), where rho is the part of "
+        "omega across h: the herpolhode",
         use(seen.equation),
         scalars_in("B"),
         components("B"),

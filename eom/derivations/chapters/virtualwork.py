@@ -47,7 +47,7 @@ R, V, A = position("i"), velocity("i"), der(velocity("i"))
 M = mass("i")
 APPLIED, HELD = quantity("applied_force", "i"), quantity("constraint_force", "i")
 KINETIC = quantity("kinetic_energy", "system")
-_ACTIVE, _INERT = "generalised active force", "generalised inertia force, Kane's F*"
+_ACTIVE, _INERT = "generalised active force", "generalised inertia force"
 
 
 def virtual_work() -> Derived:
@@ -86,6 +86,7 @@ class Work:
         self.active: dict[int, Expr] = {}
         self.inert: dict[int, Expr] = {}
         d.configure(*self.q.values())
+        d.letter(sp.Symbol("u"), "any speed in which the rates of the coordinates are linear")
 
     def slope(self, k: int) -> Term:
         """Return the slope of the place of a particle by a coordinate."""

@@ -118,7 +118,7 @@ def _double_tilde(node: Term) -> Term:
     return node
 
 
-double_tilde: Rule = named("product of two tildes", everywhere(_double_tilde))
+double_tilde: Rule = named("product of two skew matrices", everywhere(_double_tilde))
 """The product of two skew matrices: tilde(a) tilde(b) = b a^T - (a^T b) 1."""
 
 unit_entries: Rule = named(

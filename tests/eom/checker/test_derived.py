@@ -24,13 +24,13 @@ OPEN = {
         r"\dot{\vec{p}} = \int_{B}": NO_BODY,
         r"\vec{F}_{\mathrm{ext}} \triangleq \int_{B}": NO_BODY,
         r"\vec{\tau}_{O} \triangleq \int_{B}": NO_BODY,
-        "J = ": "symbol without a meaning",
+        r"\left[ I_{C} \right]_{B} = \begin{bmatrix} S": "symbol without a meaning",
     },
     ("rigid-body-momentum", "underline"): {
         r"\underline{p}^{\bullet} = \int_{m}": NO_BODY,
         r"\underline{f}_{\mathrm{ext}} \triangleq \int_{m}": NO_BODY,
         r"\underline{\tau}_{O} \triangleq \int_{m}": NO_BODY,
-        "J = ": "symbol without a meaning",
+        r"\mathbf{I} = \begin{bmatrix} S": "symbol without a meaning",
     },
     ("energy-dissipation", "arrow"): {
         r"J_{s} \ge 0": UNSEEN,

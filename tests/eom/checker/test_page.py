@@ -279,7 +279,7 @@ ELEMENTS = {
     ),
     "math": ("display",),
     "mi": ("mathvariant",),
-    "mo": ("form", "stretchy"),
+    "mo": ("form", "stretchy", "style"),
     "mover": ("accent",),
     "munder": (),
     "mtable": ("columnalign", "displaystyle"),

@@ -81,8 +81,8 @@ def test_words_have_the_letters_of_the_notation():
 @pytest.mark.parametrize(
     ("name", "letter", "wanted"),
     [
-        ("euler-equations", "J", "\U0001d540\u0332"),
-        ("inertia-properties", "J", "\U0001d541\u0332"),
+        ("euler-equations", "J_C", "\U0001d540\u0332"),
+        ("inertia-properties", "J_O", "\U0001d541\u0332"),
         ("inertia-properties", "C_AB", "C_AB"),
         ("particle-system", "M", "m"),
         ("point-mass", "m", "m"),
