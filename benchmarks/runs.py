@@ -8,8 +8,9 @@ NumPy.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from time import perf_counter
+from collections.abc import Callable, Iterator
+from itertools import cycle
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from benchmarks.taylor import case_of
 from codegen import Result, integrator, simulate
 from codegen import compile as compile_system
 from codegen.measure.workprecision.programs import heyoka_builder
+from codegen.runs.prepared import AUTO
 from eom.opening import load_scene
 from eom.problems import PROBLEMS, Problem, from_scene
 
@@ -34,7 +36,10 @@ LONGEST, LONGEST_WHOLE = 8e-6, 25e-6
 """Seconds beside the loop of a prepared run, and of `simulate`."""
 MOST, MOST_WHOLE = 60.0, 120.0
 """The same over the time of ``np.add(x, x, out=out)``, which takes about a third of a microsecond."""
+MOST_PREPARED = {"taylor": (LONGEST, MOST), AUTO: (LONGEST_WHOLE, MOST_WHOLE)}
 RUNS_A_SAMPLE = 200
+AGAIN, ANEW = 1200.0, 24000.0
+"""Times np.add of a run in closed form, from the state of the one before, and from another one."""
 
 
 def problems() -> tuple[Problem, ...]:
@@ -45,8 +50,11 @@ def problems() -> tuple[Problem, ...]:
 
 def measure(settings: Settings) -> Section:
     """Return what a run costs beside its loop and, if not quick, times beside heyoka's."""
-    found = problems()[: 1 if settings.quick else None]
-    rows = list(_beside_the_loop(found[0], settings))
+    every = problems()
+    found = every[: 1 if settings.quick else None]
+    rows = list(_beside_the_loop(every[0], settings))
+    rows += _beside_the_loop(every[1], settings, AUTO)
+    rows += _closed(every[0], settings)
     without = missing("heyoka")
     if without:
         rows.append(absent("runs from Python", without))
@@ -58,39 +66,42 @@ def measure(settings: Settings) -> Section:
 Run = Callable[[], Result]
 
 
-def _runs(problem: Problem, rtol: float) -> tuple[Run, Run]:
-    """Return a prepared run by Taylor series, and the same by `simulate`, to the end alone."""
+def _runs(problem: Problem, rtol: float, method: str = "taylor") -> tuple[Run, Run]:
+    """Return a prepared run by a method, and the same by `simulate`, to the end alone."""
     compiled, values = compile_system(problem.system, "c"), (problem.start, problem.parameters)
     span, inputs = (0.0, problem.end), problem.inputs
-    prepared = integrator(compiled, span, "taylor", rtol, t_eval=[problem.end], inputs=inputs)
+    prepared = integrator(compiled, span, method, rtol, t_eval=[problem.end], inputs=inputs)
     start, parameters = values
 
     def whole() -> Result:
         return simulate(
-            compiled, start, span, parameters, "taylor", rtol, None, [problem.end], inputs=inputs
+            compiled, start, span, parameters, method, rtol, None, [problem.end], inputs=inputs
         )
 
     return lambda: prepared.run(start, parameters), whole
 
 
-def _beside_the_loop(problem: Problem, settings: Settings) -> tuple[Row, ...]:
-    prepared, whole = _runs(problem, 1e-9)
+def _add() -> float:
+    """Return what the cheapest call of NumPy takes."""
     x = np.ones(8)
     out = x.copy()
+    began = perf_counter()
+    for _ in range(RUNS_A_SAMPLE):
+        np.add(x, x, out=out)
+    return (perf_counter() - began) / RUNS_A_SAMPLE
 
-    def add() -> float:
-        began = perf_counter()
-        for _ in range(RUNS_A_SAMPLE):
-            np.add(x, x, out=out)
-        return (perf_counter() - began) / RUNS_A_SAMPLE
 
+def _beside_the_loop(
+    problem: Problem, settings: Settings, method: str = "taylor"
+) -> tuple[Row, ...]:
+    prepared, whole = _runs(problem, 1e-9, method)
     rows = []
     for what, run, longest, most in (
-        ("a prepared run beside its loop", prepared, LONGEST, MOST),
+        ("a prepared run beside its loop", prepared, *MOST_PREPARED[method]),
         ("simulate beside its loop", whole, LONGEST_WHOLE, MOST_WHOLE),
     ):
         pairs = settled(
-            lambda: paired(_overhead(run), add, 20),  # noqa: B023 - called at once
+            lambda: paired(_overhead(run), _add, 20),  # noqa: B023 - called at once
             lambda p: p.best[0] / (p.best[1] if settings.quick else 1.0),
             most if settings.quick else longest,
         )
@@ -100,9 +111,47 @@ def _beside_the_loop(problem: Problem, settings: Settings) -> tuple[Row, ...]:
         if settings.quick:
             target, met = f"ratio <= {most:g}", ratio <= most
         rows.append(
-            Row(f"{problem.name}: {what} | np.add", own, other, f"{ratio:.0f}", target, met)
+            Row(
+                f"{problem.name}, {method}: {what} | np.add",
+                own,
+                other,
+                f"{ratio:.0f}",
+                target,
+                met,
+            )
         )
     return tuple(rows)
+
+
+def _closed(problem: Problem, settings: Settings) -> tuple[Row, ...]:
+    """Return what runs take that `auto` finds to be a closed form: a state again, and other ones."""
+    compiled, name = compile_system(problem.system, "c"), next(iter(problem.start))
+    span, values = (0.0, problem.end), problem.parameters
+    run = integrator(compiled, span, AUTO, t_eval=[problem.end], inputs=problem.inputs).run
+    states = [{**problem.start, name: problem.start[name] + k / 1024} for k in range(1, 400)]
+    rows = []
+    for what, starts, most in (("the same state", states[:1], AGAIN), ("others", states, ANEW)):
+        turn = cycle(starts)
+
+        def sample(turn: Iterator[dict[str, float]] = turn) -> float:
+            began = process_time()  # runs of milliseconds: other jobs count little
+            for _ in range(FEW):
+                run(next(turn), values)
+            return (process_time() - began) / FEW
+
+        pairs = settled(lambda: paired(sample, _add, 8), lambda p: p.best[0] / p.best[1], most)
+        ratio = pairs.best[0] / pairs.best[1]
+        own, other = (time_text(s) for s in pairs.best)
+        judged = (f"ratio <= {most:g}", ratio <= most) if settings.quick else ()
+        rows.append(
+            Row(
+                f"{problem.name}, closed form, {what} | np.add", own, other, f"{ratio:.0f}", *judged
+            )
+        )
+    return tuple(rows)
+
+
+FEW = 10
 
 
 def _overhead(run: Run) -> Sample:

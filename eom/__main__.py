@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import click
@@ -20,7 +21,7 @@ from eom.commands.exercising import exercise
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
-from eom.commands.options import JSON
+from eom.commands.options import JSON, VALUES
 from eom.commands.plotting import plot
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
@@ -40,7 +41,8 @@ class Commands(click.Group):
         """Run a command."""
         try:
             return super().invoke(ctx)
-        except InputError as error:
+        except InputError as found:
+            error = _of_option(found, ctx.meta.get(VALUES, {}))
             click.echo(f"error: {error}", err=True)
             if ctx.meta.get(JSON):
                 parts = ("what", "where", "got", "expected", "hint")
@@ -57,6 +59,12 @@ class Commands(click.Group):
         except OSError as error:
             click.echo(f"error: {error.strerror or error}", err=True)
             ctx.exit(UNUSABLE)
+
+
+def _of_option(error: InputError, values: Mapping[str, str]) -> InputError:
+    """Return the error of an initial value as one of the option `--set`, where that gave the value."""
+    _, section, name = error.where.rpartition("[initial] ")
+    return error.at(f"--set {name}={values[name]}") if section and name in values else error
 
 
 BEGINNING = """\

@@ -194,26 +194,29 @@ def _certain(
     several = {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}
     if any(p.kind in several for p in signature.parameters.values()):
         return lambda args, kwargs: False
-    tests = {name: _by_type(hints.get(name, Any)) for name in signature.parameters}
-    ordered = tuple(tests.values())
+    rows = {name: _by_type(hints.get(name, Any)) for name in signature.parameters}
+    ordered = tuple(rows.values())
 
     def certain(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> bool:
         if len(args) > len(ordered):
             return False
-        for value, test in zip(args, ordered, strict=False):
-            if not test(value):
+        for value, (plain, test) in zip(args, ordered, strict=False):
+            if type(value) not in plain and not test(value):
                 return False
         for name, value in kwargs.items():
-            by_name = tests.get(name)
-            if by_name is None or not by_name(value):
+            row = rows.get(name)
+            if row is None or not (type(value) in row[0] or row[1](value)):
                 return False
         return True
 
     return certain
 
 
-def _by_type(hint: Any) -> Test:
-    """Return a test of values that holds of none that `_fits` refuses, or that `_held` changes."""
+def _by_type(hint: Any) -> tuple[frozenset[type], Test]:
+    """Return types all of whose values fit, and a test of values of others.
+
+    It holds of none that `_fits` refuses, or that `_held` changes.
+    """
     kinds = typing.get_args(hint) if typing.get_origin(hint) in _UNIONS else (hint,)
     plain = frozenset(t for kind in kinds for t in _types_of(kind))
     anything = any(_is_open(kind) for kind in kinds)
@@ -222,8 +225,8 @@ def _by_type(hint: Any) -> Test:
 
     def test(value: Any) -> bool:
         kind = type(value)
-        if kind in plain:
-            return kind is not str or value.isascii()
+        if kind is str:
+            return kind in plain and bool(value.isascii())
         if kind is dict:
             return Mapping in of_numbers and _of_text(value) and _are_floats(value.values())
         if kind is tuple or kind is list:
@@ -233,7 +236,7 @@ def _by_type(hint: Any) -> Test:
                 return _are_floats(value)
         return False
 
-    return test
+    return plain - {str}, test
 
 
 _FLOATS, _NUMBERS = frozenset({float}), frozenset({float, int})
@@ -494,7 +497,9 @@ def _is_flag(value: Any, _: Any = ()) -> bool:
 
 def is_text(value: Any, _: Any = ()) -> bool:
     """Return whether a value is a text that can be written: one without lone surrogates."""
-    return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
+    if not isinstance(value, str):
+        return False
+    return value.isascii() or not any("\ud800" <= c <= "\udfff" for c in value)
 
 
 def _is_mapping(value: Any, kinds: Any) -> bool:

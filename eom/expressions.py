@@ -86,9 +86,33 @@ UNUSABLE = (sp.Derivative, sp.core.function.AppliedUndef)
 
 def is_over(expression: Expr, known: set[Expr]) -> bool:
     """Return quickly whether an expression is one, over known symbols, with no function of time in it."""
-    return isinstance(expression, sp.Basic) and not any(
-        isinstance(e, UNUSABLE) or (e.is_Symbol and e not in known) for e in nodes((expression,))
-    )
+    if not isinstance(expression, sp.Basic):
+        return False
+    found = [expression]
+    seen = set(found)
+    for node in found:
+        args = node.args
+        if not args:
+            if node.is_Symbol and node not in known:
+                return False
+        elif isinstance(node, UNUSABLE):
+            return False
+        for a in args:
+            if a not in seen:
+                seen.add(a)
+                found.append(a)
+    return True
+
+
+def add_nodes(expression: Expr, seen: set[Expr]) -> None:
+    """Add the distinct subexpressions of one to those that were seen, with theirs."""
+    found = [] if expression in seen else [expression]
+    seen.update(found)
+    for node in found:
+        for a in node.args:
+            if a not in seen:
+                seen.add(a)
+                found.append(a)
 
 
 def free_symbols(expressions: Iterable[Expr]) -> set[Expr]:

@@ -358,6 +358,7 @@ class System:
         period: float | None = None,
         delay: float = 0.0,
         rates: Mapping[Any, Any] | None = None,
+        dimensions: bool = True,
     ) -> System:
         """Return the closed loop: a system in which inputs are laws over states, outputs and time.
 
@@ -382,6 +383,8 @@ class System:
             Values take effect so long after the sample (s), those of states at once.
         rates : mapping of object to objects, optional
             Of further states of the control, which are continuous beside a period.
+        dimensions : bool, default True
+            Whether laws must be of the dimensions of their inputs.
 
         Returns
         -------
@@ -410,71 +413,47 @@ class System:
         >>> cart.with_control({"u": -k * x - d * v}).rate_of(v)
         -d*v - k*x
         """
-        closed = self.closed_loop(
-            laws, states, definitions=definitions, parameters=parameters,
-            period=period, delay=delay, rates=rates,
-        )  # fmt: skip
-        if self.numbers != "counts":
+        how = (laws, states or {}, rates or {}, definitions or {})
+        closed = _under_control(self, how, parameters, period, delay)
+        if dimensions and self.numbers != "counts":
             _check_control(self, closed)
         return closed
 
-    @typed
-    def closed_loop(
-        self,
-        laws: Mapping[Any, Any],
-        states: Mapping[Any, Any] | None = None,
-        *,
-        definitions: Mapping[Any, Any] | None = None,
-        parameters: Iterable[Any] = (),
-        period: float | None = None,
-        delay: float = 0.0,
-        rates: Mapping[Any, Any] | None = None,
-    ) -> System:
-        """Return what `with_control` does, with no check of the dimensions of laws.
 
-        Parameters
-        ----------
-        laws : mapping of object to objects
-            As of `with_control`, of any dimension.
-        states, definitions, parameters, period, delay, rates : mapping of object to objects, optional
-            As of `with_control`.
+Control = tuple[Mapping[Any, Any], Mapping[Any, Any], Mapping[Any, Any], Mapping[Any, Any]]
+"""Laws, states of the control with their rates or next values, further states, definitions."""
 
-        Returns
-        -------
-        System
-            As of `with_control`; units are those of the quantities.
 
-        Raises
-        ------
-        InputError
-            As of `with_control`, but for dimensions.
-        """
-        held = {q.name: q for q in self.inputs if q.name not in self.held}
-        by_name = {name_of(key): law for key, law in laws.items()}
-        for name in by_name:
-            if name not in held:
-                raise unknown_name("input", name, held, f"laws of control of {self.name!r}")
-        if delay and period is None:
-            raise InputError("a delay of laws that are not sampled", where=f"control of {self.name!r}",
-                             got=shown(delay), hint="give the period of the samples, too")  # fmt: skip
-        moved = {as_state(key): e for key, e in (rates or {}).items()}
-        own = {as_state(key): e for key, e in (states or {}).items()}
-        shared = {as_quantity(key): e for key, e in (definitions or {}).items()}
-        variables = (*self.states, *self.parameters, *self.inputs, Quantity(self.time))
-        known = {d.name: d.expression for d in self.outputs}
-        known |= {q.name: q.symbol for q in variables}
-        hidden = {d.name for d in self.definitions} - {*known}
-        where = f"control of {self.name!r}"
-        spoken = Spoken(where, known, (*moved, *own, *shared), parameters, hidden)
-        rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
-        made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
-        along, next_ = ({q: spoken.over(e) for q, e in g.items()} for g in (moved, own))
-        gains = tuple(spoken.gains.values())
-        if period is None:
-            return _closed(self, made, {**next_, **along}, gains)
-        steps = tuple(Definition(q, e) for q, e in next_.items())
-        sampling = Sampling(made[len(shared) :], steps, period, delay)
-        return _sampled(self, made[: len(shared)], along, sampling, gains)
+def _under_control(
+    system: System, control: Control, parameters: Iterable[Any], period: float | None, delay: float
+) -> System:
+    laws, states, rates, definitions = control
+    held = {q.name: q for q in system.inputs if q.name not in system.held}
+    by_name = {name_of(key): law for key, law in laws.items()}
+    for name in by_name:
+        if name not in held:
+            raise unknown_name("input", name, held, f"laws of control of {system.name!r}")
+    if delay and period is None:
+        raise InputError("a delay of laws that are not sampled", where=f"control of {system.name!r}",
+                         got=shown(delay), hint="give the period of the samples, too")  # fmt: skip
+    moved = {as_state(key): e for key, e in rates.items()}
+    own = {as_state(key): e for key, e in states.items()}
+    shared = {as_quantity(key): e for key, e in definitions.items()}
+    variables = (*system.states, *system.parameters, *system.inputs, Quantity(system.time))
+    known = {d.name: d.expression for d in system.outputs}
+    known |= {q.name: q.symbol for q in variables}
+    hidden = {d.name for d in system.definitions} - {*known}
+    where = f"control of {system.name!r}"
+    spoken = Spoken(where, known, (*moved, *own, *shared), parameters, hidden)
+    rows = (*shared.items(), *((held[n], law) for n, law in by_name.items()))
+    made = tuple(Definition(q, spoken.over(e)) for q, e in rows)
+    along, next_ = ({q: spoken.over(e) for q, e in g.items()} for g in (moved, own))
+    gains = tuple(spoken.gains.values())
+    if period is None:
+        return _closed(system, made, {**next_, **along}, gains)
+    steps = tuple(Definition(q, e) for q, e in next_.items())
+    sampling = Sampling(made[len(shared) :], steps, period, delay)
+    return _sampled(system, made[: len(shared)], along, sampling, gains)
 
 
 def _check_control(system: System, closed: System) -> None:

@@ -96,7 +96,7 @@ MADE = {
 
 
 METHODS = (
-    "System.from_rates", "System.expand", "System.rate_of", "System.with_control", "System.closed_loop",
+    "System.from_rates", "System.expand", "System.rate_of", "System.with_control",
     "Table.__call__", "Compiled.rates",
     "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
     "Result.at", "Result.load", "Result.save", "Result.animate",
@@ -400,11 +400,7 @@ def _methods():
         "System.rate_of": (OSCILLATOR.rate_of, {"expression": y}),
         "System.with_control": (OSCILLATOR.with_control, {
             "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
-            "period": 0.1, "delay": 0.0, "rates": {"filter": y},
-        }),
-        "System.closed_loop": (OSCILLATOR.closed_loop, {
-            "laws": {}, "states": {"integral": y}, "definitions": {"twice": 2 * y}, "parameters": (),
-            "period": 0.1, "delay": 0.0, "rates": {"filter": y},
+            "period": 0.1, "delay": 0.0, "rates": {"filter": y}, "dimensions": True,
         }),
         "Table.__call__": (eom.Table("a", (0, 1), (0, 1)), {"argument": y}),
         "Compiled.rates": (lambda **a: compiled.functions["rates"](a["t"], a["x"], a["p"], a["u"]), at),

@@ -2,6 +2,7 @@
 
 import importlib
 import math
+import subprocess
 
 import numpy as np
 import pytest
@@ -144,16 +145,45 @@ def test_differences_to_jax_are_judged_by_the_size_of_what_is_compared():
     assert through_jax.worst(got, expected, axis=0) == 1.0  # of the second column, which is noise
     assert through_jax.worst(got, expected, axis=0, least=1e-6) == pytest.approx(1e-10)
     assert math.isnan(through_jax.worst(got * np.nan, expected, axis=0))
-    found = {"values": 2e-14, "gradients": 1e-10, "ours": 1e-3, "theirs": 2e-3}
-    rates, gradients = through_jax.rows("top", found)
-    assert (rates.met, gradients.met, gradients.ratio) == (False, True, "0.5")
+    found = {"written": 0.0, "values": 2e-14, "gradients": 1e-10, "ours": 1e-3, "theirs": 2e-3}
+    written, rates, gradients = through_jax.rows("top", found)
+    assert (written.met, rates.met, gradients.met, gradients.ratio) == (True, False, True, "0.5")
     assert gradients.what == "top, gradients: 1.0e-10"
+    exact = {"our error": 1e-16, "their error": 2e-14, "bound": 3e-13, "within": True}
+    rates = through_jax.rows("top", found | exact)[1]
+    assert (rates.what, rates.ours, rates.met) == (
+        "top, rates compiled: 2.0e-14",
+        "error 1.0e-16",
+        True,
+    )
+    assert not through_jax.rows("top", found | exact | {"within": False})[1].met
+
+
+def test_what_jax_did_not_reach_is_told_with_what_it_reached(monkeypatch):
+    def slow(command, timeout, **_):
+        raise subprocess.TimeoutExpired(command, timeout, b'{"written": 0.0, "values": 0.0}\n{"gra')
+
+    monkeypatch.setattr(through_jax.subprocess, "run", slow)
+    *rates, left = through_jax.apart("top", 5.0, through_jax.STAGES)
+    assert [row.met for row in rates] == [True, True]
+    assert left.what == "top, gradients, many: not reached in 5 s"
+    assert not left.met
+
+
+def test_trajectories_in_calls_are_as_many_as_the_budget_allows(monkeypatch):
+    found, seconds = through_jax.in_calls(lambda x: 2 * x, np.arange(10.0)[None, :], 4)
+    assert found.tolist() == [(2 * np.arange(10.0)).tolist()]
+    assert seconds > 0
+    clock = iter(np.arange(0.0, 1000.0, 100.0))
+    monkeypatch.setattr(through_jax, "perf_counter", lambda: next(clock))
+    assert through_jax.in_calls(lambda x: x, np.zeros((1, 10)), 2)[0].shape == (1, 4)
 
 
 @pytest.mark.slow
 @needs_compiler
 def test_gradients_through_jax_are_our_sensitivities():
     pytest.importorskip("diffrax")
-    found = through_jax.compared("t-handle", many=False)
-    assert all(row.met for row in through_jax.rows("t-handle", found))
-    assert found["gradients"] > 0
+    values, gradients = through_jax.compared("t-handle", ("values", "gradients"))
+    assert values["written"] == 0
+    assert all(row.met for row in through_jax.rows("t-handle", values | gradients))
+    assert gradients["gradients"] > 0

@@ -19,7 +19,7 @@ from click.testing import CliRunner
 
 import codegen
 from codegen.integrate import fleet
-from codegen.loops import runge_kutta
+from codegen.loops import running
 from codegen.native import children, native
 from eom.__main__ import main
 from eom.system import System
@@ -147,13 +147,13 @@ def test_calls_of_generated_code_are_cut_by_the_clock_and_numbers_do_not_depend_
         for most in (10_000_000, 23):
             found = set()
             for seconds, call in ((1e9, 50_000), (0.0, 50_000), (1e9, 3)):
-                monkeypatch.setattr(runge_kutta, "CALL_SECONDS", seconds)
-                monkeypatch.setattr(runge_kutta, "STEPS_A_CALL", call)
+                monkeypatch.setattr(running, "CALL_SECONDS", seconds)
+                monkeypatch.setattr(running, "STEPS_A_CALL", call)
                 run = codegen.simulate(compiled, [1, 0], (0, 300), method=method, max_steps=most)
                 found.add((run.t.tobytes(), run.y.tobytes(), run.steps, run.rejected, run.status))
             assert len(found) == 1
-    assert runge_kutta._next_call(800, 2 * runge_kutta.CALL_SECONDS + 1e9) == 400
-    assert runge_kutta._next_call(1, 1e10) == 1
+    assert running._next_call(800, 2 * running.CALL_SECONDS + 1e9) == 400
+    assert running._next_call(1, 1e10) == 1
 
 
 def gone(pid):

@@ -196,6 +196,50 @@ def test_methods_of_scene_files_are_in_any_case_and_refused_before_any_work(run,
     assert [f.name for f in tmp_path.iterdir()] == ["own.toml"]
 
 
+@pytest.mark.parametrize("command", ["simulate", "run"])
+def test_a_target_is_in_any_case(run, tmp_path, command):
+    words = ["--target", "NumPy", "--t-end", "0.1", "--method", "DOP853", "--no-accuracy"]
+    done = run(
+        command, "t-handle", *words, *(["--out", tmp_path / "o"] if command == "run" else [])
+    )
+    assert done.exit_code == 0
+    assert "over numpy functions" in " ".join(done.output.split())
+
+
+def test_what_is_written_is_the_same_in_any_case(run, tmp_path):
+    for name in ("c", "C"):
+        assert (
+            run("generate", "t-handle", "--target", name, "--out", tmp_path / name).exit_code == 0
+        )
+    texts = [{f.name: f.read_text() for f in (tmp_path / n).iterdir()} for n in ("c", "C")]
+    assert texts[0] == texts[1] != {}
+    done = run("generate", "t-handle", "--target", "FMU", "--out", tmp_path / "unit", "--fixed")
+    assert done.exit_code == 2
+    assert "does not go with --target fmu" in done.output
+
+
+def test_a_target_that_is_written_alone_is_not_run(run):
+    for name in ("fmu", "Javascript"):
+        done = run("simulate", "t-handle", "--target", name)
+        assert done.exit_code == 2
+        assert f"the target {name.lower()} is written, and not run from Python" in done.output
+        assert "auto, c, numpy, python, jax" in done.output
+
+
+@pytest.mark.parametrize(("scene", "name"), [("t-handle", "omega_1"), ("rotary-pendulum", "q_arm")])
+def test_a_value_of_another_dimension_is_that_of_the_option(run, scene, name):
+    done = run("simulate", scene, "--set", f"{name}=1 kg")
+    assert done.exit_code == 2
+    assert re.search(rf"where: +--set {name}=1 kg\n", done.output)
+    assert ".toml" not in done.output
+
+
+def test_a_folder_that_is_needed_is_asked_for(run):
+    done = run("run", "t-handle")
+    assert done.exit_code == 2
+    assert "Missing option '--out'" in done.output
+
+
 # -- where things are written ----------------------------------------------------------------------------
 
 FOLDERS = {

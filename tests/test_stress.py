@@ -57,8 +57,8 @@ def spoilt(monkeypatch, name, change):
     row = next(r for r in methods.ROWS if r.name == name)
     changed = [replace(r, prepare=prepare) if r.name == name else r for r in methods.ROWS]
     monkeypatch.setattr(methods, "ROWS", tuple(changed))
-    once = simulation._once  # keeps integrators, also those that were not changed
-    monkeypatch.setattr(simulation, "_once", getattr(once, "__wrapped__", once))
+    monkeypatch.setattr(simulation, "_kept", {})  # integrators, also those that were not changed
+    monkeypatch.setattr(simulation, "KEPT", 0)
 
 
 def wrong_step(integrator):

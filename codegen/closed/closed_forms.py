@@ -35,6 +35,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import permutations
 from typing import Any, Protocol
 
@@ -69,11 +70,11 @@ from codegen.closed.held import (
     positive_definite,
     states_of,
 )
-from codegen.closed.polhode import Frame, context, number, polhode, root
+from codegen.closed.polhode import DIGITS, Frame, context, number, polhode, root
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.layout import Layout, names_of, to_array
 from codegen.ir.names import comment, identifier
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program, SameObject
 from codegen.ir.residues import PRIME, RandomPoint
 from codegen.ir.scalars import traced
 from codegen.native import native
@@ -459,15 +460,22 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
         reading = _reading(known, row)
         if reading is None:
             continue
-        try:
-            motion = row.move(reading, tuple(Fraction(float(v)) for v in problem.x0))
-        except (ArithmeticError, InputError):
-            continue
+        motion = _motion(SameObject(known), row, tuple(problem.x0.tolist()))
         first, last = problem.t_span
         if motion is not None and abs(last - first) * motion.fastest <= FARTHEST:
             names = names_of(compiled.layout.states)
             return Closed(row.name, row.meaning, Evaluated(motion, len(names)), motion, names)
     return None
+
+
+@lru_cache(maxsize=64)
+def _motion(known: SameObject[Held], row: Row, start: tuple[float, ...]) -> Motion | None:
+    """Return the motion from an initial state by a row that has a reading; None where it has none."""
+    try:
+        motion: Motion | None = row.move(_reading(known.value, row), tuple(map(Fraction, start)))
+    except (ArithmeticError, InputError):
+        return None
+    return motion
 
 
 def is_known(compiled: Compiled, problem: Problem) -> bool:
@@ -533,12 +541,12 @@ class Axes:
         ]
 
 
-def principal_axes(J: Sequence[Sequence[Fraction]]) -> tuple[Axes, Triple]:
+@lru_cache(maxsize=64)
+def principal_axes(J: Matrix) -> tuple[Axes, Triple]:
     """Return principal axes, right-handed, and moments about them, of a symmetric matrix."""
     if not (J[0][1] or J[0][2] or J[1][2]):
         return Axes.own(), (J[0][0], J[1][1], J[2][2])
-    own = context()
-    own.dps += 20
+    own = context(DIGITS + 20)
     values, vectors = own.eigsy(own.matrix([[number(own, v) for v in row] for row in J]))
     if own.det(vectors) < 0:
         vectors = -vectors

@@ -123,13 +123,14 @@ def agm(a: Number, b: Number) -> Number:
 def carlson(x: Number, y: Number, z: Number) -> Number:
     """Return Carlson's R_F(x, y, z), at most one of the arguments zero, by duplication.
 
-    DLMF 19.26.18; the series of 19.36.1 ends it where its next term is negligible.
+    DLMF 19.26.18; the series of 19.36.1 ends it where its next term, of order 8, is negligible.
     """
     m = x.context
+    least = m.ldexp(m.one, -m.prec // 8)
     while True:
         mean = (x + y + z) / 3
         X, Y = 1 - x / mean, 1 - y / mean
-        if max(abs(X), abs(Y), abs(X + Y)) < m.ldexp(m.one, -m.prec // 6):
+        if abs(X) < least and abs(Y) < least and abs(X + Y) < least:
             break
         a, b, c = m.sqrt(x), m.sqrt(y), m.sqrt(z)
         step = a * b + b * c + c * a

@@ -43,6 +43,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -349,13 +350,25 @@ class Top:
 
 @dataclass(frozen=True)
 class Roots:
-    """z1 <= z2 <= z3 of f, the zero zE of the transverse rates, and z at the start."""
+    """z1 <= z2 <= z3 of f, the zero zE of the transverse rates, and z at the start.
+
+    They have as many digits as their differences need; these are computed with, in ``own``.
+    """
 
     z1: Number
     z2: Number
     z3: Number
     zE: Number
     z: Number
+
+    @cached_property
+    def own(self) -> Any:
+        """The numbers of `DIGITS` digits."""
+        return context()
+
+    def gap(self, low: Number, high: Number) -> Number:
+        """Return a difference of two of them, or of one and a whole number."""
+        return self.own.mpf(high - low)
 
 
 def roots_of(top: Top) -> Roots:
@@ -367,8 +380,7 @@ def roots_of(top: Top) -> Roots:
     """
     exact, digits = _known_roots(top), 4 * GUARD
     while digits <= MOST_DIGITS:
-        own = context()
-        own.dps = digits
+        own = context(digits)
         z = _snapped(own, _cosines(own, top.cubic), exact)
         marks = [number(own, v) for v in (top.e / top.mu, top.up[2])]
         found = Roots(*z, *marks)
@@ -512,14 +524,15 @@ class Phase:
         return steady + number(own, self.residue) / self.distance if self.distance else steady
 
 
-def _phases(own: Any, top: Top, z: Number, zE: Number) -> tuple[Phase, Phase, Phase]:
+def _phases(own: Any, top: Top, gaps: Sequence[Number]) -> tuple[Phase, Phase, Phase]:
+    """Return those of 1 + z, 1 - z and zE - z, which are given where u = 0."""
     b, h, w3 = top.b, top.h, top.omega[2]
     half = own.mpf(1) / 2
     last = 2 * number(own, top.mu)
     return (
-        Phase(1 + z, half, (w3 - b) / 2, (h + b) / 2),
-        Phase(1 - z, half, (b - w3) / 2, (h - b) / 2),
-        Phase(zE - z, last, b / 2 - w3, (b * top.e / top.mu - h) / 2),
+        Phase(gaps[0], half, (w3 - b) / 2, (h + b) / 2),
+        Phase(gaps[1], half, (b - w3) / 2, (h - b) / 2),
+        Phase(gaps[2], last, b / 2 - w3, (b * top.e / top.mu - h) / 2),
     )
 
 
@@ -527,7 +540,7 @@ def uniform(top: Top) -> Uniform:
     """Return the motion of a tilt that stays, for the turns that make alpha and beta positive at first."""
     own = context()
     z, zE = number(own, top.up[2]), number(own, top.e / top.mu)
-    phases = _phases(own, top, z, zE)
+    phases = _phases(own, top, (1 + z, 1 - z, zE - z))
     rates = [p.rate(own) for p in phases]
     return Uniform(
         sizes=tuple(float(own.sqrt(p.scale * p.distance)) for p in phases),
@@ -542,13 +555,13 @@ def uniform(top: Top) -> Uniform:
 def nutating(top: Top) -> Nutating:
     """Return the motion of a tilt that changes."""
     r = roots_of(top)
-    own = r.z1.context
-    modulus = Modulus((r.z2 - r.z1) / (r.z3 - r.z1), (r.z3 - r.z2) / (r.z3 - r.z1))
-    p = own.sqrt(number(own, top.mu) * (r.z3 - r.z1) / 2)
-    phases = _phases(own, top, r.z1, r.zE)
-    sizes = [own.sqrt(phases[0].scale * (1 + r.z2))]
+    own, high, whole = r.own, r.z1.context, r.gap(r.z1, r.z3)
+    modulus = Modulus(r.gap(r.z1, r.z2) / whole, r.gap(r.z2, r.z3) / whole)
+    p = own.sqrt(number(own, top.mu) * whole / 2)
+    phases = _phases(own, top, (r.gap(-1, r.z1), r.gap(r.z1, 1), r.gap(r.z1, r.zE)))
+    sizes = [own.sqrt(phases[0].scale * r.gap(-1, r.z2))]
     sizes += [own.sqrt(q.scale * q.distance) for q in phases[1:]]
-    etas = [_below(r, modulus), _above(r, own.one, modulus), _above(r, r.zE, modulus)]
+    etas = [_below(r, modulus), _above(r, 1, modulus), _above(r, r.zE, modulus)]
     shapes = [
         Root(k == 0, eta, size) for k, (eta, size) in enumerate(zip(etas, sizes, strict=True))
     ]
@@ -569,31 +582,33 @@ def nutating(top: Top) -> Nutating:
         fastest=float(max(p, *map(abs, rates))),
         turn=pair(2 * own.pi),
         heights=(float(r.z1), float(r.z2)),
-        quarter=1 if number(own, top.h) >= number(own, top.b) * r.z1 else -1,
+        quarter=1 if number(high, top.h) >= number(high, top.b) * r.z1 else -1,
     )
 
 
 def _below(r: Roots, modulus: Modulus) -> Number:
     """Return eta of 1 + z: tan^2 = (1 + z1)/(z2 - z1)."""
-    own, whole = r.z1.context, 1 + r.z2
-    return first_kind(own.sqrt((1 + r.z1) / whole), own.sqrt((r.z2 - r.z1) / whole), modulus.m)
+    own, whole = r.own, r.gap(-1, r.z2)
+    sine, cosine = r.gap(-1, r.z1) / whole, r.gap(r.z1, r.z2) / whole
+    return first_kind(own.sqrt(sine), own.sqrt(cosine), modulus.m)
 
 
 def _above(r: Roots, z: Number, modulus: Modulus) -> Number:
     """Return eta of z* - z: tan^2 = (z* - z2)(z3 - z1)/((z2 - z1)(z3 - z*)); any at z2 = z3."""
-    own = r.z1.context
+    own = r.own
     if r.z2 == r.z3:
         return own.zero
-    whole = (z - r.z1) * (r.z3 - r.z2)
-    sine, cosine = (z - r.z2) * (r.z3 - r.z1) / whole, (r.z2 - r.z1) * (r.z3 - z) / whole
+    whole = r.gap(r.z1, z) * r.gap(r.z2, r.z3)
+    sine = r.gap(r.z2, z) * r.gap(r.z1, r.z3) / whole
+    cosine = r.gap(r.z1, r.z2) * r.gap(z, r.z3) / whole
     return first_kind(own.sqrt(sine), own.sqrt(cosine), modulus.m)
 
 
 def _start(top: Top, r: Roots) -> Number:
     """Return u at the start, from -K to K: it has the sign of dz/dt, and K or 0 where z rests."""
-    own = r.z1.context
-    sine, cosine = own.sqrt((r.z - r.z1) / (r.z2 - r.z1)), own.sqrt((r.z2 - r.z) / (r.z2 - r.z1))
-    depth = (r.z3 - r.z) / (r.z3 - r.z1)
+    own, whole = r.own, r.gap(r.z1, r.z2)
+    sine, cosine = own.sqrt(r.gap(r.z1, r.z) / whole), own.sqrt(r.gap(r.z, r.z2) / whole)
+    depth = r.gap(r.z, r.z3) / r.gap(r.z1, r.z3)
     sign = 1 if top.rise >= 0 else -1
     return sign * sine * carlson(cosine**2, depth, own.one)
 

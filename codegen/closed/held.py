@@ -187,8 +187,7 @@ def attitude_at(body: Spinning, x: Sequence[Fraction]) -> tuple[Fraction, ...]:
         return tuple(x[k] for k in body.quaternion)
     q: Sequence[Fraction] = (ONE, ZERO, ZERO, ZERO)
     for k, axis in zip(body.angles, body.stated.sequence, strict=True):
-        own = context()
-        own.dps = DIGITS
+        own = context(DIGITS)
         quarter = fraction(own.tan(number(own, x[k]) / 4)) if x[k] else ZERO
         turn = [ZERO] * 4
         turn[0], turn[1 + axis] = RATIONALS.circle(quarter)
@@ -208,8 +207,7 @@ def times(matrix: Sequence[Sequence[Any]], vector: Sequence[Any]) -> list[Any]:
 
 def sine_and_cosine(x: Fraction) -> tuple[Fraction, Fraction]:
     """Return both to `DIGITS` digits."""
-    own = context()
-    own.dps = DIGITS
+    own = context(DIGITS)
     angle = number(own, x)
     return fraction(own.sin(angle)), fraction(own.cos(angle))
 

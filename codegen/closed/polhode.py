@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import mpmath
@@ -121,10 +122,11 @@ def polhode(moments: Sequence[Rational], omega: Sequence[Rational]) -> Polhode:
     return Polhode(Frame(axes, signs), (I[i], I[j], I[k]), (a, b, c))
 
 
-def context() -> Any:
-    """Return a mpmath context of `DIGITS` digits, that nobody else changes."""
+@lru_cache(maxsize=16)
+def context(digits: int = DIGITS) -> Any:
+    """Return a mpmath context of so many digits, which nobody changes."""
     own = mpmath.mp.clone()
-    own.dps = DIGITS
+    own.dps = digits
     return own
 
 

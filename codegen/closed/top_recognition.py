@@ -251,8 +251,7 @@ def _unit(torque: Sequence[Fraction], size: Fraction | None) -> tuple[Fraction, 
         return size, (a / size, b / size, c / size)
     if not square:
         return None
-    own = context()
-    own.dps = 100
+    own = context(100)
     size = abs(c) if not (a or b) else fraction(own.sqrt(number(own, square)))
     sign = 1 if c >= 0 else -1
     x, y = a / (size + abs(c)), b / (size + abs(c))

@@ -64,7 +64,7 @@ from codegen.targets.matlab import MATLAB
 from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
 from codegen.targets.target import Target, refuse_unsupported
-from eom.errors import InputError, typed, unknown_name
+from eom.errors import InputError, spelt, typed, unknown_name
 from eom.system import BodyAttitude, System
 
 
@@ -307,7 +307,7 @@ def compile(  # noqa: A001 - the word that users expect
         matrix, forces).
     target : str, default "auto"
         ``c``, ``numpy``, ``python`` (plain floats), ``jax`` (see `Compiled.module`), or ``auto`` (C
-        where a compiler works, else NumPy).
+        where a compiler works, else NumPy), in any case.
     parameters : mapping, optional
         Numbers for some or all parameters, which are then compiled in and folded; the name of another
         parameter makes the two equal. What has a number leaves the arrays.
@@ -357,9 +357,7 @@ def compile(  # noqa: A001 - the word that users expect
     array([[ 0.,  3.],
            [-4., -8.]])
     """
-    build = TARGETS.get(target)
-    if build is None:
-        raise unknown_name("target", target, TARGETS)
+    build = TARGETS[_callable(target)]
     system = as_system(system, attitudes=attitudes)
     structure = Structure.of(system, parameters, states, inputs)
     in_c = build in (_automatic, _native)
@@ -555,6 +553,7 @@ def target_of(name: str, integrator: written.Choice | None = None) -> Target:
 
     Raises `InputError` for unknown names, and for an integrator where the target writes none.
     """
+    name = spelt(name, [*ROWS, UNIT])
     if name == UNIT:
         raise InputError("a functional mock-up unit is an archive, and no texts", where="target", got=name,
                          hint="write it by eom.write_fmu, or by eom generate --target fmu")  # fmt: skip
@@ -589,6 +588,19 @@ def compiled_of(
 def compile_once(key: SameObject[System]) -> Compiled:
     """Return a system compiled, the same again for the same object."""
     return compile(key.value)
+
+
+def _callable(target: str) -> str:
+    """Return a target that Python calls, in whatever case it is given. Raises `InputError` for others."""
+    name = spelt(target, [*TARGETS, *ROWS, UNIT])
+    if name in TARGETS:
+        return name
+    if name in ROWS or name == UNIT:
+        raise InputError(
+            f"the target {name} is written, and not run from Python", where="target", got=target,
+            expected=f"one of {', '.join(TARGETS)}", hint="write it by eom generate",
+        )  # fmt: skip
+    raise unknown_name("target", target, TARGETS)
 
 
 @typed
@@ -642,8 +654,7 @@ def compiled_jacobian(
         raise unknown_name("kind of variable", by, KINDS)
     if of not in compiled.layout.sizes:
         raise unknown_name("group of results", of, compiled.layout.sizes)
-    if target and target not in TARGETS:
-        raise unknown_name("target", target, TARGETS)
+    target = _callable(target) if target else target
     return kept_jacobian(compiled, (of,), (by,), target or compiled.target)
 
 

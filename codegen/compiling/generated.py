@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from codegen.compiling.compiled import ROWS, write_files
 from codegen.compiling.compiled import generate as texts_of
-from codegen.compiling.compiled import write_files
 from codegen.compiling.sparse import with_jacobians
 from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.loops import projection
 from codegen.loops.written import Choice
 from codegen.passes.pipeline import specialised
-from eom.errors import typed
+from eom.errors import spelt, typed
 from eom.system import System
 
 
@@ -39,7 +39,7 @@ def generate(
         Where the files are written, each whole or not at all.
     target : str, default "c"
         ``c`` (with an integrator), ``c_f32``, ``c_lanes``, ``numpy``, ``python``, ``javascript``,
-        ``jax`` or ``matlab``.
+        ``jax`` or ``matlab``, in any case.
     parameters : mapping, optional
         Numbers for some or all, which are compiled in.
     integrator : str, optional
@@ -75,7 +75,7 @@ def generate(
     >>> sorted(generate(System.from_rates("oscillator", {y: v, v: -k * y}), target="numpy"))
     ['oscillator.py']
     """
-    found = as_system(system)
+    found, target = as_system(system), spelt(target, ROWS)
     made = specialised(found, dict(parameters or {}), stable=stable)
     if integrator and target == "javascript" and found.maintained:
         made = projection.extended(*made, found.maintained, stable)

@@ -131,7 +131,8 @@ def _held(plan: Plan, x: Array, p: Array) -> Plan:
     def rates(t: Array, states: Array) -> Array:
         return function(t, states, p, shared.inputs)
 
-    found, _ = scales.defaults(rates, plan.compiled.layout, x, shared.t_span, shared.rtol)
+    start = scales.Point(x, p, shared.inputs, 0.0)
+    found, _ = scales.defaults(rates, plan.compiled.layout, start, shared.t_span, shared.rtol)
     return replace(plan, shared=replace(shared, atol=found))
 
 

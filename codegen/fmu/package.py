@@ -169,7 +169,8 @@ def sources(made: Unit, version: str) -> dict[str, str]:
     program, layout = made.parts
     name = identifier(layout.name)
     jacobian = made.jacobian
-    core = _filled(made, f"{_template('unit.c')}{_template(f'fmi{version[0]}.c')}")
+    parts = ("unit.c", f"types{version[0]}.c", "calls.c", f"fmi{version[0]}.c")
+    core = _filled(made, "".join(map(_template, parts)))
     return {
         **c.files(program, layout),
         **written.files(written.Choice("dop853"), program, layout),

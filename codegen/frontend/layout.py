@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,17 @@ from eom.tables import Table
 from eom.units import number_in
 
 V = TypeVar("V")
+
+
+class Slope(NamedTuple):
+    """What a state is the derivative of, and by what: names of a state, and of a parameter or a state.
+
+    By a state that is by its first value.
+    """
+
+    of: str
+    by: str
+    by_parameter: bool
 
 
 @dataclass(frozen=True)
@@ -60,6 +71,9 @@ class Layout:
 
     winding: tuple[str, ...] = ()
     """Names of the outputs that jump by whole turns (`eom.system.SequenceAngles`)."""
+
+    slopes: Mapping[str, Slope] = field(default_factory=dict)
+    """The states that are derivatives of others, by name (`codegen.sensitivities`)."""
 
     @classmethod
     def of(cls, system: System) -> Layout:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -298,7 +299,11 @@ def _split(term: Expr) -> tuple[Expr, Expr]:
 def _exact(coefficient: Expr) -> Exact:
     """Return a coefficient exactly."""
     exact = coefficient if coefficient.is_Rational else sp.Rational(coefficient)
-    p, q = int(exact.p), int(exact.q)
+    return _ratio(int(exact.p), int(exact.q))
+
+
+@lru_cache(maxsize=4096)
+def _ratio(p: int, q: int) -> Exact:
     return p if q == 1 else Fraction(p, q)
 
 
@@ -338,24 +343,27 @@ class Lowering:
         """Return the number of the value of ``expression``; ``part`` names it in errors."""
         self.where = ": ".join(filter(None, (self.system, part)))
         stack = [expression]
+        memo = self.memo
         while stack:
             node = stack[-1]
-            if node in self.memo:
+            if node in memo:
                 stack.pop()
                 continue
             children, build = self._rule(node)
-            missing = [c for c in children if c not in self.memo]
+            missing = [c for c in children if c not in memo]
             if missing:
                 stack.extend(reversed(missing))
                 continue
-            self.memo[node] = build([self.memo[c] for c in children])
+            memo[node] = build([memo[c] for c in children])
             stack.pop()
             compile_progress.done(1)
-        return self.memo[expression]
+        return memo[expression]
 
     def _rule(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Return the children of a node and how to build its value from theirs."""
         kind = type(node)
+        if kind in _ARITHMETIC:
+            return _ARITHMETIC[kind](self, node)
         if kind in FUNCTIONS:
             return node.args, lambda a: FUNCTIONS[kind](self.b, a)
         if kind in _CHAINS:
@@ -433,9 +441,9 @@ class Lowering:
 
     def _scaled(self, number: int, coefficient: Exact) -> int:
         """Multiply by an exact number; a denominator other than a power of two divides, but of decimals."""
-        if coefficient == 1:
-            return number
         p, q = coefficient.numerator, coefficient.denominator
+        if p == q:
+            return number
         whole = q & (q - 1) == 0 or (self.decimals and 10**MAX_SPLIT_BITS % q == 0)
         if whole or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
             return self.b.add("mul", self.b.const(coefficient), number)
@@ -482,7 +490,7 @@ class Lowering:
             above = self._powers(late, above)
         else:
             above = self._scaled(self._powers(late), coefficient)
-        return self.b.add("div", above, below)
+        return above if below == self.b.const(1) else self.b.add("div", above, below)
 
     def _within_range(
         self, coefficient: Exact, factors: Sequence[Factor]
@@ -508,9 +516,11 @@ class Lowering:
 
     def _powers(self, factors: Iterable[tuple[int, Exact]], first: int | None = None) -> int:
         """Return the product of powers, beginning with ``first``."""
-        product = self.b.const(1) if first is None else first
+        one = self.b.const(1)
+        product = one if first is None else first
         for number, exponent in factors:
-            product = self.b.add("mul", product, self._power(number, exponent))
+            power = self._power(number, exponent)
+            product = power if product == one else self.b.add("mul", product, power)
         return product
 
     def power(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
@@ -566,6 +576,10 @@ class Lowering:
         return children, build
 
 
+_ARITHMETIC: Mapping[
+    Any, Callable[[Lowering, Any], tuple[Sequence[Expr], Callable[[list[int]], int]]]
+] = {sp.Add: Lowering.sum, sp.Mul: Lowering.product}
+"""What most nodes are, looked for first."""
 _RULES: tuple[
     tuple[Any, Callable[[Lowering, Any], tuple[Sequence[Expr], Callable[[list[int]], int]]]], ...
 ] = (

@@ -260,7 +260,8 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
     return _going_on(task, methods, chosen, ready), ready[1]
 
 
-Decided = tuple[Callable[[Problem], Trajectory | None], str]
+Decided = tuple[Callable[[Array, Array], Trajectory | None], str]
+"""What makes a run of initial states and absolute tolerances, and its name."""
 
 
 def decided(task: Task, methods: Mapping[str, Prepare]) -> Decided | None:
@@ -273,15 +274,19 @@ def decided(task: Task, methods: Mapping[str, Prepare]) -> Decided | None:
         return None
     if closed_forms.is_known(task.compiled, task.problem):
         return None
-    chosen, u, worth = _explicit(task), _inputs(task), WORTH[True]
+    chosen = _explicit(task)
     try:
         ready = methods[chosen.method](task)
     except native.CompilerError:
         return None
-    run = _going_on(task, methods, chosen, ready)
+    going = _Going(task, methods, chosen, ready)
+    u, worth, whole, quick = _inputs(task), WORTH[True], task.problem, going.quick()
 
-    def integrator(problem: Problem) -> Trajectory | None:
-        return run(problem) if _is_calm(task.compiled, problem, u, worth) else None
+    def integrator(x0: Array, atol: Array) -> Trajectory | None:
+        problem = varied(whole, x0=x0, atol=atol)
+        if not _is_calm(task.compiled, problem, u, worth):
+            return None
+        return going.on(problem) if quick is None else going.quickly(quick, problem)
 
     return integrator, ready[1]
 
@@ -395,19 +400,48 @@ def _going_on(
     task: Task, methods: Mapping[str, Prepare], chosen: Explicit, ready: tuple[Integrator, str]
 ) -> Integrator:
     """Run an explicit method; go on with another one from where stability limits it, or it is stuck."""
-    run, name = ready
+    return _Going(task, methods, chosen, ready).on
 
-    def integrator(problem: Problem) -> Trajectory:
-        look = _Look(task, problem, chosen)
-        made = run(problem if task.events else look.watching())
-        first = varied(made, method=name, why=chosen.why, methods=(chosen.method,))
+
+class _Going:
+    """Runs by an explicit method, which others go on with where stability limits it, or it is stuck."""
+
+    def __init__(
+        self,
+        task: Task,
+        methods: Mapping[str, Prepare],
+        chosen: Explicit,
+        ready: tuple[Integrator, str],
+    ) -> None:
+        self.task, self.methods, self.chosen, (self.run, name) = task, methods, chosen, ready
+        self.said = {"method": name, "why": chosen.why, "methods": (chosen.method,)}
+
+    def on(self, problem: Problem) -> Trajectory:
+        """Make a run of a problem."""
+        look = _Look(self.task, problem, self.chosen)
+        made = self.run(problem if self.task.events else look.watching())
+        return self._whole(problem, varied(made, **self.said), look)
+
+    def quick(self) -> Any:
+        """Return what makes runs that differ in their values, if there is such a way."""
+        way = getattr(self.run, "quick", None)
+        problem = _Look(self.task, self.task.problem, self.chosen).watching()
+        return None if way is None else way(problem, **self.said)
+
+    def quickly(self, quick: Any, problem: Problem) -> Trajectory:
+        """Make the same run as `on`; what a run needs behind its first call is made there."""
+        look = _Look(self.task, problem, self.chosen)
+        first = quick.integrate(
+            problem.x0, problem.parameters, problem.inputs, problem.atol, look.onward
+        )
+        return first if first.stop.kind == "end" else self._whole(problem, first, look)
+
+    def _whole(self, problem: Problem, first: Trajectory, look: _Look) -> Trajectory:
         if problem.laws:
-            return _anew(task, methods, problem, first, look.stiff)
+            return _anew(self.task, self.methods, problem, first, look.stiff)
         if look.stiff is not None and first.stop.kind == LEFT:
-            return _implicitly(task, methods, problem, first, look.stiff)
-        return _onward(task, methods, problem, first)
-
-    return integrator
+            return _implicitly(self.task, self.methods, problem, first, look.stiff)
+        return _onward(self.task, self.methods, problem, first)
 
 
 def _anew(
@@ -456,7 +490,11 @@ class _Look:
 
     def watching(self) -> Problem:
         """Return the problem, watched."""
-        return varied(self.problem, watch=self._limited, watch_every=WATCH[self.native])
+        return self.onward(self.problem)
+
+    def onward(self, problem: Problem) -> Problem:
+        """Return a problem with the values of this one, watched."""
+        return varied(problem, watch=self._limited, watch_every=WATCH[self.native])
 
     def _limited(self, t: float, x: Array, h: float) -> bool:
         at, u = (t, x, h), _inputs(self.task)

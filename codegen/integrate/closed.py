@@ -75,11 +75,13 @@ def integrate(compiled: Compiled, closed: Closed, problem: Problem) -> Trajector
     times = np.linspace(start, stop.t, POINTS) if problem.t_eval is None else problem.t_eval
     direction = math.copysign(1.0, end - start)
     times = times[direction * (times - stop.t) <= 0]
+    y = moved(times)
+    ends = times.size and times[-1] == stop.t
     return Trajectory(
         t=times.copy(),
-        y=np.ascontiguousarray(moved(times)),
+        y=y,
         stop=stop,
-        state_at_stop=moved(np.array([stop.t]))[:, 0],
+        state_at_stop=y[:, -1].copy() if ends else moved(np.array([stop.t]))[:, 0],
         closest=tuple(closest.tolist()),
         evaluations=0,
         steps=0,

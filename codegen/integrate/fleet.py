@@ -25,7 +25,7 @@ from codegen.integrate.choice import NEXT, Task
 from codegen.integrate.methods import resumed
 from codegen.ir.names import identifier
 from codegen.ir.program import RATES, SAMPLES, SINGULARITIES, Program
-from codegen.loops import runge_kutta, samples, taylor, taylor_lanes
+from codegen.loops import runge_kutta, running, samples, taylor, taylor_lanes
 from codegen.loops.tableaux import DOP853
 from codegen.native import children, native
 from codegen.native.trajectory import Array, Law, Problem, Stop, Trajectory
@@ -33,11 +33,11 @@ from eom.errors import InputError, spelt, unknown_name
 from eom.tables import Table
 
 STATUS = {
-    runge_kutta.DONE: "end",
-    runge_kutta.SINGULAR: "singular",
-    runge_kutta.NOT_FINITE: "not finite",
-    runge_kutta.STEP_TOO_SMALL: "step",
-    runge_kutta.PAUSED: "max_steps",
+    running.DONE: "end",
+    running.SINGULAR: "singular",
+    running.NOT_FINITE: "not finite",
+    running.STEP_TOO_SMALL: "step",
+    running.PAUSED: "max_steps",
 }
 """Why a trajectory stopped, by the number in `Runs.status`."""
 NUMBERS = {kind: number for number, kind in STATUS.items()}

@@ -48,8 +48,8 @@ from codegen.ir.passes import (
     transposed_times,
 )
 from codegen.ir.program import RATES, SINGULARITIES, Builder, Program
-from codegen.loops import projection, runge_kutta, samples
-from codegen.loops.runge_kutta import NativeMethod
+from codegen.loops import projection, running, samples
+from codegen.loops.running import NativeMethod
 from codegen.native.trajectory import Array, Held, Problem, Stepwise, Trajectory, pointer
 from codegen.passes.pipeline import optimise
 from codegen.targets import c
@@ -344,12 +344,12 @@ def unbound(*_: Array) -> None:
 def integrate(method: NativeMethod, evaluate: Between, problem: Problem) -> Trajectory:
     """Integrate a problem; its dense output is evaluated with its own parameters and inputs."""
     if not problem.dense_output:
-        return runge_kutta.integrate(method, problem)
+        return running.integrate(method, problem)
 
     def solution(t: Array, h: Array, x: Array, rows: Array) -> RowSolution:
         return RowSolution(t, h, x, rows, evaluate, problem)
 
-    made = runge_kutta.integrate(replace(method, solution=solution), problem)
+    made = running.integrate(replace(method, solution=solution), problem)
     if made.held is not None and made.solution is not None:
         made.solution.held = made.held
         if problem.t_eval is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 from codegen.compiling import events
 from codegen.compiling.compiled import Compiled
@@ -13,7 +14,7 @@ from codegen.integrate import choice, group, rkmk, scipy_, splitting, sundials
 from codegen.integrate.choice import Task
 from codegen.integrate.scipy_ import Projector, with_values
 from codegen.ir.program import Program, SameObject
-from codegen.loops import projection, runge_kutta, taylor
+from codegen.loops import projection, runge_kutta, running, taylor
 from codegen.loops.crossings import GROUP
 from codegen.loops.tableaux import DOP853, DP5, TSIT5, Tableau
 from codegen.native.trajectory import Problem, Trajectory
@@ -67,28 +68,26 @@ def _extended_once(key: SameObject[Compiled], further: Further) -> tuple[Program
 @lru_cache(maxsize=64)
 def _runge_kutta_once(
     key: SameObject[Compiled], further: Further, tableau: Tableau
-) -> runge_kutta.NativeMethod:
+) -> running.NativeMethod:
     return runge_kutta.build(tableau, *_extended_once(key, further), further[2])
 
 
 @lru_cache(maxsize=64)
 def _rkmk_once(
     key: SameObject[Compiled], sampled: bool
-) -> tuple[runge_kutta.NativeMethod, group.Between]:
+) -> tuple[running.NativeMethod, group.Between]:
     return rkmk.build(key.value.program, key.value.layout, sampled=sampled)
 
 
 @lru_cache(maxsize=64)
 def _splitting_once(
     key: SameObject[Compiled], sampled: bool
-) -> tuple[runge_kutta.NativeMethod, group.Between]:
+) -> tuple[running.NativeMethod, group.Between]:
     return splitting.build(key.value.program, key.value.layout, sampled)
 
 
 @lru_cache(maxsize=64)
-def _taylor_once(
-    key: SameObject[Compiled], further: Further, order: int
-) -> runge_kutta.NativeMethod:
+def _taylor_once(key: SameObject[Compiled], further: Further, order: int) -> running.NativeMethod:
     return taylor.build(*_extended_once(key, further), order, further[2])
 
 
@@ -97,21 +96,24 @@ class Native:
     """A loop in generated C as an integrator, with what its projection needs beside it."""
 
     compiled: Compiled
-    method: runge_kutta.NativeMethod
+    method: running.NativeMethod
 
     def __call__(self, problem: Problem) -> Trajectory:
         """Integrate a problem."""
         if not problem.project:
-            return runge_kutta.integrate(self.method, problem)
-        found = runge_kutta.integrate(self.method, with_values(self.compiled, problem))
+            return running.integrate(self.method, problem)
+        found = running.integrate(self.method, with_values(self.compiled, problem))
         if not (problem.dense_output and problem.t_eval is not None):
             return found
         return replace(found, y=Projector(self.compiled, problem).points(found.t, found.y))
 
-    def quick(self, problem: Problem) -> runge_kutta.Quick | None:
-        """Return the quick way for problems like this one but for their values, if there is one."""
+    def quick(self, problem: Problem, **said: Any) -> running.Prepared | None:
+        """Return the quick way for problems like this one but for their values, if there is one.
+
+        ``said``: fields of the trajectories beside what is found.
+        """
         quick = None if problem.project else self.method.quick
-        return quick if quick is not None and quick.takes(problem) else None
+        return None if quick is None else quick.prepared(problem, **said)
 
 
 def _runge_kutta(

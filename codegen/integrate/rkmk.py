@@ -39,7 +39,7 @@ from codegen.integrate.group import (
 from codegen.ir.names import identifier
 from codegen.ir.program import RATES, SINGULARITIES, Program
 from codegen.loops import lookout, runge_kutta, samples
-from codegen.loops.runge_kutta import NativeMethod
+from codegen.loops.running import NativeMethod
 from codegen.loops.tableaux import DOP853, Row, Tableau
 from codegen.native import native
 from codegen.native.trajectory import Problem

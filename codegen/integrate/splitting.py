@@ -45,7 +45,7 @@ from codegen.integrate.group import CONSTANTS, KICK, START, Variables, kicks, st
 from codegen.ir.names import identifier
 from codegen.ir.program import SINGULARITIES, Program
 from codegen.loops import lookout, runge_kutta, samples
-from codegen.loops.runge_kutta import NativeMethod
+from codegen.loops.running import NativeMethod
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.passes.pipeline import by_parameters

@@ -77,9 +77,8 @@ class RuleSet:
 def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | None:
     """Return an equal, simpler value of ``op`` on ``args`` if a rule knows one."""
     instructions = b.instructions
-    operands = [instructions[a] for a in args]
     listed, constants = rules.general, _NONE
-    if "const" in [i.op for i in operands]:
+    if "const" in [instructions[a][0] for a in args]:
         constants = [constant(b, a) for a in args]
         listed = rules.rules
         if op in _EXACT and all(c is not None for c in constants):
@@ -110,8 +109,8 @@ def _small(value: Fraction) -> bool:
 
 def _negated(b: Numbers, number: int) -> int | None:
     """Return x if ``number`` is -x."""
-    instruction = b.instructions[number]
-    return instruction.args[0] if instruction.op == "neg" else None
+    op, args, _ = b.instructions[number]
+    return args[0] if op == "neg" else None
 
 
 def _neutral(neutral: int) -> Rule:
@@ -167,7 +166,10 @@ def _sub_opposite(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None
 
 
 def _mul_zero(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
-    return next((k for k, c in zip(args, constants, strict=True) if c is not None and c == 0), None)
+    x, y = constants
+    if x is not None and not x:
+        return args[0]
+    return args[1] if y is not None and not y else None
 
 
 def _mul_quotient(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:

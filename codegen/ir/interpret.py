@@ -138,13 +138,12 @@ def constants_exactly(program: Program, digits: int) -> dict[int, Any]:
     context = _context(digits)
     exact: dict[int, Any] = {}
     for k, instruction in enumerate(program.instructions):
-        is_leaf = instruction.op not in OPS
-        if instruction.op in SOLVE:
-            continue
-        if is_leaf and instruction.op in {"const", "pi"}:
-            exact[k] = _leaf_exact(instruction, Point(), context)
-        elif not is_leaf and all(a in exact for a in instruction.args):
-            operands = [exact[a] for a in instruction.args]
+        op, args, _ = instruction
+        if op not in OPS:
+            if op in {"const", "pi"}:
+                exact[k] = _leaf_exact(instruction, Point(), context)
+        elif op not in SOLVE and {*args} <= exact.keys():
+            operands = [exact[a] for a in args]
             exact[k] = _real(context, partial(row_of(instruction).exact, context, *operands))
     return exact
 

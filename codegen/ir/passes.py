@@ -18,10 +18,10 @@ Slot = tuple[str, int]
 
 def needed(program: Program, groups: Iterable[str]) -> set[int]:
     """Return the numbers of all values that ``groups`` of results depend on."""
-    found = {k for g in groups for k in program.results[g]}
-    for k in range(len(program.instructions) - 1, -1, -1):
+    found, instructions = {k for g in groups for k in program.results[g]}, program.instructions
+    for k in range(len(instructions) - 1, -1, -1):
         if k in found:
-            found.update(program.instructions[k].args)
+            found.update(instructions[k][1])
     return found
 
 
@@ -49,7 +49,7 @@ def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
         return program
     new = {old: k for k, old in enumerate(order)}
     instructions = [
-        Instruction(i.op, tuple([new[a] for a in i.args]), i.value) if i.args else i
+        Instruction(i[0], tuple([new[a] for a in i[1]]), i[2]) if i[1] else i
         for i in map(program.instructions.__getitem__, order)
     ]
     results = {g: tuple(new[k] for k in program.results[g]) for g in kept}

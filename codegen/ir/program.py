@@ -12,6 +12,7 @@ Values as keys of caches by what they are, not by what they hold.
 
 from __future__ import annotations
 
+from collections import Counter, deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -75,8 +76,8 @@ class Program:
 
     def counts(self) -> dict[str, int]:
         """Return how often each operation occurs, leaves left out, in the order of the table."""
-        present = [i.op for i in self.instructions]
-        return {op: present.count(op) for op in OPS if op in present}
+        present = Counter(i.op for i in self.instructions)
+        return {op: present[op] for op in OPS if op in present}
 
 
 def _text(instruction: Instruction) -> str:
@@ -98,6 +99,18 @@ _FURTHER = {*WITH_DATA, *INTEGER_FIRST, *SOLVE}
 
 def verify(program: Program) -> None:
     """Assert that a program is well formed; a failure is a defect of a pass, not of an input."""
+    if not any(program.instructions is known for known in _VERIFIED):
+        _verify_instructions(program)
+        _VERIFIED.append(program.instructions)
+    size = len(program.instructions)
+    assert all(0 <= r < size for group in program.results.values() for r in group)
+
+
+_VERIFIED: deque[tuple[Instruction, ...]] = deque(maxlen=8)
+"""The latest instructions that are well formed: passes make several programs of the same ones."""
+
+
+def _verify_instructions(program: Program) -> None:
     for k, (op, args, value) in enumerate(program.instructions):
         arity = _ARITIES.get(op)
         if arity is None:
@@ -105,7 +118,7 @@ def verify(program: Program) -> None:
             assert not args, (k, op)
             assert (value is None) == (op in {"pi", "time"}), (k, op)
             continue
-        assert arity in (len(args), VARIADIC), (k, op)
+        assert arity == len(args) or arity == VARIADIC, (k, op)
         for a in args:
             assert 0 <= a < k, (k, op, args)
         if op not in _FURTHER:
@@ -119,8 +132,6 @@ def verify(program: Program) -> None:
             assert order >= 0, (k, op)
         elif op in SOLVE:
             _verify_solve(program, k)
-    size = len(program.instructions)
-    assert all(0 <= r < size for group in program.results.values() for r in group)
 
 
 def _verify_solve(program: Program, k: int) -> None:
@@ -158,9 +169,13 @@ def bindings(program: Program) -> list[int]:
     for op, args, _ in program.instructions:
         when = BINDING.get(op, 0)
         for a in args:
-            when = max(when, known[a])
+            if known[a] > when:  # noqa: PLR1730 - in half the time
+                when = known[a]
         known.append(when)
     return known
+
+
+_COMMUTATIVE = frozenset(name for name, row in OPS.items() if row.commutative)
 
 
 class Builder:
@@ -173,7 +188,7 @@ class Builder:
         self.binding: list[int] = []
         """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
         self._numbers: dict[Instruction, int] = {}
-        self._constants: dict[Fraction | float, int] = {}
+        self._constants: dict[tuple[int, int], int] = {}
 
     def leaf(self, op: str, value: Data = None) -> int:
         """Return the number of a leaf."""
@@ -181,9 +196,10 @@ class Builder:
 
     def const(self, value: Fraction | float) -> int:
         """Return the number of an exact constant; a float is the dyadic fraction that it is."""
-        known = self._constants.get(value)
+        ratio = value.as_integer_ratio()  # of ints: their hash is found at once
+        known = self._constants.get(ratio)
         if known is None:
-            known = self._constants[value] = self.leaf("const", Fraction(value))
+            known = self._constants[ratio] = self.leaf("const", Fraction(value))
         return known
 
     def add(self, op: str, *args: int, value: Data = None) -> int:
@@ -192,7 +208,7 @@ class Builder:
         ``value``: the data of an operation that has some.
         """
         compile_progress.done()
-        if OPS[op].commutative and args[0] > args[1]:
+        if op in _COMMUTATIVE and args[0] > args[1]:
             args = (args[1], args[0])
         folded = fold.fold(self, op, args, self.rules)
         return self._number(Instruction(op, args, value)) if folded is None else folded
@@ -223,10 +239,13 @@ class Builder:
             known = len(self.instructions)
             self._numbers[instruction] = known
             self.instructions.append(instruction)
-            when = BINDING.get(instruction.op, 0)
-            for a in instruction.args:
-                when = max(when, self.binding[a])
-            self.binding.append(when)
+            op, args, _ = instruction
+            binding = self.binding
+            when = BINDING.get(op, 0)
+            for a in args:
+                if binding[a] > when:  # noqa: PLR1730 - in half the time
+                    when = binding[a]
+            binding.append(when)
         return known
 
     def program(self, results: Mapping[str, Iterable[int]]) -> Program:

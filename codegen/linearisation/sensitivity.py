@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from codegen.compiling.compiled import TARGETS, Compiled, compile
 from codegen.compiling.sampled import refuse
 from codegen.derivatives.derivative import JACOBIAN, UNIT, Seeds, derive
-from codegen.frontend.layout import Layout, names_of
+from codegen.frontend.layout import Layout, Slope, names_of
 from codegen.ir.ops import Instruction
 from codegen.ir.passes import prune
 from codegen.ir.program import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
@@ -157,7 +157,9 @@ def sensitivities(
 
     Notes
     -----
-    Units are those of a state over those of a variable.
+    Units are those of a state over those of a variable. A run that is given no absolute tolerance
+    holds each derivative by its own size, or, where nothing moves it at first, by the size of the
+    state over that of the variable (a parameter's value).
 
     References
     ----------
@@ -270,6 +272,12 @@ def _layout(layout: Layout, parameters: tuple[str, ...], initial_states: tuple[s
         replace(by_name[name], symbol=sp.Symbol(_first(name), real=True)) for name in initial_states
     ]
     states = (*layout.states, *(_rate(q, v) for v in variables for q in layout.states))
+    by = [*((n, True) for n in parameters), *((n, False) for n in initial_states)]
+    slopes_of = {
+        _rate(q, v).name: Slope(q.name, *what)
+        for v, what in zip(variables, by, strict=True)
+        for q in layout.states
+    }
     outputs = layout.results[OUTPUTS]
     slopes = tuple(_named(name, v.name) for v in variables for name in outputs)
     names = [*names_of((*states, *layout.parameters, *layout.inputs)), *outputs, *slopes]
@@ -284,7 +292,7 @@ def _layout(layout: Layout, parameters: tuple[str, ...], initial_states: tuple[s
     }
     title = f"{layout.title}, with sensitivities"
     name = f"{layout.name}_sensitivities"
-    return replace(layout, name=name, title=title, states=states, results=results)
+    return replace(layout, name=name, title=title, states=states, results=results, slopes=slopes_of)
 
 
 def _rate(state: Quantity, variable: Quantity) -> Quantity:

@@ -30,7 +30,7 @@ from codegen.ir.names import comment, identifier
 from codegen.ir.program import RATES, SINGULARITIES, Program, SameObject
 from codegen.loops import crossings, projection, runge_kutta, samples, switches
 from codegen.loops.jets import limited, series
-from codegen.loops.runge_kutta import NativeMethod
+from codegen.loops.running import NativeMethod
 from codegen.native import native
 from codegen.native.trajectory import Array, Stepwise
 from codegen.passes.pipeline import by_parameters
@@ -176,7 +176,7 @@ def begin(program: Program, layout: Layout, order: int) -> None:
 
 
 def build(program: Program, layout: Layout, order: int, sampled: bool = False) -> NativeMethod:
-    """Compile the integrator of a system for this machine; `runge_kutta.integrate` runs it.
+    """Compile the integrator of a system for this machine; `running.integrate` runs it.
 
     Raises `CompilerError` if that fails, and `InputError` where a value has no Taylor series.
     """

@@ -69,10 +69,15 @@ typedef struct {
     double epoch;
     Py_ssize_t n;
     double *room; /* (n,), for a state that is moved */
+    double *whole; /* NULL, or all states, of which the first n are considered, and room for their rates behind them */
 } rates_t;
 
 static void slope_at(const rates_t *r, double t, const double *x, double *slope) {
-    r->target->function(r->epoch + t, x, r->target->constants, r->u, slope);
+    const size_t considered = (size_t)r->n * sizeof *x;
+    double *all = r->whole == NULL ? NULL : r->whole + r->target->length[X];
+    if (all != NULL) memcpy(r->whole, x, considered);
+    r->target->function(r->epoch + t, all == NULL ? x : r->whole, r->target->constants, r->u, all == NULL ? slope : all);
+    if (all != NULL) memcpy(slope, all, considered);
 }
 
 /* The largest size of a state of the same unit; least: n values of room. */
@@ -93,10 +98,12 @@ static double at_most(const double *slope, const double *bounds, Py_ssize_t n, d
     return pace > 0.0 && isfinite(SHORTER / pace) ? SHORTER / pace : span;
 }
 
-static int is_short(const double *before, const double *after, const double *bounds, double length, Py_ssize_t n) {
+static int is_short(const double *before, const double *after, const double *bounds, const double *beside, double length,
+                    Py_ssize_t n) {
     for (Py_ssize_t k = 0; k < n; ++k) {
         const double allowed = bounds[k] + length * fabs(before[k]);
-        if (!(length * fabs(after[k] - before[k]) <= allowed || allowed == 0.0)) return 0;
+        const double change = length * fabs(after[k] - before[k]);
+        if (!(change <= allowed || (beside != NULL && change <= beside[k]) || allowed == 0.0)) return 0;
     }
     return 1;
 }
@@ -114,60 +121,87 @@ static void steady_part(const rates_t *r, double t, const double *x, const doubl
     }
 }
 
-/* How far each state goes at first, in grown; work: (2 DEPTH + 2) n doubles. */
+static int is_doubtful(double growth, double largest) {
+    return growth > 0.0 && growth <= DOUBTFUL * (largest > 0.0 ? largest : HUGE_VAL);
+}
+
+/* Put 0 for rates at a point that are rounding. */
+static void without_rounding(const rates_t *r, double t, const double *x, double *slope, const double *largest,
+                             double length, double *new, double *moved) {
+    int doubtful = 0;
+    for (Py_ssize_t k = 0; k < r->n; ++k) {
+        new[k] = length * fabs(slope[k]);
+        doubtful |= is_doubtful(new[k], largest[k]);
+    }
+    if (!doubtful) return;
+    steady_part(r, t, x, slope, new, moved);
+    for (Py_ssize_t k = 0; k < r->n; ++k)
+        if (new[k] == 0.0 && is_doubtful(length * fabs(slope[k]), largest[k])) slope[k] = 0.0;
+}
+
+/* How far each state goes at first, in grown; work: (DEPTH + 3) n doubles. */
 static void growth_of(const rates_t *r, const double *start, const double *bounds, const double *largest,
-                      double begin, double end, double *grown, double *work) {
+                      const double *beside, double begin, double end, double *grown, double *work) {
     const Py_ssize_t n = r->n;
-    double *slopes = work, *points = work + DEPTH * n, *new = work + 2 * DEPTH * n, *moved = new + n;
+    double *slopes = work, *point = work + DEPTH * n, *new = point + n, *moved = new + n;
     const double direction = end > begin ? 1.0 : -1.0;
-    memcpy(points, start, (size_t)n * sizeof *start);
     slope_at(r, begin, start, slopes);
-    double length = at_most(slopes, bounds, n, fabs(end - begin)), then = begin;
+    double length = at_most(slopes, bounds, n, fabs(end - begin));
     int fit = 0;
     for (int turn = 0; turn < TURNS && !fit; ++turn) {
         if (turn > 0) length = length / SHORTER;
-        const double step = direction * length;
-        then = fabs(step) < fabs(end - begin) ? begin + step : end;
+        const double step = direction * length, then = fabs(step) < fabs(end - begin) ? begin + step : end;
+        without_rounding(r, begin, start, slopes, largest, length, new, moved);
         fit = 1;
         for (int d = 1; d < DEPTH; ++d) {
-            for (Py_ssize_t k = 0; k < n; ++k) points[d * n + k] = start[k] + step * slopes[(d - 1) * n + k];
-            slope_at(r, then, points + d * n, slopes + d * n);
-            fit = fit && is_short(slopes + (d - 1) * n, slopes + d * n, bounds, length, n);
+            double *before = slopes + (d - 1) * n, *slope = slopes + d * n;
+            for (Py_ssize_t k = 0; k < n; ++k) point[k] = start[k] + step * before[k];
+            slope_at(r, then, point, slope);
+            without_rounding(r, then, point, slope, largest, length, new, moved);
+            fit = fit && is_short(before, slope, bounds, beside, length, n);
         }
     }
     if (!fit) length = 0.0;
     for (Py_ssize_t k = 0; k < n; ++k) grown[k] = 0.0;
-    for (int d = 0; d < DEPTH; ++d) {
-        int doubtful = 0;
+    for (int d = 0; d < DEPTH; ++d)
         for (Py_ssize_t k = 0; k < n; ++k) {
-            new[k] = length * fabs(slopes[d * n + k]);
-            if (grown[k] != 0.0 || !isfinite(new[k])) new[k] = 0.0;
-            doubtful |= new[k] > 0.0 && new[k] <= DOUBTFUL * (largest[k] > 0.0 ? largest[k] : HUGE_VAL);
+            const double growth = length * fabs(slopes[d * n + k]);
+            if (grown[k] == 0.0 && isfinite(growth)) grown[k] += growth;
         }
-        if (doubtful) steady_part(r, d ? then : begin, points + d * n, slopes + d * n, new, moved);
-        for (Py_ssize_t k = 0; k < n; ++k) grown[k] += new[k];
+}
+
+typedef struct {
+    const int *unit;
+    int alone;
+    const double *otherwise; /* scales of states that do not grow, 0 for none, or NULL */
+    double begin, end;
+} compared_t;
+
+/* The scales, 0 where a state does not grow, in size, and the largest of each unit; work: (DEPTH + 6) n doubles. */
+static void sizes_of(const rates_t *r, const double *x, const compared_t *c, double *size, double *largest, double *work) {
+    const Py_ssize_t n = r->n;
+    double *bounds = work, *grown = bounds + n, *beside = grown + n, *rest = beside + n;
+    int small = 0;
+    for (Py_ssize_t k = 0; k < n; ++k) size[k] = fabs(x[k]);
+    largest_of_unit(c->unit, size, n, grown, largest);
+    for (Py_ssize_t k = 0; k < n; ++k) {
+        bounds[k] = c->unit[k] == c->alone ? size[k] : largest[k];
+        small |= size[k] <= RESIDUE * largest[k];
     }
+    if (!small) return;
+    if (c->otherwise != NULL) largest_of_unit(c->unit, c->otherwise, n, grown, beside);
+    growth_of(r, x, bounds, largest, c->otherwise == NULL ? NULL : beside, c->begin, c->end, grown, rest);
+    for (Py_ssize_t k = 0; k < n; ++k) {
+        if (size[k] <= RESIDUE * largest[k]) size[k] = grown[k] > 0.0 ? (grown[k] > size[k] ? grown[k] : size[k]) : 0.0;
+        if (!(size[k] > 0.0) && c->otherwise != NULL) size[k] = c->otherwise[k];
+    }
+    largest_of_unit(c->unit, size, n, grown, largest);
 }
 
 /* The tolerances; in unknown the numbers of states whose scale is not known, how many there are is returned. */
-static int tolerances_of(const rates_t *r, const double *x, const int *unit, int alone, double begin, double end,
-                         double rtol, double *atol, double *work, double *unknown) {
-    const Py_ssize_t n = r->n;
-    double *size = work, *largest = size + n, *bounds = largest + n, *grown = bounds + n, *rest = grown + n;
-    int small = 0, count = 0;
-    for (Py_ssize_t k = 0; k < n; ++k) size[k] = fabs(x[k]);
-    largest_of_unit(unit, size, n, grown, largest);
-    for (Py_ssize_t k = 0; k < n; ++k) {
-        bounds[k] = unit[k] == alone ? size[k] : largest[k];
-        small |= size[k] <= RESIDUE * largest[k];
-    }
-    if (small) {
-        growth_of(r, x, bounds, largest, begin, end, grown, rest);
-        for (Py_ssize_t k = 0; k < n; ++k)
-            if (size[k] <= RESIDUE * largest[k])
-                size[k] = grown[k] > 0.0 ? (grown[k] > size[k] ? grown[k] : size[k]) : 0.0;
-        largest_of_unit(unit, size, n, grown, largest);
-    }
+static int tolerances_of(const double *size, const double *largest, Py_ssize_t n, double rtol, double *atol,
+                         double *unknown) {
+    int count = 0;
     for (Py_ssize_t k = 0; k < n; ++k) {
         const double scale = size[k] > 0.0 ? size[k] : (largest[k] > 0.0 ? largest[k] : 1.0);
         double own = PART * rtol * scale;
@@ -206,31 +240,50 @@ static PyObject *numbers_of(const double *values, int count) {
     return found;
 }
 
-/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out) -> numbers of the states whose scale is not
- * known, or None where it says nothing; units: bytes of an int each */
+/* Fill out from the start x; see scales. */
+static PyObject *scales_from(const rates_t *r, const double *x, const compared_t *c, double rtol, double *out,
+                             double *work) {
+    const Py_ssize_t n = r->n;
+    double *size = work, *largest = size + n, *rest = largest + n;
+    sizes_of(r, x, c, size, largest, rest);
+    if (r->whole == NULL) return numbers_of(rest, tolerances_of(size, largest, n, rtol, out, rest));
+    for (Py_ssize_t k = 0; k < n; ++k) out[k] = size[k] > 0.0 ? size[k] : (largest[k] > 0.0 ? largest[k] : NAN);
+    Py_RETURN_NOTIMPLEMENTED;
+}
+
+/* scales(rates, x, p, u, units, alone, begin, end, epoch, rtol, out, otherwise) -> numbers of the states whose scale is
+ * not known, or None where it says nothing; units: bytes of an int each; otherwise: scales of states that do not grow,
+ * empty for none. Where it is None, out gets the scales of the first states alone, as many as it is long, NaN where
+ * none is known, and the result is NotImplemented. */
 static PyObject *scales(PyObject *self, PyObject *const *args, Py_ssize_t count) {
     (void)self;
-    target_t *target = count == 11 ? target_of(args[0]) : NULL;
-    Py_buffer views[ARRAYS], out;
+    enum { ROWS = 2 + DEPTH + 6 + 1 + 2 };
+    target_t *target = count == 12 ? target_of(args[0]) : NULL;
+    Py_buffer views[ARRAYS], out, otherwise;
     char *units;
     Py_ssize_t size;
     if (target == NULL || !hold(target, args + 1, views)) Py_RETURN_NONE;
     const Py_ssize_t n = target->length[X];
+    const int first = args[11] == Py_None;
+    const Py_ssize_t considered = first ? PyObject_Length(args[10]) : n, given = first ? 0 : PyObject_Length(args[11]);
     PyObject *unknown = NULL;
     if (PyBytes_AsStringAndSize(args[4], &units, &size) == 0 && size == n * (Py_ssize_t)sizeof(int) &&
-        fits(args[10], &out, n, 1)) {
-        double *work = PyMem_Malloc((size_t)(4 + 2 * DEPTH + 4) * (size_t)n * sizeof(double));
-        if (work != NULL) {
+        considered >= 0 && considered <= n && (given == 0 || given == n) && fits(args[10], &out, considered, 1)) {
+        double *work = PyMem_Malloc((size_t)ROWS * (size_t)n * sizeof(double));
+        const int held = given == 0 || fits(args[11], &otherwise, n, 0);
+        if (work != NULL && held) {
+            double *room = work + (ROWS - 3) * n, *whole = first ? room + n : NULL;
             prepare(target, views[P].buf);
-            const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), n, work + (4 + 2 * DEPTH + 2) * n};
-            double *last = rates.room + n;
-            const int alone = (int)PyLong_AsLong(args[5]);
-            const double begin = PyFloat_AsDouble(args[6]), end = PyFloat_AsDouble(args[7]);
-            const int count_unknown = tolerances_of(&rates, views[X].buf, (const int *)(const void *)units, alone, begin,
-                                                    end, PyFloat_AsDouble(args[9]), out.buf, work, last);
-            if (!PyErr_Occurred()) unknown = numbers_of(last, count_unknown);
-            PyMem_Free(work);
+            if (first) memcpy(whole, views[X].buf, (size_t)n * sizeof *whole);
+            const rates_t rates = {target, views[U].buf, PyFloat_AsDouble(args[8]), considered, room, whole};
+            const compared_t compared = {(const int *)(const void *)units, (int)PyLong_AsLong(args[5]),
+                                         given == n && n > 0 ? otherwise.buf : NULL, PyFloat_AsDouble(args[6]),
+                                         PyFloat_AsDouble(args[7])};
+            const double rtol = PyFloat_AsDouble(args[9]);
+            if (!PyErr_Occurred()) unknown = scales_from(&rates, views[X].buf, &compared, rtol, out.buf, work);
         }
+        if (held && given > 0) PyBuffer_Release(&otherwise);
+        PyMem_Free(work);
         PyBuffer_Release(&out);
     }
     let_go(views);
@@ -280,7 +333,7 @@ static PyObject *steepest(PyObject *self, PyObject *const *args, Py_ssize_t coun
         double *work = PyMem_Malloc(6 * (size_t)n * sizeof(double));
         if (work != NULL) {
             prepare(target, views[P].buf);
-            const rates_t rates = {target, views[U].buf, 0.0, n, NULL};
+            const rates_t rates = {target, views[U].buf, 0.0, n, NULL, NULL};
             bound = steepest_of(&rates, PyFloat_AsDouble(args[5]), views[X].buf, (const int *)(const void *)units,
                                 atol.buf, PyFloat_AsDouble(args[7]), work);
             PyMem_Free(work);

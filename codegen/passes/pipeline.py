@@ -239,6 +239,10 @@ def reciprocals(program: Program) -> Program:
     return prune(b.program({g: [new[k] for k in r] for g, r in program.results.items()}))
 
 
+def _uncut(program: Program, leaf: str) -> Cut:
+    return Cut(leaf, Program((), {leaf: ()}, rules=program.rules), program, ())
+
+
 def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
     """Cut at the binding of ``leaf``; leaves in ``moved`` go through the array, others stay."""
     known = bindings(program)
@@ -248,11 +252,13 @@ def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
         for k, (op, _, _) in enumerate(program.instructions)
         if 0 < known[k] <= level and (op in moved or op not in LEAVES)
     }
+    if not early:
+        return _uncut(program, leaf)
     used = {a for k, i in enumerate(program.instructions) if k not in early for a in i.args}
     used |= {k for results in program.results.values() for k in results}
     slots = {k: slot for slot, k in enumerate(sorted(early & used))}
     if not slots:
-        return Cut(leaf, Program((), {leaf: ()}, rules=program.rules), program, ())
+        return _uncut(program, leaf)
     instructions: list[Instruction] = []
     new: dict[int, int] = {}
     for k, (op, args, value) in enumerate(program.instructions):

@@ -27,7 +27,7 @@ from codegen.integrate.methods import Integrator as Loop
 from codegen.integrate.scales import quickly
 from codegen.ir.program import INVARIANTS, SINGULARITIES, Program
 from codegen.loops.projection import chosen
-from codegen.loops.runge_kutta import Quick
+from codegen.loops.running import Prepared
 from codegen.native import native
 from codegen.native.trajectory import Array, Problem, varied
 from codegen.runs import arguments, pruning
@@ -112,7 +112,7 @@ class _Ready:
             and not (compiled.system.sampled or self.winding)
         )
         self._loop: tuple[Loop, str] | None = None
-        self._quick: Quick | None = None
+        self._quick: Prepared | None = None
         self._decided: tuple[bytes, Decided | None] = b"", None
 
     def loop(self, task: Task) -> tuple[Loop, str]:
@@ -137,11 +137,11 @@ class _Ready:
         quick, made, used = self._quick, None, ""
         began = time.perf_counter()
         if quick is not None:
-            made = quick.integrate(self.problem, given.x0, given.values, given.held, atol[0])
+            made = quick.integrate(given.x0, given.values, given.held, atol[0])
             used = self.own_loop()[1]
         elif self.chooses and (decided := self._decision(given, atol[0])) is not None:
             run, used = decided
-            made = run(self._problem(given, atol[0]))
+            made = run(given.x0, atol[0])
         if made is None:
             return self._in_general(given, atol, progress)
         seconds = time.perf_counter() - began if made.seconds is None else made.seconds

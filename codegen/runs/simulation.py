@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.events import Given
-from codegen.ir.program import SameObject
 from codegen.native.trajectory import MAX_STEPS
 from codegen.runs.arguments import arguments_of
 from codegen.runs.given import InputsGiven, Values
@@ -238,46 +236,35 @@ Arguments = tuple[Any, ...]
 
 def _prepared(arguments: Arguments) -> Integrator:
     """Return an integrator for all arguments but values; the same for equal ones, if these are short."""
-    key = _Key(arguments)
-    if key.said is None:
-        return Integrator(asked_of(*arguments), {})
-    return _once(key)
+    system, span, *rest = arguments
+    key = (id(system), *span, *[v if type(v) in _PLAIN else _text(v) for v in rest])
+    found = _kept.get(key)
+    if found is None:
+        found = system, Integrator(asked_of(*arguments), {})
+        if _LONG in key:
+            return found[1]
+    else:
+        _kept.pop(key, None)
+    _kept[key] = found  # the last is the latest used
+    while len(_kept) > KEPT:
+        _kept.pop(next(iter(_kept), key), None)
+    return found[1]
 
 
-class _Key:
-    """Arguments of runs, equal to others by what these say."""
-
-    __slots__ = ("arguments", "said")
-
-    def __init__(self, arguments: Arguments) -> None:
-        self.arguments = arguments
-        system, span, method, rtol, atol, times, outputs, *rest = arguments
-        said = (*span, method, rtol, _text(atol), _text(times), _text(outputs), *map(_text, rest))
-        self.said = None if None in said else (SameObject(system), *said)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Key) and self.said == other.said
-
-    def __hash__(self) -> int:
-        return hash(self.said)
+_kept: dict[tuple[Hashable, ...], tuple[System | Compiled, Integrator]] = {}
+"""Integrators by what arguments say, with their system, so that its identity stays its own."""
 
 
 def _text(value: Any) -> Hashable:
-    """Return what stands for an argument among keys; None where it is too long, or may change."""
+    """Return what stands for an argument among keys; `_LONG` where it is too long, or may change."""
     kind = type(value)
-    if kind in _PLAIN:
-        return (value,) if value is None else value
     if kind is list or kind is tuple:
         texts = len(value) <= MOST_KEPT and set(map(type, value)) <= _PLAIN
-        return tuple(value) if texts else None
+        return tuple(value) if texts else _LONG
     if kind is np.ndarray and value.size <= MOST_KEPT and value.dtype == np.float64:
         return (value.shape, value.tobytes())
-    return None
+    return _LONG
 
 
 _PLAIN = {float, int, bool, str, type(None)}
-
-
-@lru_cache(maxsize=KEPT)
-def _once(key: _Key) -> Integrator:
-    return Integrator(asked_of(*key.arguments), {})
+_LONG = object()

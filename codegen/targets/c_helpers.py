@@ -146,7 +146,7 @@ def _found(program: Program) -> dict[int, None]:
     early: list[bool] = []
     found: dict[int, None] = {}
     for k, (op, args, _) in enumerate(program.instructions):
-        early.append(op in _EARLY and all(early[a] for a in args))
+        early.append(op in _EARLY and False not in [early[a] for a in args])
         if op in CIRCULAR and k not in known and early[args[0]]:
             found[k] = None
     return found

@@ -260,14 +260,17 @@ class _Renderer:
 
     def _operation(self, k: int) -> None:
         op, args, data = self.program.instructions[k]
-        if OPS[op].commutative and self._binds_less(op, args):
-            args = args[::-1]  # b * c * a for a * (b * c), the same to the last bit
         if op in BLOCKS:
             self._block(k)
             return
         template = self.templates[op]
-        needs = template.needs or (0,) * len(args)
-        operands = [self._operand(a, need) for a, need in zip(args, needs, strict=True)]
+        needs, given = template.needs or (0,) * len(args), [self.text[a] for a in args]
+        if OPS[op].commutative and _binds_less(template.needs, given):
+            given.reverse()  # b * c * a for a * (b * c), the same to the last bit
+        operands = [
+            text if power >= need else f"({text})"
+            for (text, power), need in zip(given, needs, strict=True)
+        ]
         name = self.data[data] if isinstance(data, Table) else data
         self._write(k, template.text.format(*operands, data=name), template.power)
 
@@ -288,14 +291,6 @@ class _Renderer:
         )  # fmt: skip
         self.lines.append(Line(variable, text, "", room))
         self.text[k] = (variable, ATOM)
-
-    def _binds_less(self, op: str, args: tuple[int, ...]) -> bool:
-        """Return whether the second operand would need brackets and the first would not."""
-        needs = self.templates[op].needs
-        if len(needs) != 2:
-            return False
-        first, second = (self.text[a][1] for a in args)
-        return second < needs[1] <= first and second >= needs[0]
 
     def _operand(self, k: int, need: int) -> str:
         text, power = self.text[k]
@@ -323,3 +318,11 @@ class _Renderer:
         variable = line.variable if line else f"v{self.temporaries}_"
         self.lines.append(Line(variable, text, line.comment if line else ""))
         self.text[k] = (variable, ATOM)
+
+
+def _binds_less(needs: Sequence[int], operands: Sequence[tuple[str, int]]) -> bool:
+    """Return whether the second operand would need brackets and the first would not."""
+    if len(needs) != 2:
+        return False
+    (_, first), (_, second) = operands
+    return needs[0] <= second < needs[1] <= first

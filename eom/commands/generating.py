@@ -42,7 +42,7 @@ def _integrators() -> Rows:
     "target",
     default="c",
     metavar="c|c_f32|c_lanes|numpy|python|javascript|jax|matlab|fmu",
-    help="Language.",
+    help="Language, in any case.",
 )
 @click.option(
     "--integrator",

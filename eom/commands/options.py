@@ -6,7 +6,7 @@ values that have no name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from pathlib import Path
 from typing import Any
@@ -36,14 +36,27 @@ class _Seconds(click.types.FloatParamType):
             self.fail(f"{value!r} is no time: give seconds, or a unit, as '2 min'", param, ctx)
 
 
-class _Method(click.types.StringParamType):
-    """The name of a method, in any case."""
+class _Spelt(click.types.StringParamType):
+    """A name among known ones, in any case; ``known`` is called when one is given."""
+
+    def __init__(self, known: Callable[[], Iterable[str]]) -> None:
+        self.known = known
 
     def convert(self, value: Any, *_: Any) -> Any:
-        """Return it as the table of methods spells it; others as they are."""
-        from codegen.integrate.methods import METHODS
+        """Return it as it is known; others as they are."""
+        return spelt(value, self.known())
 
-        return spelt(value, METHODS)
+
+def _methods() -> Iterable[str]:
+    from codegen.integrate.methods import METHODS
+
+    return METHODS
+
+
+def _targets() -> Iterable[str]:
+    from codegen.compiling.compiled import ROWS, TARGETS, UNIT
+
+    return [*ROWS, *TARGETS, UNIT]
 
 
 class Target(click.Path):
@@ -78,7 +91,7 @@ def writable(path: Path, where: str, *, folder: bool) -> Path:
     return path
 
 
-SECONDS, METHOD = _Seconds(), _Method()
+SECONDS, METHOD, LANGUAGE = _Seconds(), _Spelt(_methods), _Spelt(_targets)
 FILE, FOLDER = Target(folder=False), Target(folder=True)
 
 VALUES = "eom.values"
@@ -232,10 +245,11 @@ ROWS: Mapping[str, Row] = {
     "target": (
         ("--target",),
         {
+            "type": LANGUAGE,
             "default": "auto",
             "show_default": True,
             "metavar": "c|numpy|python|jax|auto",
-            "help": "What to compile for.",
+            "help": "What to compile for, in any case.",
         },
     ),
     "accuracy": (
@@ -289,11 +303,11 @@ ROWS: Mapping[str, Row] = {
     ),
     "folder": (
         ("--out", "folder"),
-        {"type": FOLDER, "default": None, "help": "Folder to write to."},
+        {"type": FOLDER, "help": "Folder to write to."},
     ),
     "file": (
         ("--out", "file"),
-        {"type": FILE, "default": None, "help": "File to write."},
+        {"type": FILE, "help": "File to write."},
     ),
     "json": (
         ("--json", "as_json"),

@@ -307,7 +307,7 @@ class BaseScene(Request):
             for n, v in self.parameters.items()
         )
         stepped = self.control.stepped
-        return system.closed_loop(
+        return system.with_control(
             read["laws"],
             {own[n]: e for n, e in read["states"].items() if n in stepped},
             definitions={shared[n]: e for n, e in read["definitions"].items()},
@@ -315,6 +315,7 @@ class BaseScene(Request):
             period=self.control.period,
             delay=self.control.delay,
             rates={own[n]: e for n, e in read["states"].items() if n not in stepped},
+            dimensions=False,
         )
 
     def _control_over(self, names: Mapping[str, Expr]) -> dict[str, dict[str, Expr]]:

@@ -15,7 +15,7 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.compiling.compiled import generate
 from codegen.integrate import scipy_
-from codegen.loops import runge_kutta, tableaux, written
+from codegen.loops import runge_kutta, running, tableaux, written
 from codegen.loops.tableaux import DOP853, DP5, TSIT5
 from codegen.native import native
 from codegen.native.trajectory import Problem
@@ -382,7 +382,7 @@ def test_long_runs_outgrow_every_buffer_and_keep_everything():
     """More than FIRST_CAPACITY and more than STEPS_A_CALL steps, with dense output."""
     compiled = compile_system(PENDULUM, "c")
     n = 52_345
-    assert n > runge_kutta.STEPS_A_CALL > runge_kutta.FIRST_CAPACITY
+    assert n > running.STEPS_A_CALL > running.FIRST_CAPACITY
     h = 1 / 64  # exact in binary, so that every step ends on a multiple
     run = simulate(
         compiled,
@@ -410,8 +410,8 @@ def test_long_runs_outgrow_every_buffer_and_keep_everything():
 def test_a_paused_run_goes_on_as_if_it_had_not_paused(monkeypatch):
     compiled = compile_system(RIGID, "c")
     whole = simulate(compiled, (0.0, 1.0, 1.0), (0, 50), method="DOP853")
-    monkeypatch.setattr(runge_kutta, "STEPS_A_CALL", 3)
-    monkeypatch.setattr(runge_kutta, "FIRST_CAPACITY", 2)
+    monkeypatch.setattr(running, "STEPS_A_CALL", 3)
+    monkeypatch.setattr(running, "FIRST_CAPACITY", 2)
     parts = simulate(compiled, (0.0, 1.0, 1.0), (0, 50), method="DOP853", dense_output=True)
     np.testing.assert_array_equal(parts.t, whole.t)
     np.testing.assert_array_equal(parts.y, whole.y)
@@ -430,7 +430,7 @@ def test_the_structures_of_python_are_those_of_c():
             np.full(n, 0.5), (0.0, 1e-3), np.ones(len(system.parameters)), np.empty(0),
             1e-9, np.full(n, 1e-12), 1e-6, len(system.singularities),
         )  # fmt: skip
-        assert runge_kutta.integrate(method, problem).stop.kind == "end"
+        assert running.integrate(method, problem).stop.kind == "end"
 
 
 @needs_compiler

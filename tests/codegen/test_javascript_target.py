@@ -210,7 +210,7 @@ def test_the_module_exports_names_and_sizes_and_imports_nothing():
 
 
 def test_a_system_is_not_compiled_for_javascript():
-    with pytest.raises(InputError, match="unknown target"):
+    with pytest.raises(InputError, match="written, and not run from Python"):
         compile_system(eom.free_rigid_body(), "javascript")
 
 

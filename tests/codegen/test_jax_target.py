@@ -302,6 +302,22 @@ def test_vmap_over_ten_thousand_points_is_our_batch(name):
 
 @needs_jax
 @pytest.mark.slow
+@pytest.mark.parametrize("name", ["heavy-top", "quadrotor", "t-handle", "double-pendulum"])
+def test_operation_by_operation_the_numbers_are_those_of_c_to_the_last_bit(name):
+    """XLA alone contracts products and sums: the text has the order of operations of the others."""
+    import jax
+
+    scene = eom.load_scene(name)
+    compiled, ours = compile_system(scene.derive(), "jax"), compile_system(scene.derive(), "c")
+    t, xs, ps, us = near_the_start(scene)
+    points = xs[:, None] + np.random.default_rng(4).uniform(-0.01, 0.01, (len(xs), 100))
+    with jax.enable_x64(True):
+        got = np.asarray(compiled.module.rhs(t, points, ps, us))
+    np.testing.assert_array_equal(got, ours.rhs(t, points, ps, us))
+
+
+@needs_jax
+@pytest.mark.slow
 def test_what_asks_for_another_target_takes_this_one_too():
     """Runs, our Jacobian and sensitivities, over functions of JAX."""
     scene = eom.load_scene("t-handle")

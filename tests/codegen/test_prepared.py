@@ -282,14 +282,58 @@ def test_threads_may_share_one(body):
     assert wrong == []
 
 
-def test_simulate_keeps_integrators_by_what_arguments_say():
+def test_simulate_keeps_integrators_by_what_arguments_say(monkeypatch):
+    made = []
+
+    def asked_of(*arguments):
+        made.append(arguments)
+        return prepared.asked_of(*arguments)
+
+    monkeypatch.setattr(simulation, "asked_of", asked_of)
     system = System.from_rates("oscillator", {Y: V, V: -Y})
     compiled = compile_system(system, "numpy")
-    before = simulation._once.cache_info()
     for times in ([0.5, 1], (0.5, 1), np.array([0.5, 1.0]), [0.5, 0.75], None):
         run = simulate(compiled, [1, 0], (0, 1), method="scipy:RK45", t_eval=times)
         assert times is None or run.t.tolist() == list(times)
-    after = simulation._once.cache_info()
-    assert (after.misses - before.misses, after.hits - before.hits) == (4, 1)
+    assert len(made) == 4
+    assert len(simulation._kept) <= simulation.KEPT
+    long = np.linspace(0, 1, simulation.MOST_KEPT + 1)
+    for _ in range(2):  # too many times to be compared: prepared anew
+        simulate(compiled, [1, 0], (0, 1), method="scipy:RK45", t_eval=long)
+    assert len(made) == 6
     assert "Integrator('oscillator', scipy:RK45" in repr(integrator(compiled, (0, 1), "scipy:RK45"))
     assert prepared.AUTO in codegen.METHODS
+
+
+def test_integrators_that_are_kept_are_few_and_the_latest():
+    compiled = compile_system(System.from_rates("oscillator", {Y: V, V: -Y}), "numpy")
+
+    def run(end):
+        return simulate(compiled, [1, 0], (0, end), method="scipy:RK45", t_eval=[end]).t_stop
+
+    ends = [1.0 + k / 64 for k in range(simulation.KEPT + 3)]
+    for end in ends:
+        assert run(ends[0]) == ends[0]
+        assert run(end) == end
+    assert len(simulation._kept) == simulation.KEPT
+    spans = {key[1:3] for key in simulation._kept}
+    assert (0, ends[0]) in spans
+    assert (0, ends[-1]) in spans
+    assert (0, ends[1]) not in spans
+
+
+def test_a_closed_form_is_made_once_for_an_initial_state(monkeypatch):
+    from codegen.closed import closed_forms
+
+    y = sp.symbols("y_1 y_2 y_3", real=True)
+    rates = {y[0]: y[1] * y[2], y[1]: -2 * y[2] * y[0], y[2]: y[0] * y[1]}
+    compiled = compile_system(System.from_rates("triad", rates), "numpy")
+    made, moved = [], closed_forms.triad
+    monkeypatch.setattr(closed_forms, "triad", lambda *a: made.append(a) or moved(*a))
+    run = integrator(compiled, (0, 3), t_eval=[1.0, 3.0]).run
+    first, again, other = (run(x) for x in ([1, 0.5, 2], [1.0, 0.5, 2.0], [1, 0.5, 2.5]))
+    assert first.method == "closed form: free body"
+    assert len(made) == 2
+    assert first.y.tobytes() == again.y.tobytes() != other.y.tobytes()
+    assert first.y is not again.y
+    assert first.y_stop.tolist() == first.y[:, -1].tolist()

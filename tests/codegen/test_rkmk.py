@@ -12,7 +12,7 @@ import eom
 from codegen import compile as compile_system
 from codegen import free_motion, simulate
 from codegen.integrate import rkmk
-from codegen.loops import runge_kutta
+from codegen.loops import running
 from codegen.native import native
 from eom.errors import InputError
 from eom.mechanics.rigidbody import heavy_top
@@ -178,8 +178,8 @@ def test_states_of_a_grid_are_those_of_the_interpolant(top, omega, vector):
 
 def test_a_paused_run_goes_on_as_if_it_had_not_paused(top, monkeypatch):
     whole = run(top, FAST, (0, 5), TOP)
-    monkeypatch.setattr(runge_kutta, "STEPS_A_CALL", 3)
-    monkeypatch.setattr(runge_kutta, "FIRST_CAPACITY", 2)
+    monkeypatch.setattr(running, "STEPS_A_CALL", 3)
+    monkeypatch.setattr(running, "FIRST_CAPACITY", 2)
     parts = run(top, FAST, (0, 5), TOP, dense_output=True)
     np.testing.assert_array_equal(parts.t, whole.t)
     np.testing.assert_array_equal(parts.y, whole.y)

@@ -109,8 +109,8 @@ def spoilt(monkeypatch, name, change):
     row = next(r for r in methods.ROWS if r.name == name)
     rows = [replace(r, prepare=prepare) if r.name == name else r for r in methods.ROWS]
     monkeypatch.setattr(methods, "ROWS", tuple(rows))
-    once = simulation._once  # keeps integrators, also those that were not changed
-    monkeypatch.setattr(simulation, "_once", getattr(once, "__wrapped__", once))
+    monkeypatch.setattr(simulation, "_kept", {})  # integrators, also those that were not changed
+    monkeypatch.setattr(simulation, "KEPT", 0)
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e-9])

@@ -29,6 +29,12 @@ def scales_of(rates, units, start, span=(0.0, 10.0)):
     return scales.scales(lambda t, x: np.array(rates(t, x)) + 0 * x, units, column, span)
 
 
+def start_at(states):
+    """Where a run starts, in one column, without parameters."""
+    none = np.zeros(0)
+    return scales.Point(np.array(states, dtype=float)[:, None], none, none, 0.0)
+
+
 # --- the scale of one state ------------------------------------------------------------------------
 
 
@@ -261,7 +267,7 @@ def test_one_state_is_reported_in_the_singular():
     layout = codegen.frontend.layout.Layout.of(system)
     layout = codegen.frontend.layout.replace(layout, states=tuple(units))
     _, reported = scales.defaults(
-        lambda t, x: np.array([-x[0], x[1]]), layout, np.array([[1.0], [0.0]]), (0.0, 1.0), 1e-6
+        lambda t, x: np.array([-x[0], x[1]]), layout, start_at([1.0, 0.0]), (0.0, 1.0), 1e-6
     )
     assert reported.startswith(
         "no scale is known for y, which starts at zero and at rest: its absolute"
@@ -293,7 +299,7 @@ def test_ready_scenes_start_with_scales():
         def rates(t, y, p=p, u=u, compiled=compiled):
             return compiled.rhs(t, y, p, u)
 
-        found, reported = scales.defaults(rates, layout, x[:, None], (0.0, 10.0), 1e-9)
+        found, reported = scales.defaults(rates, layout, start_at(x), (0.0, 10.0), 1e-9)
         assert not reported, name
         assert np.all(found > 0)
 

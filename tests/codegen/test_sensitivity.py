@@ -8,11 +8,14 @@ import sympy as sp
 import codegen
 from codegen.frontend.layout import names_of
 from codegen.frontend.lower import lower_system
+from codegen.integrate import scales
 from codegen.ir.ops import OPS
 from codegen.ir.program import OUTPUTS, RATES
 from codegen.linearisation.sensitivity import sensitivities, variational
+from codegen.native import native
 from eom.errors import InputError
 from eom.opening import load_scene
+from eom.quantities import Quantity
 from eom.scenes.scene import Scene
 from eom.system import System
 from tests.codegen.scenes import SCENES
@@ -177,3 +180,179 @@ def test_refused():
     clash = System.from_rates("clash", {x: -k * x, sp.Symbol("dx_dk"): x})
     with pytest.raises(InputError, match="two things"):
         sensitivities(codegen.compile(clash, "numpy"), ["k"])
+
+
+# --- default tolerances of sensitivities -----------------------------------------------------------
+
+w, p, e = sp.symbols("w p e", real=True)
+needs_compiler = pytest.mark.skipif(not native.compiler(), reason="counts the steps of loops in C")
+
+
+def tolerances_of(s, start, values, span=(0.0, 5.0), rtol=1e-9):
+    """Default absolute tolerances by name, and what is reported."""
+    layout = s.compiled.layout
+    x, p = (
+        np.array([float(given[q.name]) for q in group])
+        for given, group in ((s.initial(start), layout.states), (values, layout.parameters))
+    )
+    found, reported = scales.of_run(
+        s.compiled, scales.Point(x, p, np.zeros(0), 0.0), span, rtol, None
+    )
+    return dict(zip(names_of(layout.states), found, strict=True)), reported
+
+
+def test_what_nothing_moves_has_the_tolerance_of_its_state_over_the_variable(target):
+    """Of x by z(0), of which x knows nothing, and by m, which is read nowhere."""
+    system = System.from_rates("apart", {x: v, v: -k * x, w: -w}, outputs={"weight": m})
+    s = sensitivities(codegen.compile(system, target), ["m"], ["w"])
+    found, reported = tolerances_of(s, {"x": 3.0, "v": 2.0, "w": 1e-7}, {"k": 2.0, "m": 1e12})
+    assert not reported
+    assert found["dx_dw_0"] == pytest.approx(1e-12 * 3.0 / 1e-7)
+    assert found["dv_dw_0"] == pytest.approx(1e-12 * 2.0 / 1e-7)
+    assert found["dw_dm"] == pytest.approx(1e-12 * 1e-7 / 1e12)
+
+
+def test_a_parameter_that_is_zero_has_the_largest_size_of_its_unit_or_none():
+    known = [Quantity(q, "m", "length") for q in (x, k, m)] + [Quantity(c, "1/s", "rate")]
+    system = System("offset", tuple(known[:1]), (c * (k + m - x),), tuple(known[1:]))
+    s = sensitivities(codegen.compile(system, "numpy"), ["k", "m"], ["x"])
+    layout, start = s.compiled.layout, np.array([[2.0], [0.0], [0.0], [1.0]])
+
+    def at(*values):
+        return scales.Point(start, np.array([*values, 1.0]), np.zeros(0), 0.0)
+
+    def rates(values):
+        return lambda t, y: s.compiled.batch()(t, y, np.array([*values, 1.0]), np.zeros(0))
+
+    for values, sizes in (((0.0, 5.0), [0, 0.4, 0.4, 1]), ((0.0, 0.0), [0, 0, 0, 1])):
+        found = scales.of_slopes(rates(values), layout, at(*values), (0.0, 1.0))
+        np.testing.assert_allclose(found[:, 0], sizes)
+    plain = codegen.compile(system, "numpy").layout
+    assert scales.of_slopes(rates((1.0, 1.0)), plain, at(1.0, 1.0), (0.0, 1.0)) is None
+
+
+@needs_compiler
+@pytest.mark.parametrize("method", ["DOP853", "taylor"])
+def test_rounding_in_the_rates_of_sensitivities_forces_no_steps(method):
+    """dv/dp starts with sin^2 + cos^2 - 1 and is moved later: as many steps as with given tolerances."""
+    rates = {
+        x: v,
+        v: w - p * (sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1) + p * w * v,
+        w: -sp.sin(x) - p * v / 8,
+    }
+    s = sensitivities(codegen.compile(System.from_rates("rounded", rates), "c"), ["p"], ["x", "v"])
+    places = np.linspace(0.3, 1.5, 13)
+    assert any(np.sin(at) ** 2 + np.cos(at) ** 2 != 1 for at in places)
+    for at in places:
+        start = s.initial({"x": at, "v": 0.0, "w": 0.0})
+        own, given = (
+            codegen.simulate(s.compiled, start, (0, 5), {"p": 0.7}, method, 1e-10, atol)
+            for atol in (None, 1e-13)
+        )
+        assert not own.notice
+        assert own.steps + own.rejected < 1.5 * (given.steps + given.rejected), at
+        np.testing.assert_allclose(own.y[:, -1], given.y[:, -1], rtol=1e-7, atol=1e-8)
+
+
+@needs_compiler
+@pytest.mark.parametrize("size", [1e-150, 1e-12, 1.0, 1e9])
+def test_small_sensitivities_keep_their_digits_in_any_unit_of_the_parameter(size):
+    """x = cos t, v = -sin t; y' = a v + e p x, w' = y: dy/dp = e sin t, dw/dp = e (1 - cos t).
+
+    Small as y is (a = 0), and small beside y over p (a = 1).
+    """
+    y, a = sp.symbols("y a", real=True)
+    rates = {x: v, v: -x, y: a * v + e * p * x, w: y}
+    s = sensitivities(codegen.compile(System.from_rates("small", rates), "c"), ["p"])
+    t, first = np.linspace(0, 6, 25), s.initial({"x": 1.0, "v": 0.0, "y": 0.0, "w": 0.0})
+    for unit in (1.0, 1e-9, 1e12):
+        for large in (0.0, 1.0):
+            values = {"p": unit, "e": size / unit, "a": large}
+            run = codegen.simulate(s.compiled, first, (0, 6), values, "DOP853", 1e-9, t_eval=t)
+            slope, summed = size / unit * np.sin(t), size / unit * (1 - np.cos(t))
+            assert np.abs(run["dy_dp"] - slope).max() < 1e-7 * np.abs(slope).max()
+            assert np.abs(run["dw_dp"] - summed).max() < 1e-7 * np.abs(summed).max()
+            assert run.steps < 60
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_what_hovers_is_followed_in_a_few_steps():
+    """A quadrotor at rest: rounding of its weight less its thrust, and derivatives much larger than x/p."""
+    scene = load_scene("quadrotor")
+    s = sensitivities(
+        codegen.compile(scene.derive(), "c"),
+        [*scene.parameter_values()], [*scene.initial_values()],
+    )  # fmt: skip
+    run = codegen.simulate(
+        s.compiled, s.initial(scene.initial_values()), (0, 0.15), scene.parameter_values(), "DOP853", 1e-12,
+        inputs=scene.input_values(),
+    )  # fmt: skip
+    assert run.success
+    assert run.steps < 30
+
+
+@needs_compiler
+def test_a_chain_that_starts_at_rest_costs_no_more_than_with_given_tolerances():
+    """The double pendulum let go, by all its parameters and first states, against a run at 1e-13."""
+    scene = load_scene("double-pendulum")
+    s = sensitivities(
+        codegen.compile(scene.derive(), "c"),
+        [*scene.parameter_values()], [*scene.initial_values()],
+    )  # fmt: skip
+    start, values = s.initial(scene.initial_values()), scene.parameter_values()
+    close, own, given = (
+        codegen.simulate(s.compiled, start, (0, 1), values, "DOP853", rtol, atol)
+        for rtol, atol in ((1e-13, None), (1e-9, None), (1e-9, 1e-12))
+    )
+    assert own.steps < 1.5 * given.steps
+    sizes = np.array([abs(q) for q in [*values.values(), *scene.initial_values().values()]])
+    sizes[sizes == 0] = 1.0
+    exact, found = (s.matrix(run.y[:, -1]) * sizes for run in (close, own))
+    assert np.abs(found - exact).max() < 1e-7 * np.abs(exact).max()
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ["heavy-top", "double-pendulum", "t-handle"])
+def test_tolerances_in_c_are_the_same_to_the_last_bit(name, monkeypatch):
+    """Parameters of zero, first states of zero and all sizes, both directions of time."""
+    scene, draw = load_scene(name), np.random.default_rng(5)
+    compiled = codegen.compile(scene.derive(), "c")
+    values = [np.array([*v.values()]) for v in (scene.initial_values(), scene.parameter_values())]
+    s = sensitivities(compiled, [*scene.parameter_values()], [*scene.initial_values()])
+    n, none, quick = len(values[0]), np.zeros(0), 0
+    for turn in range(30):
+        start = np.array([*s.initial(dict(zip(s.states, values[0], strict=True))).values()])
+        start[:n] *= draw.choice([0.0, 1.0, 1e-17, 1e-9, 1e200, -3.0], n)
+        parameters = values[1] * draw.choice([0.0, 1.0, 1e9, 1e-12], len(values[1]))
+        span = (0.0, 3.0) if turn % 2 else (3.0, -1e5)
+        point = scales.Point(start, parameters, none, 0.25)
+        found = scales.of_run(s.compiled, point, span, 1e-9, None)
+        of_many = scales.quickly(s.compiled, span, 1e-9, point.epoch)
+        quick += of_many is not None and of_many(start, parameters, none) is not None
+        with monkeypatch.context() as without:
+            without.setattr(native, "_extension", lambda: None)
+            plain = scales.of_run(s.compiled, point, span, 1e-9, None)
+        assert found[0].tobytes() == plain[0].tobytes()
+        assert found[1] == plain[1]
+    assert native.python_headers() is None or quick == 30
+
+
+@needs_compiler
+def test_each_trajectory_of_an_ensemble_has_scales_by_its_own_parameters():
+    """Spring constants a factor of 1e12 apart: dx/dk = -t sin(w t)/(2 w), w^2 = k; dx/dw(0) is zero."""
+    rates = {x: v / m, v: -k * x / m, w: -w / m}
+    s = sensitivities(codegen.compile(System.from_rates("many", rates), "c"), ["k", "m"], ["w"])
+    sizes = np.array([1e-6, 1.0, 1e6])
+    start = s.initial({"x": 1.0, "v": 0.0, "w": 1e-3})
+    fleet = codegen.ensemble(
+        s.compiled, start, (0, 2), {"k": sizes, "m": 1.0 + 0 * sizes}, "DOP853", 1e-10, t_eval=[2.0]
+    )
+    for j, size in enumerate(sizes):
+        run = codegen.simulate(s.compiled, start, (0, 2), {"k": size, "m": 1.0}, "DOP853", 1e-10)
+        root = np.sqrt(size)
+        slope = -2 * np.sin(2 * root) / (2 * root)
+        most = 1e-7 * min(2.0, 1 / root)
+        assert abs(fleet["dx_dk"][-1, j] - slope) < most
+        assert abs(run["dx_dk"][-1] - slope) < most
+        assert fleet["dx_dw_0"][-1, j] == run["dx_dw_0"][-1] == 0

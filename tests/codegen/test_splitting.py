@@ -16,7 +16,7 @@ from codegen import compile as compile_system
 from codegen import free_motion, simulate
 from codegen.integrate import group, rkmk, splitting
 from codegen.integrate.splitting import DRIFTS, KICKS, ORDER
-from codegen.loops import runge_kutta
+from codegen.loops import running
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.targets import c
@@ -259,8 +259,8 @@ def test_states_between_steps_are_on_the_group_and_those_of_the_grid(top):
 
 def test_a_paused_run_goes_on_as_if_it_had_not_paused(top, monkeypatch):
     whole = run(top, FAST, (0, 5), TOP, 0.1)
-    monkeypatch.setattr(runge_kutta, "STEPS_A_CALL", 3)
-    monkeypatch.setattr(runge_kutta, "FIRST_CAPACITY", 2)
+    monkeypatch.setattr(running, "STEPS_A_CALL", 3)
+    monkeypatch.setattr(running, "FIRST_CAPACITY", 2)
     seen = []
     parts = run(top, FAST, (0, 5), TOP, 0.1, progress=seen.append)
     np.testing.assert_array_equal(parts.t, whole.t)
@@ -311,8 +311,8 @@ def test_what_was_begun_with_too_long_steps_leaves_nothing_behind(top, monkeypat
     alone = run(top, UPRIGHT, (0, 8), TOP, h, rtol=1e-9)
     np.testing.assert_array_equal(found.y, alone.y)
     np.testing.assert_array_equal(found.t, alone.t)
-    monkeypatch.setattr(runge_kutta, "STEPS_A_CALL", 3)
-    monkeypatch.setattr(runge_kutta, "FIRST_CAPACITY", 2)
+    monkeypatch.setattr(running, "STEPS_A_CALL", 3)
+    monkeypatch.setattr(running, "FIRST_CAPACITY", 2)
     on_grid = run(top, UPRIGHT, (0, 8), TOP, rtol=1e-9, t_eval=grid)
     np.testing.assert_array_equal(on_grid.t, grid)
     np.testing.assert_array_equal(on_grid.y_stop, alone.y_stop)

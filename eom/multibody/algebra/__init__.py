@@ -2,5 +2,6 @@
 
 In: numbers, SymPy expressions, residues, dual numbers. Out: sums and products that cost what they must;
 rigid transforms.
-Imports: `eom.errors`, `eom.exact`, `eom.fields`, `eom.quantities`, `eom.system`.
+Imports: `eom.errors`, `eom.exact`, `eom.expressions`, `eom.fields`, `eom.quantities`,
+`eom.system`.
 """

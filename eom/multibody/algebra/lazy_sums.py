@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from eom.expressions import add_nodes, nodes
 from eom.fields import Operators
 from eom.multibody.algebra.values import value
 from eom.quantities import Definition, Quantity
-from eom.system import nodes
 
 Expr = Any
 Number = int | Fraction
@@ -201,7 +201,7 @@ def used(definitions: Iterable[Definition], results: Iterable[Expr]) -> tuple[De
     for definition in reversed(list(definitions)):
         if definition.symbol in needed:
             kept.append(definition)
-            needed.update(nodes((definition.expression,)))
+            add_nodes(definition.expression, needed)
     return tuple(reversed(kept))
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError, typed, unknown_name
+from eom.limits import seldom_collected
 from eom.multibody.algebra.lazy_sums import Naming, plain, used
 from eom.multibody.algebra.scalars import add, is_zero, mul, reciprocal, sub
 from eom.multibody.algebra.spatial import cross, forward, plus
@@ -354,9 +355,17 @@ def derive(
     wanted = tuple(outputs)
     for one in wanted:
         check(tree, one)
+    with seldom_collected():
+        return _derived(tree, wanted, invariants, (start, independent, multipliers))
+
+
+def _derived(
+    tree: Tree, wanted: Sequence[Wanted], invariants: bool, treatment: tuple[Any, Any, Any]
+) -> System:
+    """Return the equations; ``treatment``: how that of constraints is chosen, see `plan`."""
     work = Naming(q.name for q in named_of(tree))
     lumped = lumped_tree(tree, work.atom, work, [w.body for w in wanted if isinstance(w, Point)])
-    treated = plan(tree, start, independent, multipliers)
+    treated = plan(tree, *treatment)
     variables = variables_of(tree, lumped, treated, work)
     rates = coordinate_rates(lumped, variables.q, variables.u, work)
     accelerations = _accelerations(lumped, variables, work)
