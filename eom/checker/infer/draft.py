@@ -53,7 +53,7 @@ from eom.checker.infer.sayings import Prose, Said, look_of, prose, said
 from eom.checker.infer.sections import sections
 from eom.checker.infer.shown import bare, has_dyads, known, mended, primed, symbols
 from eom.checker.infer.slots import by_places
-from eom.checker.infer.systems import USUAL, Guess, with_systems
+from eom.checker.infer.systems import USUAL, Guess, is_name, led, with_systems
 from eom.checker.infer.trials import systems
 from eom.checker.mean.claims import claims
 from eom.checker.mean.lexicon import Lexicon
@@ -175,7 +175,8 @@ def propose(document: Document) -> Proposal:
 
 def _proposed(document: Document) -> Proposal:
     formulas, text = read(document), prose(document)
-    first = _Drafted(formulas, text, tuple(symbols(formulas)))
+    named = frozenset((s.line, s.look) for s in led(document) if is_name(s.words))
+    first = _Drafted(formulas, text, tuple(symbols(formulas)), named=named)
     first.by_words()
     first.by_systems(document)
     others = [
@@ -235,6 +236,7 @@ class _Drafted:
     systems: tuple[Guess, ...] = ()
     only: str = ""
     ranked: tuple[str, ...] = ()
+    named: frozenset[tuple[int, Look]] = frozenset()
     dropped: dict[tuple[str, str], Draft] = field(default_factory=dict)
     dropped_for: str = ""
 
@@ -328,7 +330,7 @@ class _Drafted:
         new = _defined(self.formulas, self.lexicon)
         self.by_books(new)
         more = (
-            *introduced(self.formulas, self.lexicon),
+            *introduced(self.formulas, self.lexicon, self.named),
             *densities(self.formulas, self.lexicon, self.text),
         )
         for draft in more:

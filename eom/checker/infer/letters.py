@@ -430,23 +430,26 @@ def labelled(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:
             done |= {k for m in statement.members for n in walk(m) if (k := _labelled(n, lexicon))}
 
 
-def introduced(formulas: Iterable[Formula], lexicon: Lexicon) -> Iterator[Draft]:
-    r"""Yield symbols that first stand alone on the left of a display in which all else has a meaning."""
+def introduced(
+    formulas: Iterable[Formula], lexicon: Lexicon, named: Container[tuple[int, Look]]
+) -> Iterator[Draft]:
+    r"""Yield symbols that first stand alone on the left of a display in which all else has a meaning.
+
+    ``named``: lines and letters of displays that words call new names.
+    """
     new: dict[Look, Draft] = {}
     before: set[Look] = set()
     for formula in formulas:
+        line = formula.piece.line
         for statement in formula.statements if formula.relational else ():
             first, *rest = statement.members
             others = tuple(symbols_of(rest))
             told = others and all(known(lexicon, n) or bare(n, lexicon) in new for n in others)
-            equal = bool(rest) and {g.name for g in statement.signs} == {"="}
-            left = seen(first)
-            plain = left is not None and not left.dots and not left.raised
-            look = bare(first, lexicon) if plain else None
-            if look is None or look in before or known(lexicon, first):
-                pass
-            elif told and equal and formula.piece.kind == "display":
-                new[look] = Draft("symbols", latex_of(look), "defined", DISPLAY, formula.piece.line)
+            equal = {g.name for g in statement.signs} == {"="}
+            look = bare(first, lexicon)
+            fresh = look is not None and look not in before and not known(lexicon, first)
+            if look is not None and fresh and told and equal and (line, look) in named:
+                new[look] = Draft("symbols", latex_of(look), "defined", DISPLAY, line)
             before.update(k for n in symbols_of(statement.members) if (k := bare(n, lexicon)))
     yield from new.values()
 

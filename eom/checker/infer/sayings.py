@@ -50,11 +50,12 @@ _END = re.compile(rf"(?<=[.;:!?])\s+|{BREAK}|\n\s*\n")
 
 @dataclass(frozen=True)
 class Mention:
-    """A symbol in the text: its look, its formula, and the line that it stands in."""
+    """A symbol in the text: its look, its formula, the line that it stands in, and whether a display does."""
 
     look: Look
     node: Node
     line: int
+    shown: bool = False
 
 
 @dataclass(frozen=True)
@@ -258,7 +259,7 @@ def _left(formula: Formula | None, mentions: list[Mention]) -> str:
         return ""
     if given.raised and look == given.look:
         return ""
-    mentions.append(Mention(look, node, formula.piece.line))
+    mentions.append(Mention(look, node, formula.piece.line, shown=True))
     return f" ⟦{len(mentions) - 1}⟧"
 
 

@@ -375,7 +375,8 @@ def spoken(text: Prose, sayings: Iterable[Said]) -> tuple[Spoken, ...]:
         for mention, own in zip(one.of, each, strict=True):
             shown = text.shown(own)
             near = text.shown(noun) if one.before else shown[:HEAD].split(", ")[0]
-            found.append(Spoken(mention.look, shown, mention.line, not one.before, near))
+            told = not one.before and not mention.shown
+            found.append(Spoken(mention.look, shown, mention.line, told, near))
     return tuple(found)
 
 
@@ -402,6 +403,16 @@ def is_claimed(lead: str) -> bool:
     return _PHYSICAL.search(lead) is not None and _INTRODUCED.search(lead) is None
 
 
+def is_name(lead: str) -> bool:
+    """Return whether the last words that lead to a display bring in a new name: "With", "we write"."""
+    return _NAMING.search(lead) is not None
+
+
+_NAMING = re.compile(
+    r"\b(?:with|where|let|puts?|sets?|writ(?:e|ing)|abbreviat\w+|defin\w+|denot\w+|introduc\w+|call)\b"
+    r"(?:\W+\w+){0,3}\W*$",
+    re.IGNORECASE,
+)
 _PHYSICAL = re.compile(
     r"\b(?:frequenc(?:y|ies)|periods?|speeds?|velocit(?:y|ies)|accelerations?|forces?|torques?|moments?|"
     r"energ(?:y|ies)|moment(?:um|a)|compression|deflection|height|time|work|power|tension|angles?|rate|"
