@@ -184,7 +184,8 @@ def over_variables(slopes: Slopes, layout: Layout, known: Array, parameters: Arr
     the largest of its unit where that is zero.
     """
     count = known.shape[1]
-    values = np.abs(parameters).reshape(len(parameters), -1)
+    values = np.abs(parameters)
+    values = values[:, None] if values.ndim == 1 else values
     sizes = np.broadcast_to(values, (len(values), count))
     if (sizes == 0).any():
         units = [q.unit or f"of {q.name} alone" for q in layout.parameters]

@@ -119,7 +119,7 @@ def test_the_page_gives_the_meanings_that_its_lines_use_and_no_others():
     whole = lesson("energy-dissipation").derivation
     lines = tuple(whole[label] for label in ("hurwitz", "sink-effective"))
     used = lessons.only_scalars_of(replace(whole, steps=lines)).scalars
-    assert {str(s) for s in used} == {*"p_0 p_1 p_2 p_3 p_4 I_e_dot K_dot J_s c".split()}
+    assert {str(s) for s in used} == {*"p_0 p_1 p_2 p_3 p_4 I_e_dot T_dot T P J_s c".split()}
     one = lessons.only_scalars_of(replace(whole, steps=lines[:1])).scalars
     assert "I_e_dot" not in map(str, one)
     x, y, z = sp.symbols("x y z")

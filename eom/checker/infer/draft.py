@@ -45,6 +45,7 @@ from eom.checker.infer.letters import (
     introduced,
     is_any,
     labelled,
+    said_by,
 )
 from eom.checker.infer.lists import listed, redefined, turns
 from eom.checker.infer.phrases import Phrases, fits, fitting, slotted, spelt
@@ -291,7 +292,7 @@ class _Drafted:
         self.ranked = tuple(n for n, _ in found if n)
         if self.dropped and self.preset != self.dropped_for:
             own = preset(self.preset) if self.preset else Lexicon()
-            lost = {k: d for k, d in self.dropped.items() if not _names(own, d)}
+            lost = {k: d for k, d in self.dropped.items() if not said_by(own, d)}
             self.drafts, self.dropped = {**lost, **self.drafts}, {}
             self.lexicon = self._added(drafted(self.preset, _tables(self.drafts.values())))
 
@@ -354,7 +355,7 @@ class _Drafted:
             self.add(draft)
         self.settle()
         own = preset(self.preset)
-        known = {k: _names(own, d) for k, d in self.drafts.items()}
+        known = {k: said_by(own, d) for k, d in self.drafts.items()}
         self.confirmed = {p for p in known.values() if p}
         self.dropped = {k: d for k, d in self.drafts.items() if known[k]}
         self.dropped_for = self.preset
@@ -567,36 +568,6 @@ def _attitude(text: Prose) -> Iterator[Draft]:
 
 
 # -- symbols -------------------------------------------------------------------------------------
-
-
-_ALIKE: tuple[frozenset[str], ...] = (
-    frozenset({"angular_momentum", "absolute_angular_momentum"}),
-    frozenset({"kinetic_energy", "rotational_energy"}),
-    frozenset({"mass", "total_mass"}),
-    frozenset({"force", "external_force", "internal_force"}),
-    frozenset({"angle", "turn_angle", "free_angle", "principal_angle"}),
-    frozenset({"torque", "gravity_torque"}),
-    frozenset({"euler_parameter", "euler_vector", "quaternion", "quaternion_last"}),
-)
-"""Quantities that words separate worse than a preset does."""
-
-
-_CLOSELY = re.compile(r"\b(?:about(?! (?:\w+ ){1,3}axes)|relative|respect|from|built|particles?)\b")
-"""Words by which a note says more of a quantity than its name."""
-
-
-def _names(own: Lexicon, draft: Draft) -> str:
-    """Return the pattern by which a preset says what words say, or says it by a formula; "" for none."""
-    if draft.table != "symbols" or "<" in draft.latex or draft.meaning.startswith("turn_angle"):
-        return ""
-    look = look_of(read_formula(draft.latex).tree)
-    found = own.find(look) if look is not None else None
-    if found is None:
-        return ""
-    both = {found.meaning.quantity, draft.meaning.split(maxsplit=1)[0]}
-    alike = len(both) == 1 or any(both <= a for a in _ALIKE)
-    same = found.meaning.words == draft.meaning or found.meaning.quantity == "equals"
-    return found.entry.latex if same or (alike and not _CLOSELY.search(draft.words)) else ""
 
 
 def _defined(formulas: tuple[Formula, ...], base: Lexicon) -> dict[Look, int]:

@@ -210,9 +210,7 @@ def evidence(
     }
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
-    turns = {p for p, f in every.items() if f[1].startswith(TURNS)}
-    placed = _placed(own - turns, every, draft)
-    firm = {*said, *told, *draft.confirmed, *(placed if whole else ())}
+    firm = {*said, *told, *draft.confirmed, *(_placed(own, every, draft) if whole else ())}
     return Evidence(
         used,
         tuple(hold),
@@ -229,10 +227,11 @@ def evidence(
 
 
 def _placed(own: set[str], every: Mapping[str, tuple[str, str]], draft: Proposal) -> Iterator[str]:
-    """Yield entries of a preset but for those from its origin where the note names another one alone."""
+    """Yield entries of a preset, but for angles and those from its origin where the note has another."""
     points = {d.meaning for d in draft.drafts if d.table == "points"}
     elsewhere = "O" in points and "OI" not in points
-    return (p for p in own if not (elsewhere and "OI" in every[p][1].split()))
+    from_there = (p for p in own if not (elsewhere and "OI" in every[p][1].split()))
+    return (p for p in from_there if not every[p][1].startswith(TURNS))
 
 
 def _family(found: Found) -> str:
@@ -352,9 +351,10 @@ def uncounted(claim: Claim) -> Iterator[str]:
 
 
 def is_turned(claim: Claim) -> bool:
-    """Return whether a claim is about a wheel whose axis it does not name."""
+    """Return whether a claim has a wheel whose axis it does not name beside other things."""
     names = {str(a.data[0]) for m in claim.members for a in atoms_in(m.term, claim.scalars)}
-    return any(n.startswith("rotor_") for n in names) and "rotor_axis" not in names
+    wheels = {n for n in names if n.startswith("rotor_")}
+    return "rotor_axis" not in wheels and set() < wheels < names
 
 
 def _bare(term: Term, scalars: Mapping[Any, Term]) -> Iterator[Term]:

@@ -135,7 +135,8 @@ def _of_letter(lexicon: Lexicon, look: Look, looks: Container[Look]) -> str:
             continue
         if plain and said and lexicon.find(vector) is not None and not _is_unit(entry.meaning):
             return rf"= \left|{whole}\right|"
-        if _is_skew(lexicon, look) and lexicon.find(vector) is not None:
+        own = entry.meaning.quantity != "vector" and lexicon.find(vector) is not None
+        if own and _is_skew(lexicon, look):
             return rf"= \{look.accents[0]}{{{whole}}}"
         if unit and lexicon.find(replace(e, sub=look.sub)) is not None:
             return rf"= {whole} / \left|{whole}\right|"
@@ -505,3 +506,33 @@ def is_any(look: Look) -> bool:
 
 
 _SKEW = frozenset({"tilde", "widetilde"})
+
+
+_ALIKE: tuple[frozenset[str], ...] = (
+    frozenset({"angular_momentum", "absolute_angular_momentum"}),
+    frozenset({"kinetic_energy", "rotational_energy"}),
+    frozenset({"mass", "total_mass"}),
+    frozenset({"force", "external_force", "internal_force"}),
+    frozenset({"angle", "turn_angle", "free_angle", "principal_angle"}),
+    frozenset({"torque", "gravity_torque"}),
+    frozenset({"euler_parameter", "euler_vector", "quaternion", "quaternion_last"}),
+)
+"""Quantities that words separate worse than a preset does."""
+
+
+_CLOSELY = re.compile(r"\b(?:about(?! (?:\w+ ){1,3}axes)|relative|respect|from|built|particles?)\b")
+"""Words by which a note says more of a quantity than its name."""
+
+
+def said_by(own: Lexicon, draft: Draft) -> str:
+    """Return the pattern by which a preset says what words say, or says it by a formula; "" for none."""
+    if draft.table != "symbols" or "<" in draft.latex or draft.meaning.startswith("turn_angle"):
+        return ""
+    look = look_of(read_formula(draft.latex).tree)
+    found = own.find(look) if look is not None else None
+    if found is None:
+        return ""
+    both = {found.meaning.quantity, draft.meaning.split(maxsplit=1)[0]}
+    alike = len(both) == 1 or any(both <= a for a in _ALIKE)
+    same = found.meaning.words == draft.meaning or found.meaning.quantity == "equals"
+    return found.entry.latex if same or (alike and not _CLOSELY.search(draft.words)) else ""

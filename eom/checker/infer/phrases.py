@@ -132,7 +132,6 @@ class Phrases:
         points, frames = list(self._points(words)), self._frames(words)
         of, start = self._position(words, one)
         of = of or self._labelled(one.of[k].look, one.sentence)
-        several = len(one.of) > 1
         frames = {**frames, **self._taken(words)}
         turning = frames["of"]
         both = [self.places.frames[(n,)] for n in one.of[k].look.sub if (n,) in self.places.frames]
@@ -141,11 +140,7 @@ class Phrases:
         values = {
             "body": "P" if one.sentence in self.single else self.body,
             "particle": self._particle(one.of[k], one.sentence),
-            "about": points[k]
-            if several and len(points) == len(one.of)
-            else points[0]
-            if points
-            else self._centre(),
+            "about": self._about(points, k, len(one.of)),
             "of": of,
             "from": start,
             "frame": self._turning(row, one, k, turning) or self._owner(one, words),
@@ -164,11 +159,12 @@ class Phrases:
             filled = filled.replace("quaternion", "quaternion_last")
         quantity, _, rest = filled.partition(" ")
         filled = f"{OF_ONE.get(quantity, quantity)} {rest}" if rest == "P" else filled
-        labels = filled.split()[1:3]
-        same = len(set(labels)) < len(labels) and filled.startswith(_BETWEEN)
-        partly = filled.startswith("external_force") and _PARTLY.search(one.sentence) is not None
-        alone = filled == "rotor_inertia k" and _WHEEL.search(one.sentence) is None
-        return "" if UNKNOWN in filled or same or partly or alone else filled
+        return "" if UNKNOWN in filled or _is_refused(filled, one.sentence) else filled
+
+    def _about(self, points: Sequence[str], k: int, count: int) -> str:
+        """Return the point about which is meant: each its own where as many are named."""
+        named = points[k : k + 1] if 1 < count == len(points) else points[:1]
+        return named[0] if named else self._centre()
 
     def _turning(self, row: Row, one: Said, k: int, named: Sequence[str]) -> str:
         """Return the frame that is meant, in order; a vectrix is that of its label, where that is usual."""
@@ -380,6 +376,14 @@ class Phrases:
         many = _MANY.search(sentence) is not None and labels not in self.places.points
         counted = {*INDICES, *(COUNTERS if many else ())}
         return "<i>" if len(labels) == 1 and labels[0] in counted else "P"
+
+
+def _is_refused(means: str, sentence: str) -> bool:
+    """Return whether a meaning is from a point to itself, or of a part, or of a wheel that is not there."""
+    labels = means.split()[1:3]
+    same = len(set(labels)) < len(labels) and means.startswith(_BETWEEN)
+    partly = means.startswith("external_force") and _PARTLY.search(sentence) is not None
+    return same or partly or (means == "rotor_inertia k" and _WHEEL.search(sentence) is None)
 
 
 def fits(look: Look, mark: str) -> bool:

@@ -50,7 +50,7 @@ _END = re.compile(rf"(?<=[.;:!?])\s+|{BREAK}|\n\s*\n")
 
 @dataclass(frozen=True)
 class Mention:
-    """A symbol in the text: its look, its formula, the line that it stands in, and whether a display does."""
+    """A symbol in the text: its look, its formula, its line, and whether it begins a display."""
 
     look: Look
     node: Node

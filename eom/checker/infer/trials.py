@@ -146,9 +146,9 @@ class Trial:
     misfits: int = 0
 
     @property
-    def cost(self) -> tuple[int, int]:
+    def cost(self) -> tuple[int, int, int]:
         """What makes one trial worse than another."""
-        return -self.held, self.open
+        return -self.held, self.misfits, self.open
 
 
 @dataclass

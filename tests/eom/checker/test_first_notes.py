@@ -1,4 +1,4 @@
-"""Notes as newcomers write them, with nothing but the note: what is decided, and nothing true called wrong."""
+"""Notes as newcomers write them, with nothing but the note: and nothing true called wrong."""
 
 from pathlib import Path
 

@@ -97,7 +97,7 @@ def test_letters_in_words_are_letters_of_the_page(name):
 @pytest.mark.parametrize(
     ("words", "letter"),
     [
-        ("with J.omega", "J"),  # about two points in that chapter
+        ("with K.omega", "K"),
         ("the rate of u", "u"),
         ("an arrow that formulas lack: rho'' + F_2", "F_{2}"),
     ],
