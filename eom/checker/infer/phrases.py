@@ -23,6 +23,8 @@ UNKNOWN = "?"
 """What stands in a place that words do not fill."""
 
 
+OF_INERTIA = frozenset({"I", "J", "Theta"})
+"""Letters of which "the moment about" is that of inertia."""
 OF_ONE = {"total_mass": "mass", "external_force": "force"}
 """Quantities of many that are called otherwise of a single particle."""
 
@@ -397,6 +399,8 @@ def fitting(phrases: Phrases, one: Said) -> Iterator[Meant]:
     for meant in phrases.meant(one):
         label, plain = as_label(meant.look), not meant.look.accents and not meant.look.style
         if plain and (label in phrases.places.frames or label in phrases.places.points):
+            continue
+        if plain and meant.means.startswith("torque") and meant.look.name in OF_INERTIA:
             continue
         vectors = meant.mark == "vector" and meant.look.sub[-1:] not in {("1",), ("2",), ("3",)}
         if vectors or fits(meant.look, meant.mark):

@@ -355,15 +355,15 @@ def _equated(text: Prose, sentence: str) -> Iterator[Said]:
 def _measured(text: Prose, sentence: str) -> Iterator[Said]:
     """Yield where particles are, and from where that is measured: "masses at $r_i$, measured from $O$"."""
     for match in _AT.finditer(sentence):
-        words = f"position vector from {match['start']}"
+        words = f"position vector from {match['start'] or 'the inertial origin'}"
         yield Said(text.marked(match["of"]), words, sentence, start=match.start())
 
 
 _AT = re.compile(
     rf"\b(?:particles?|masses|mass points?|point mass(?:es)?|elements?)\b[^.;:]{{0,80}}\bat\s+"
-    rf"(?:(?:the\s+)?(?:position|place|point)s?\s+)?(?P<of>{MARK})\s*,?\s+"
-    rf"(?:(?:measured|counted|reckoned|taken|seen)\s+)?(?:from|relative to|with respect to)\s+"
-    rf"(?:the\s+)?(?:point\s+)?(?P<start>{MARK})"
+    rf"(?:(?:the\s+)?(?:position|place|point)s?\s+)?(?P<of>{MARK})"
+    rf"(?:\s*,?\s+(?:(?:measured|counted|reckoned|taken|seen)\s+)?(?:from|relative to|with respect to)\s+"
+    rf"(?:the\s+)?(?:point\s+)?(?P<start>{MARK})|\s*\([^()]*\borigin\b[^()]*\)|(?=\s*[.,;:]|\s*$))"
 )
 
 
