@@ -25,8 +25,8 @@ BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 525,
-    "lines of code": 106_100,
+    "modules": 531,
+    "lines of code": 107_800,
     "modules in the fullest folder": 23,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
