@@ -572,10 +572,6 @@ def _mathml_scripts(box: Scripts, inner: Render) -> str:
     return f"<{tag}>{base}{sub}{sup}</{tag}>" if sub or sup else base
 
 
-_CLEAR = {"vec": "0.04em", "dot": "0.12em", "ddot": "0.12em", "dddot": "0.12em", "ddddot": "0.12em"}
-"""Room below a mark that browsers set so low that it grows together with letters."""
-
-
 def _is_compound(box: Box) -> bool:
     base = box.base if isinstance(box, Scripts) else box
     return isinstance(base, Row | Fence | Grid | Formula | Fraction)
@@ -587,9 +583,7 @@ def _mathml_accent(box: Accent, inner: Render) -> str:
         held = box.base if isinstance(box.base, Grid | Fence) else Fence(box.base)
         return f"<msup>{inner(held)}<mo>\u223c</mo></msup>"
     tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
-    clear = _CLEAR.get(box.mark, "0.08em" if kind and isinstance(box.base, Accent) else "")
-    room = f' style="padding-bottom: {clear}"' if clear else ""
-    return f"<{tag}{kind}>{inner(box.base)}<mo{room}>{ACCENTS[box.mark][2]}</mo></{tag}>"
+    return f"<{tag}{kind}>{inner(box.base)}<mo>{ACCENTS[box.mark][2]}</mo></{tag}>"
 
 
 def _mathml_fenced(box: Fence | Grid, middle: str) -> str:

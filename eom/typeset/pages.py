@@ -597,6 +597,7 @@ th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }
 .assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}
 .formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; overflow-y: hidden; padding: .3rem 0; }}
 math {{ font-size: 1.1em; }}
+mover[accent="true"] > mo {{ padding-bottom: .1em; }} /* browsers set marks too low */
 .formula math {{ margin: .25rem 0; }}
 small, figcaption {{ color: var(--soft); }}
 figure {{ margin: 1rem 0; }}

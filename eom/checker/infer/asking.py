@@ -15,6 +15,7 @@ from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import operands_of
 from eom.checker.infer.systems import USUAL, Guess, Tie
 from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon_files import slotted
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look
@@ -102,7 +103,7 @@ def answered(draft: Proposal, latex: str, meaning: str) -> Proposal:
     meaning = meaning.strip()
     if meaning.startswith(SYSTEM):
         return replace(draft, systems=tuple(_tied(draft.systems, latex, meaning)))
-    look = look_of(read_formula(latex).tree)
+    look = look_of(read_formula(slotted(latex, latex)).tree)
     systems = tuple(
         replace(s, ties=tuple(t for t in s.ties if t.look != look)) for s in draft.systems
     )
@@ -117,7 +118,7 @@ def left_open(draft: Proposal, question: Question) -> Proposal:
     if not question.guess:
         return draft
     latex = question.latex
-    look = look_of(read_formula(latex).tree)
+    look = look_of(read_formula(slotted(latex, latex)).tree)
     systems = tuple(
         replace(s, ties=tuple(t for t in s.ties if t.look != look)) for s in draft.systems
     )

@@ -1,7 +1,5 @@
 """Drawn trees: what is written reads again as the same tree."""
 
-import re
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -198,7 +196,7 @@ def test_every_mark_is_written_and_read():
     for mark in s.MARKS:
         tree = s.Accent(mark, s.Symbol("x"))
         assert read_formula(latex(tree)).tree == tree
-        assert len(re.findall(r"<mo\b", render(box(tree), "mathml"))) == 1
+        assert render(box(tree), "mathml").count("<mo>") == 1
 
 
 def without_brackets(node):
