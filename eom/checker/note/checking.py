@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from eom.checker.infer.asking import questions
-from eom.checker.infer.books import looks_in
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
@@ -29,7 +28,7 @@ from eom.checker.infer.evidence import (
 from eom.checker.infer.letters import ANY
 from eom.checker.infer.lists import PRODUCT
 from eom.checker.infer.sayings import look_of
-from eom.checker.infer.shown import operands_of
+from eom.checker.infer.shown import bare, operands_of, symbols_of
 from eom.checker.infer.slots import guessed_labels, labels_of
 from eom.checker.infer.systems import USUAL, is_claimed, led
 from eom.checker.judge.coordinates import covered
@@ -474,7 +473,7 @@ def _taken(
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]
         taken += _changed(one, draft)
-    taken += _sliced(one)
+    taken += [] if one.finding.reason.startswith(DECISIVE) else _sliced(one)
     if any(map(is_turned, (j.claim for j in one.verdict.claims))):
         taken += ["the axis of the wheel may be any"]
     if _PLACED.search(one.finding.special) or labelled:
@@ -489,8 +488,9 @@ def _sliced(one: Found) -> list[str]:
         if not isinstance(node, Integral) or node.integrand is None:
             continue
         over_mass = ("m",) in {labels(v) for v in node.variables}
-        for look in looks_in(node.integrand) if over_mass else ():
-            if lexicon.find(look) is None:
+        for symbol in symbols_of([node.integrand]) if over_mass else ():
+            look = bare(symbol, lexicon)
+            if look is not None and lexicon.find(look) is None:
                 return [f"${latex_of(look)}$ is of the element of mass"]
     return []
 
