@@ -22,6 +22,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from threading import get_ident
 from typing import Any
 
 import mpmath
@@ -122,9 +123,16 @@ def polhode(moments: Sequence[Rational], omega: Sequence[Rational]) -> Polhode:
     return Polhode(Frame(axes, signs), (I[i], I[j], I[k]), (a, b, c))
 
 
-@lru_cache(maxsize=16)
 def context(digits: int = DIGITS) -> Any:
-    """Return a mpmath context of so many digits, which nobody changes."""
+    """Return the mpmath context of so many digits of this thread, which nobody else changes.
+
+    Some functions of mpmath raise the precision of their context while they compute.
+    """
+    return _context(digits, get_ident())
+
+
+@lru_cache(maxsize=64)
+def _context(digits: int, _thread: int) -> Any:
     own = mpmath.mp.clone()
     own.dps = digits
     return own

@@ -54,7 +54,7 @@ LINES = 2
 """Other formulas that hold with a meaning, by which it is sure."""
 MISREAD = 2
 """Formulas whose kinds do not fit what words say of a symbol while none holds: words may be misread."""
-TURNS = ("turn_angle", "angle")
+TURNS = frozenset({"turn_angle", "angle"})
 """Quantities of sequences, which differ from book to book: words or lines alone make them sure."""
 TRUSTED, WHOLE = 3, 0.4
 """Lines that hold, and the share of symbols that it names, by which a preset beside words is sure."""
@@ -231,7 +231,7 @@ def _placed(own: set[str], every: Mapping[str, tuple[str, str]], draft: Proposal
     points = {d.meaning for d in draft.drafts if d.table == "points"}
     elsewhere = "O" in points and "OI" not in points
     from_there = (p for p in own if not (elsewhere and "OI" in every[p][1].split()))
-    return (p for p in from_there if not every[p][1].startswith(TURNS))
+    return (p for p in from_there if every[p][1].split()[0] not in TURNS)
 
 
 def _family(found: Found) -> str:
