@@ -99,7 +99,7 @@ _FURTHER = {*WITH_DATA, *INTEGER_FIRST, *SOLVE}
 
 def verify(program: Program) -> None:
     """Assert that a program is well formed; a failure is a defect of a pass, not of an input."""
-    if not any(program.instructions is known for known in _VERIFIED):
+    if not any(program.instructions is known for known in tuple(_VERIFIED)):
         _verify_instructions(program)
         _VERIFIED.append(program.instructions)
     size = len(program.instructions)
@@ -107,7 +107,10 @@ def verify(program: Program) -> None:
 
 
 _VERIFIED: deque[tuple[Instruction, ...]] = deque(maxlen=8)
-"""The latest instructions that are well formed: passes make several programs of the same ones."""
+"""The latest instructions that are well formed: passes make several programs of the same ones.
+
+Other threads append, so that a copy is looked through.
+"""
 
 
 def _verify_instructions(program: Program) -> None:

@@ -353,7 +353,7 @@ def _from_ahead(order: _Order) -> Path | None:
 @atexit.register
 def _give_up() -> None:
     """End what was begun and nobody has asked for: with this process, or where the compiler fails."""
-    for folder in [f for f, begun in _AHEAD.items() if begun.owner == os.getpid()]:
+    for folder in [f for f, begun in list(_AHEAD.items()) if begun.owner == os.getpid()]:
         begun = _AHEAD.pop(folder)
         with begun.process:
             children.end(begun.process)

@@ -246,8 +246,8 @@ def _prepared(arguments: Arguments) -> Integrator:
     else:
         _kept.pop(key, None)
     _kept[key] = found  # the last is the latest used
-    while len(_kept) > KEPT:
-        _kept.pop(next(iter(_kept), key), None)
+    for oldest in list(_kept)[:-KEPT]:
+        _kept.pop(oldest, None)
     return found[1]
 
 

@@ -1,5 +1,7 @@
 """Programs: value numbering, text form, and what verify refuses."""
 
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from types import MappingProxyType
 
@@ -105,3 +107,18 @@ def test_results_that_do_not_exist_are_found(number):
 def test_unknown_operations_are_found():
     with pytest.raises(AssertionError):
         Program((Instruction("pi"), Instruction("gamma", (0,))), {"f": (1,)})
+
+
+def test_threads_make_programs_at_once():
+    def make(k):
+        b = Builder()
+        return b.program({"f": [b.add("mul", b.leaf("state", 0), b.const(k))]})
+
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            made = list(pool.map(make, range(2, 4000)))
+    finally:
+        sys.setswitchinterval(before)
+    assert all(p.cost() == 1 for p in made)
