@@ -43,6 +43,7 @@ from eom.checker.mean.examples import ANOTHER
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
+from eom.checker.note.following import decided
 from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
@@ -211,10 +212,21 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         reviewed = _reviewed(document, understood, settings)
         found = tuple(_explained(f, settings) for f in _found(reviewed))
         found = tuple(_claimed(_doubted(found, known, settings), document, known, settings))
+        found = _following(found, document, known)
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
         open_ = _questions(found, known)
     return Whole(document, known, found, words, open_)
+
+
+def _following(found: tuple[Found, ...], document: Document, known: Meanings) -> tuple[Found, ...]:
+    """Return the formulas, those that were left open as other lines decide them."""
+    understood, findings = [f.understood for f in found], [f.finding for f in found]
+    try:
+        new = tuple(decided(document, understood, findings, known.lexicon))
+    except (Overdue, RecursionError):
+        return found
+    return tuple(replace(f, finding=n) for f, n in zip(found, new, strict=True))
 
 
 def _questions(found: Sequence[Found], known: Meanings) -> tuple[Question, ...]:

@@ -1,0 +1,232 @@
+r"""Formulas as equations between letters that may be anything: constants, and functions of time.
+
+A letter that words name as a mass, a length or the like is a constant, all others are functions of time.
+A function and its derivatives are symbols of their own, `jet`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+
+from eom.checker.infer.sayings import Prose, said
+from eom.checker.mean.claims import CONSTANT, EQUALITIES, Claim, claims
+from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
+from eom.checker.mean.model import model_of
+from eom.checker.read.statements import Formula, Statement
+from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.syntax import Derivative, Node, Number, children, walk
+from eom.checker.read.writing import latex_of
+from eom.errors import InputError
+from eom.system import System
+from eom.terms.terms import Term
+from eom.terms.vocabulary import described
+
+Expr = Any
+
+TIME = sp.Symbol("t", real=True)
+MOVING, STILL = "coordinate", "scalar"
+PLAIN = frozenset({"", "cal", "calligraphic", "roman", "script"})
+"""Styles of letters for scalars."""
+IMAGINARY = Look("i")
+
+
+@dataclass(frozen=True)
+class Letter:
+    """A letter of a note, or one of its derivatives by the time."""
+
+    name: str
+    order: int
+    moving: bool
+
+
+_BETWEEN = "|"
+
+
+@lru_cache(maxsize=4096)
+def jet(name: str, order: int = 0, *, moving: bool = True) -> Expr:
+    """Return the symbol of a letter, or of its derivative; constants have none."""
+    return sp.Symbol(_BETWEEN.join((name, "'" * order, "t" if moving else "")), real=True)
+
+
+@lru_cache(maxsize=4096)
+def letter(symbol: Expr) -> Letter | None:
+    """Return what a symbol stands for, None for all but letters of a note."""
+    parts = symbol.name.rsplit(_BETWEEN, 2) if symbol.is_Symbol else []
+    return Letter(parts[0], len(parts[1]), bool(parts[2])) if len(parts) == 3 else None
+
+
+def rate(e: Expr) -> Expr:
+    """Return the derivative by the time of an expression in letters, or that it is to be worked out."""
+    if e.has(partial, timed):
+        return timed(e)
+    parts = [e.diff(TIME)]
+    for s in e.free_symbols:
+        known = letter(s)
+        if known is not None and known.moving:
+            parts.append(e.diff(s) * jet(known.name, known.order + 1))
+    return sp.Add(*parts)
+
+
+@dataclass(frozen=True)
+class Equal:
+    """Two sides that a formula says are equal, in letters."""
+
+    left: Expr
+    right: Expr
+
+    @property
+    def letters(self) -> frozenset[Expr]:
+        """The symbols of both sides."""
+        return frozenset(s for e in (self.left, self.right) for s in e.free_symbols if letter(s))
+
+
+@dataclass(frozen=True)
+class Read:
+    """Equations of a formula, and whether they are all that it says."""
+
+    equations: tuple[Equal, ...]
+    whole: bool
+
+
+@dataclass(frozen=True)
+class Letters:
+    """The letters of a note, which of them are constants, a lexicon in which they are anything, LaTeX."""
+
+    lexicon: Lexicon
+    still: frozenset[str]
+    spellings: Mapping[str, str]
+
+    def latex(self, e: Expr) -> str:
+        """Return an expression as LaTeX in the letters of the note."""
+        known = {s: letter(s) for s in e.free_symbols}
+        names = {s: self._spelt(k) for s, k in known.items() if k is not None}
+        return str(sp.latex(e, symbol_names=names))
+
+    def _spelt(self, one: Letter) -> str:
+        plain = self.spellings.get(one.name, one.name)
+        return rf"\{'d' * one.order}ot{{{plain}}}" if one.order else plain
+
+    def read(self, formula: Formula) -> Read:
+        """Return what a formula says is equal, and whether that is all it says."""
+        if formula.reading is None:
+            return Read((), whole=False)
+        parts = [self._said(s) for s in formula.statements if s.relational]
+        return Read(tuple(q for p in parts for q in p.equations), whole=all(p.whole for p in parts))
+
+    def _said(self, statement: Statement) -> Read:
+        try:
+            found = claims(statement, self.lexicon)
+        except InputError:
+            found = ()
+        parts = [self._pairs(c) for c in found if not c.findings and not c.role]
+        whole = len(parts) == len(found) > 0 and not statement.conditions
+        return Read(
+            tuple(q for p in parts for q in p.equations),
+            whole=whole and all(p.whole for p in parts),
+        )
+
+    def _pairs(self, claim: Claim) -> Read:
+        try:
+            members = [self.expression(m.term, claim.scalars) for m in claim.members]
+        except (InputError, RecursionError):
+            return Read((), whole=False)
+        if claim.kind == CONSTANT:
+            return Read((Equal(members[0], sp.S.Zero),), whole=True)
+        links = zip(claim.relations, pairwise(members), strict=False)
+        found = tuple(Equal(a, b) for relation, (a, b) in links if relation in EQUALITIES)
+        return Read(found, whole=len(found) == len(members) - 1 > 0 and not claim.numbers)
+
+    def expression(self, term: Term, scalars: Mapping[Any, Term]) -> Expr:
+        """Return a term in letters. Raises `InputError` for what is no scalar."""
+        if term.head == "expr":
+            free = term.data[0].free_symbols
+            own = {s: self.expression(scalars[s], scalars) for s in free if s in scalars}
+            if any(p.exp.free_symbols & free for p in term.data[0].atoms(sp.Pow)):
+                raise InputError("a letter as an exponent, such as that of a transpose")
+            return term.data[0].xreplace(
+                own | {s: TIME for s in free - own.keys() if s.name == "t"}
+            )
+        if term.head == "atom" and term.data[0] in {MOVING, STILL}:
+            name = str(term.data[1])
+            return sp.I if name == IMAGINARY.text else jet(name, moving=name not in self.still)
+        if term.head not in _RULES or term.data not in {(), ("",)}:
+            raise InputError("this is no relation between letters", got=described(term))
+        return _RULES[term.head](*(self.expression(a, scalars) for a in term.args))
+
+
+def _partial(f: Expr, variable: Expr) -> Expr:
+    return partial(f, variable)
+
+
+class partial(sp.Function):  # type: ignore[misc]  # noqa: N801 - it is printed as it is called
+    """The derivative of an expression by one of its letters, worked out once all letters are known."""
+
+
+class timed(sp.Function):  # type: ignore[misc]  # noqa: N801
+    """The derivative by the time of an expression with such derivatives."""
+
+
+_RULES = {"add": sp.Add, "mul": sp.Mul, "der": rate, "partial": _partial}
+
+
+_CONSTANT = re.compile(
+    r"\b(?:mass(?:es)?|radi(?:us|i)|lengths?|moments? of inertia|(?:principal )?moments?|distances?"
+    r"|heights?|widths?|stiffness(?:es)?|constants?|coefficients?|gravity|slope|inclination|latitude|density"
+    r"|thickness|sides?|ratio)\b",
+    re.IGNORECASE,
+)
+"""Words for what does not change with time."""
+USUAL = frozenset("g m M l ell R I J Theta k mu rho varrho".split())
+"""Letters of which everybody means constants, where they have no dots."""
+
+
+def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Letters:
+    """Return the letters of formulas; ``lexicon``: of the note, for its notation and its marks.
+
+    Those of which the words say that they are a mass, a length or the like are constants, all others may
+    change with time.
+    """
+    members = [m for f in formulas for s in f.statements if s.relational for m in s.members]
+    pairs = [pair for m in members for pair in _looks(m)]
+    dotted = {look for look, dots in pairs if dots} | {k for m in members for k in _below(m)}
+    looks = dict.fromkeys(look for look, _ in pairs)
+    named = {m.look for s in said(text) if _CONSTANT.search(s.words) for m in s.of}
+    usual = {k for k in looks if k.name in USUAL and not k.style and not k.accents}
+    still = frozenset(k.text for k in (named | usual) - dotted)
+    plain = [k for k in looks if k.style in PLAIN and k != Look("t") and not _decorated(k)]
+    layer = tuple(
+        Entry(k, Meaning(STILL if k.text in still else MOVING, (k.text,)), k.text) for k in plain
+    )
+    nothing = model_of(System.from_rates("nothing", {sp.Symbol("nothing_", real=True): sp.S.Zero}))
+    own = replace(lexicon, layers=(layer,), scopes=(), system=nothing)
+    return Letters(own, still, {k.text: latex_of(k) for k in plain})
+
+
+def _decorated(look: Look) -> bool:
+    """Return whether a letter has marks or labels that scalars have not."""
+    return bool(look.accents or look.presub or look.presup)
+
+
+def _looks(node: Node) -> Iterator[tuple[Look, int]]:
+    found = None if isinstance(node, Number) else seen(node)
+    if found is not None:
+        yield found.look, found.dots
+        return
+    for inside in children(node):
+        yield from _looks(inside)
+
+
+def _below(node: Node) -> Iterator[Look]:
+    """Yield the letters of which a derivative by the time is written as a fraction."""
+    for inside in walk(node):
+        if isinstance(inside, Derivative) and inside.operand is not None:
+            found = seen(inside.operand)
+            if found is not None:
+                yield found.look

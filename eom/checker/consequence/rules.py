@@ -1,0 +1,257 @@
+"""Letters in terms of others: equations are solved one by one, each for a letter that it is linear in."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any
+
+import sympy as sp
+from mpmath import MPContext
+
+from eom.checker.consequence.letters import Equal, Expr, letter, partial, rate, timed
+from eom.errors import InputError
+
+Number = Any
+DIGITS = 40
+MP = MPContext()
+MP.dps = DIGITS
+POINTS, MAX_SEEDS = 3, 24
+MAX_OPERATIONS = 4000
+MAX_ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a letter, or a derivative of it, is equal to, by which formulas."""
+
+    name: str
+    order: int
+    value: Expr
+    sources: frozenset[int]
+    squared: bool = False
+    """Whether it is a root that was taken."""
+
+
+@dataclass
+class Rules:
+    """Letters in terms of others, in which none of them stands again."""
+
+    known: dict[str, Rule] = field(default_factory=dict)
+    signs: list[Equal] = field(default_factory=list)
+    """Equations that say which root of a square is meant."""
+    memo: dict[Expr, tuple[Expr, frozenset[int]]] = field(default_factory=dict)
+
+    def copy(self) -> Rules:
+        """Return the same rules, to which others may be added."""
+        return Rules(dict(self.known), list(self.signs))
+
+    def add(self, rule: Rule) -> None:
+        """Take in a rule for a letter that has none."""
+        self.known[rule.name] = rule
+        self.memo = {}
+
+    def normal(self, e: Expr) -> tuple[Expr, frozenset[int]]:
+        """Return an expression in letters that are free, and the formulas that this rests on.
+
+        Raises `InputError` where it gets too long.
+        """
+        used: frozenset[int] = frozenset()
+        for _ in range(MAX_ROUNDS):
+            e, more = _worked_out(e, self)
+            used |= more
+            found = {s: self._value(s) for s in e.free_symbols if self._is_known(s)}
+            if not found:
+                return e, used
+            e = e.xreplace({s: v for s, (v, _) in found.items()})
+            used = used.union(*(u for _, u in found.values()))
+            if e.count_ops() > MAX_OPERATIONS:
+                break
+        raise InputError("too long a formula")
+
+    def _is_known(self, s: Expr) -> bool:
+        known = letter(s)
+        rule = None if known is None else self.known.get(known.name)
+        return known is not None and rule is not None and known.order >= rule.order
+
+    def _value(self, s: Expr) -> tuple[Expr, frozenset[int]]:
+        if s not in self.memo:
+            known = letter(s)
+            assert known is not None
+            rule = self.known[known.name]
+            value = rule.value
+            for _ in range(known.order - rule.order):
+                value = rate(value)
+            self.memo[s] = value, rule.sources
+        return self.memo[s]
+
+
+def _worked_out(e: Expr, rules: Rules) -> tuple[Expr, frozenset[int]]:
+    """Return an expression with its partial derivatives, each of what is written in free letters."""
+    used: frozenset[int] = frozenset()
+    while e.has(partial, timed):
+        node = next(n for n in sp.postorder_traversal(e) if isinstance(n, partial | timed))
+        f, more = rules.normal(node.args[0])
+        used |= more
+        if isinstance(node, timed):
+            e = e.xreplace({node: rate(f)})
+        elif node.args[1].is_Symbol:
+            e = e.xreplace({node: f.diff(node.args[1])})
+        else:
+            raise InputError("a derivative by what is no letter")
+    return e, used
+
+
+# -- values ------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Point:
+    """Numbers for all letters that are free, and what the others are then."""
+
+    rules: Rules
+    seed: int
+    values: dict[Expr, Number] = field(default_factory=dict)
+
+    def sides(self, q: Equal) -> tuple[Number, Number]:
+        """Return the values of both sides."""
+        return self.of(q.left), self.of(q.right)
+
+    def of(self, e: Expr) -> Number:
+        """Return the value of an expression. Raises `InputError`, `ZeroDivisionError`."""
+        e = _worked_out(e, self.rules)[0]
+        return evaluated(e, {s: self._letter(s) for s in e.free_symbols})
+
+    def _letter(self, s: Expr) -> Number:
+        if s not in self.values:
+            full = self.rules.normal(s)[0]
+            self.values[s] = self._drawn(s) if full == s else self.of_free(full)
+        return self.values[s]
+
+    def of_free(self, e: Expr) -> Number:
+        """Return the value of an expression in free letters."""
+        return evaluated(
+            e, {s: self._letter(s) if s == e else self._any(s) for s in e.free_symbols}
+        )
+
+    def _any(self, s: Expr) -> Number:
+        if s not in self.values:
+            self.values[s] = self._drawn(s)
+        return self.values[s]
+
+    def _drawn(self, s: Expr) -> Number:
+        known = letter(s)
+        name = (
+            f"{self.seed} {known.name} {known.order}" if known is not None else f"{self.seed} {s}"
+        )
+        generator = random.Random(name)  # noqa: S311 - reproducible, no secret
+        return MP.mpf(generator.randrange(10**6, 10**7)) / (7 * 10**6 + 3)
+
+
+_FUNCTIONS: Mapping[Any, Callable[..., Number]] = {
+    sp.Add: lambda *a: MP.fsum(a),
+    sp.Mul: lambda *a: MP.fprod(a),
+    sp.Pow: MP.power,
+    **{f: getattr(MP, f.__name__) for f in (sp.sin, sp.cos, sp.tan, sp.cot, sp.exp, sp.log, sp.atan,
+                                           sp.asin, sp.acos, sp.sinh, sp.cosh, sp.tanh)},
+    sp.Abs: abs,
+}  # fmt: skip
+
+
+def evaluated(e: Expr, values: Mapping[Expr, Number]) -> Number:
+    """Return the value of an expression to many digits. Raises `InputError` for what has none."""
+    if e in values:
+        return values[e]
+    if e.is_Rational:
+        return MP.mpf(e.p) / e.q
+    if e is sp.I:
+        return MP.mpc(0, 1)
+    if e.is_number and not e.args and e.is_finite:
+        return MP.mpf(str(e.evalf(DIGITS)))
+    rule = _FUNCTIONS.get(e.func)
+    if rule is None or not e.args:
+        raise InputError("this has no value", got=e)
+    return rule(*(evaluated(a, values) for a in e.args))
+
+
+def points(rules: Rules) -> list[Point]:
+    """Return points in general position, at which roots of squares have their signs."""
+    drawn = (Point(rules, seed) for seed in range(MAX_SEEDS))
+    return list(islice((p for p in drawn if all(_same(*p.sides(q)) for q in rules.signs)), POINTS))
+
+
+def agrees(q: Equal, at: Sequence[Point]) -> bool:
+    """Return whether two sides are equal at all points. Raises `InputError` where they have no values."""
+    return len(at) == POINTS and all(_same(*p.sides(q)) for p in at)
+
+
+def agrees_but_for_signs(q: Equal, at: Sequence[Point]) -> bool:
+    """Return whether a side that is a letter, known by its square, is equal to the other up to its sign."""
+    known = letter(q.left) or letter(q.right)
+    rule = at[0].rules.known.get(known.name) if known and at else None
+    if rule is None or not rule.squared or len(at) < POINTS:
+        return False
+    return all(_same(a * a, b * b) for a, b in (p.sides(q) for p in at))
+
+
+def _same(a: Number, b: Number) -> bool:
+    return bool(abs(a - b) <= MP.mpf(10) ** -25 * (abs(a) + abs(b)))
+
+
+# -- solving -----------------------------------------------------------------------------------------
+
+
+def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | None:
+    """Return the rule that an equation makes, for the letter that it says most of; None for none.
+
+    A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
+    """
+    whole, used = rules.normal(q.left - q.right)
+    zero = sp.numer(sp.together(whole))
+    for s in sorted(filter(letter, whole.free_symbols), key=lambda s: _rank(s, q, new)):
+        known = letter(s)
+        assert known is not None
+        others = {letter(o) for o in whole.free_symbols - {s}}
+        if any(o and o.name == known.name and o.order >= known.order for o in others):
+            continue
+        value = _alone(zero, s)
+        if value is not None:
+            squared = zero.diff(s).has(s)
+            return Rule(known.name, known.order, value, used | {number}, squared=squared)
+    return None
+
+
+def _rank(s: Expr, q: Equal, new: frozenset[str]) -> tuple[bool, bool, bool, int, str]:
+    known = letter(s)
+    assert known is not None
+    alone = s in {q.left, q.right}
+    return (
+        not (alone and known.name in new),
+        known.name not in new,
+        not known.moving,
+        -known.order,
+        known.name,
+    )
+
+
+def _alone(zero: Expr, s: Expr) -> Expr | None:
+    """Return what a symbol is where an expression vanishes that is linear in it, or in its square."""
+    slope = zero.diff(s)
+    if slope == 0:
+        return None
+    if not slope.has(s):
+        return -zero.xreplace({s: sp.S.Zero}) / slope
+    half = sp.expand(slope / (2 * s)) if sp.expand(slope).xreplace({s: sp.S.Zero}) == 0 else s
+    if half.has(s) or half == 0:
+        return None
+    return sp.sqrt(-zero.xreplace({s: sp.S.Zero}) / half)
+
+
+def lone(q: Equal) -> Iterator[str]:
+    """Yield the letters that stand alone on a side and not on the other."""
+    for side, other in ((q.left, q.right), (q.right, q.left)):
+        known = letter(side)
+        if known is not None and not known.order and side not in other.free_symbols:
+            yield known.name

@@ -1,0 +1,81 @@
+r"""Lines that nothing else decides, by what follows from the other lines of the note.
+
+Whatever letters mean, a line that follows from earlier ones holds where these do; one that would follow
+but for a slip is wrong where the others confirm what it rests on, and unsure elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from eom.checker.consequence.letters import Letters, letters_of
+from eom.checker.consequence.lines import Followed, followed
+from eom.checker.consequence.slips import Slip
+from eom.checker.infer.sayings import prose
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG
+from eom.checker.judge.notes import Understood
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.read.documents import Document
+from eom.checker.report.findings import UNSURE, Finding
+
+FOLLOWS = "it follows from {}, whatever the letters mean"
+CALCULATED = "both sides are the same, whatever the letters mean"
+
+
+def decided(
+    document: Document, understood: Sequence[Understood], found: Sequence[Finding], lexicon: Lexicon
+) -> Iterator[Finding]:
+    """Yield findings, those on displays that were left open as their consequences decide them."""
+    open_ = [
+        k for k, f in enumerate(found) if f.kind == "display" and f.verdict in {UNDECIDED, UNSURE}
+    ]
+    verdicts = [f.verdict for f in found]
+    if not open_:
+        yield from found
+        return
+    letters = letters_of([u.formula for u in understood], prose(document), lexicon)
+    known = followed(letters, understood, verdicts, open_)
+    for number, finding in enumerate(found):
+        what = known.get(number)
+        if what is None or (what.slip is not None and not what.sure and finding.verdict == UNSURE):
+            yield finding
+        else:
+            yield _told(finding, what, number, found, letters)
+
+
+def _told(
+    finding: Finding, what: Followed, number: int, found: Sequence[Finding], letters: Letters
+) -> Finding:
+    """Return a finding with what follows."""
+    rests, open_ = (
+        _lines(found[n].line for n in ns - {number}) for ns in (what.sources, what.under)
+    )
+    if what.slip is None:
+        reason = FOLLOWS.format(rests) if rests else CALCULATED
+        if open_:
+            return replace(
+                finding, verdict=UNDER, reason=f"what stands in {open_} is true: {reason}"
+            )
+        return replace(finding, verdict=HOLDS, reason=reason)
+    said = _slip(what.slip, letters)
+    if what.sure:
+        return replace(finding, verdict=WRONG, reason=f"{said}, by {rests}" if rests else said)
+    return replace(
+        finding, verdict=UNSURE, reason=f"if what stands in {rests} is true, then: {said}"
+    )
+
+
+def _lines(numbers: Iterable[int]) -> str:
+    different = sorted(set(numbers))
+    if len(different) < 2:
+        return "".join(f"line {n}" for n in different)
+    return f"lines {', '.join(map(str, different[:-1]))} and {different[-1]}"
+
+
+def _slip(slip: Slip, letters: Letters) -> str:
+    """Say what is wrong with a part, and what it should be."""
+    part, factor = slip.part, slip.factor
+    if factor == -1:
+        return f"the sign of ${letters.latex(part)}$ is wrong"
+    return f"${letters.latex(part * factor)}$, not ${letters.latex(part)}$"

@@ -1,0 +1,132 @@
+"""What follows from the lines of a note, whatever their letters mean, and what does but for a slip."""
+
+import pytest
+
+from eom.checker.consequence.letters import letters_of
+from eom.checker.consequence.lines import followed
+from eom.checker.infer.draft import meanings
+from eom.checker.infer.sayings import prose
+from eom.checker.judge.judge import UNDECIDED
+from eom.checker.judge.notes import understand
+from eom.checker.read.documents import Text, document_of
+
+
+def shown(note):
+    """Return, by the number of a display, what is found of it with its slip in LaTeX, and its sources."""
+    document = document_of(Text(note), "markdown")
+    lexicon = meanings(document, None, "", "").lexicon
+    understood = understand(document, lexicon)
+    letters = letters_of([u.formula for u in understood], prose(document), lexicon)
+    displays = [k for k, u in enumerate(understood) if u.formula.piece.kind == "display"]
+    known = followed(letters, understood, [UNDECIDED] * len(understood), displays)
+    return {displays.index(n) + 1: word(f, letters) for n, f in known.items()}
+
+
+def word(f, letters):
+    if f.slip is not None:
+        return "wrong" if f.sure else "unsure", letters.latex(f.slip.factor)
+    return ("under" if f.under else "follows"), ""
+
+
+def note(*parts):
+    """Return displays, sentences between them as they are."""
+    return "\n\n".join(p[1:] if p.startswith("#") else f"$$\n{p}\n$$" for p in parts)
+
+
+def found(*parts):
+    return {n: what for n, (what, _) in shown(note(*parts)).items()}
+
+
+def test_what_is_put_in_follows():
+    assert found(r"Q = n\dot w", "B = Q^2", r"B = n^2\dot w^2") == {3: "follows"}
+
+
+def test_an_identity_follows_from_nothing():
+    assert found(r"(A+B)^2 = A^2 + 2AB + B^2") == {1: "follows"}
+
+
+def test_equations_are_solved_for_what_is_eliminated():
+    rolling = [
+        "#The radius is $r$, the mass $m$, the moment of inertia $I$.",
+        r"v = r w",
+        r"\begin{aligned} m\dot v &= G\sin\alpha - F \\ I\dot w &= F r \end{aligned}",
+    ]
+    assert found(*rolling, r"\dot v = \frac{G\sin\alpha}{m + I/r^2}") == {3: "under"}
+    assert found(*rolling, r"\dot v = \frac{G\cos\alpha}{m + I/r^2}") == {3: "unsure"}
+    assert found(*rolling, r"\dot v = \frac{G\sin\alpha}{2m + I/r^2}") == {3: "unsure"}
+
+
+def test_a_slip_is_certain_where_other_lines_confirm_what_it_rests_on():
+    lines = [r"Q = n\dot w + b", "B = Q^2", r"B = (n\dot w + b)^2", r"\sqrt{B} = n\dot w + b"]
+    assert found(*lines, r"Q^2 - B = 0", r"B = Q(n\dot w - b)")[6] == "wrong"
+    assert shown(note(*lines, "Q^2 = B", r"Q = n\dot w - b"))[6] == ("wrong", "-1")
+    assert found(r"Q = n\dot w + b", r"Q = n\dot w - b") == {2: "unsure"}
+
+
+def test_what_rests_on_an_open_line_says_so():
+    """The second line brings no letter in: it may be a slip, or a special case."""
+    assert found("Q = a + b, \\quad P = a - b", "Q = 3P", "a = 2b") == {3: "under"}
+
+
+def test_a_case_in_which_all_vanishes_proves_nothing():
+    lines = ["A = B\\omega - C\\eta", r"#With $\omega = 0$ and $\eta = 0$:"]
+    assert found(*lines, "5C\\eta = 7B\\omega") == {}
+
+
+def test_conditions_in_sentences_hold_around_them():
+    lines = [r"Q = \frac{J_1}{J_3}w + \frac{J_2}{J_3}u", "#If $J_1 = J_2 = J$ this is"]
+    assert found(*lines, r"Q = \frac{J}{J_3}(w + u)")[2] in {"follows", "under"}
+
+
+def test_letters_without_words_may_change_with_time():
+    assert found(r"E = J w^2", r"\frac{dE}{dt} = 0") == {}
+    assert found(r"E = J w^2", r"\dot E = 2Jw\dot w") == {2: "follows"}
+    words = "#The moment of inertia is $q$."
+    assert found(r"E = q w^2", r"\dot E = 2qw\dot w") == {}
+    assert found(words, r"E = q w^2", r"\dot E = 2qw\dot w") == {2: "follows"}
+
+
+LAGRANGIAN = [
+    "#Its mass is $m$, its radius $R$, the gravity $g$.",
+    r"T = \frac12 m R^2(\dot\theta^2 + \dot\phi^2\sin^2\theta)",
+    r"L = T + m g R\cos\theta",
+]
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (r"p = \frac{\partial L}{\partial\dot\phi} = mR^2\dot\phi\sin^2\theta", "follows"),
+        (r"p = \frac{\partial L}{\partial\dot\phi} = mR^2\dot\phi\sin\theta", "unsure"),
+        (r"\ddot\theta = \dot\phi^2\sin\theta\cos\theta - \frac gR\sin\theta", "follows"),
+        (r"\ddot\theta = \dot\phi^2\sin\theta\cos\theta + \frac gR\sin\theta", "unsure"),
+        (r"\frac{d}{dt}(\dot\phi\sin^2\theta) = 0", "follows"),
+        (r"\frac{d}{dt}(\dot\phi\sin\theta) = 0", "unsure"),
+    ],
+)
+def test_lines_follow_from_a_lagrangian(line, expected):
+    assert found(*LAGRANGIAN, line).get(3) == expected
+
+
+def test_two_real_equations_become_a_complex_one():
+    real = r"\ddot x = 2\Omega\dot y - kx, \quad \ddot y = -2\Omega\dot x - ky"
+    complex_ = r"\ddot\zeta + 2i\Omega\dot\zeta + k\zeta = 0"
+    assert found(real, "#With $\\zeta = x + iy$", complex_) == {2: "follows"}
+    wrong = complex_.replace("+ 2i", "- 2i")
+    assert found(real, "#With $\\zeta = x + iy$", wrong).get(2) in {"unsure", None}
+
+
+def test_the_root_of_a_square_may_have_either_sign():
+    square = r"\lambda^2 = \frac{((J - K)\Omega + h)^2}{K^2}"
+    assert found(square, r"\lambda = \frac{J - K}{K}\Omega + \frac hK") == {2: "follows"}
+    assert found(square, r"\lambda = \frac{K - J}{K}\Omega - \frac hK") == {2: "follows"}
+
+
+def test_a_line_that_is_read_in_part_is_not_said_to_follow():
+    assert found("Q = a + b", "R = \\vec Q", "a = Q - b, \\quad \\vec F = a\\vec b") == {}
+
+
+def test_special_cases_are_no_slips():
+    """The general line holds with other letters: what is special is not wrong."""
+    general = [r"Q = \frac{G}{m + J}", "#A hoop has"]
+    assert found(*general, "Q = \\frac{G}{2m}") in ({}, {2: "unsure"})
