@@ -43,6 +43,7 @@ from codegen.targets.render import (
     with_slots_of,
 )
 from codegen.targets.target import Target
+from eom.limits import seldom_collected
 from eom.quantities import Quantity
 
 TEMPLATES: dict[str, Template] = {
@@ -164,6 +165,7 @@ def _prototypes(name: str, layout: Layout) -> list[str]:
     return lines
 
 
+@seldom_collected()
 def single_text(program: Program, layout: Layout) -> str:
     """Return header and source as one text that compiles by itself."""
     include = f'#include "{identifier(layout.name)}.h"\n'

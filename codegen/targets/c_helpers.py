@@ -23,7 +23,7 @@ from codegen.ir.interpret import constants
 from codegen.ir.linsolve import C_HELPERS
 from codegen.ir.names import comment
 from codegen.ir.ops import LEAVES, TURNED, Instruction
-from codegen.ir.passes import prune
+from codegen.ir.passes import pruned
 from codegen.ir.program import Name, Program
 from codegen.ir.stumpff import SERIES
 from eom.tables import Table
@@ -132,9 +132,9 @@ def circles(program: Program) -> Circles | None:
         instructions[k] = Instruction(TURNED, (), slot)
         names[slot] = program.names.get(k, names[slot])
     kept = {k: name for k, name in program.names.items() if k not in found}
-    late = Program(tuple(instructions), program.results, MappingProxyType(kept), program.rules)
-    early = Program(program.instructions, {TURNED: angles}, _NONE, program.rules)
-    return Circles(prune(early), prune(late), room, tuple(names))
+    late = pruned(instructions, program.results, kept, program.rules)
+    early = pruned(program.instructions, {TURNED: angles}, _NONE, program.rules)
+    return Circles(early, late, room, tuple(names))
 
 
 _NONE: Mapping[int, Name] = MappingProxyType({})
@@ -146,7 +146,10 @@ def _found(program: Program) -> dict[int, None]:
     early: list[bool] = []
     found: dict[int, None] = {}
     for k, (op, args, _) in enumerate(program.instructions):
-        early.append(op in _EARLY and False not in [early[a] for a in args])
+        is_early = op in _EARLY
+        for a in args if is_early else ():
+            is_early = is_early and early[a]
+        early.append(is_early)
         if op in CIRCULAR and k not in known and early[args[0]]:
             found[k] = None
     return found
