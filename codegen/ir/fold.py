@@ -70,7 +70,9 @@ class RuleSet:
 
     name: str
     laws: Mapping[str, tuple[Law, ...]] = field(repr=False)
-    _asked: dict[tuple[str, ...], tuple[Rule, ...]] = field(default_factory=dict, repr=False)
+    _asked: dict[tuple[str, ...], tuple[Rule, ...]] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     def asked(self, form: tuple[str, ...]) -> tuple[Rule, ...]:
         """Return the rules of an operation on operands of some operations, ``form`` in this order."""
