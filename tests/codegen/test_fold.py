@@ -163,7 +163,7 @@ EXAMPLES = {
 }  # fmt: skip
 """Left sides, by the text of the law."""
 
-NOTHING = RuleSet("nothing", {}, {})
+NOTHING = RuleSet("nothing", {})
 
 
 def alone(law):
