@@ -19,7 +19,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from codegen.ir.interpret import constants
 from codegen.ir.linsolve import C_HELPERS
 from codegen.ir.names import comment
 from codegen.ir.ops import LEAVES, TURNED, Instruction
@@ -95,6 +94,7 @@ MANY_ANGLES = 4
 BLOCK = 4
 """Angles are filled up with zeros to a multiple of so many."""
 CIRCULAR = {"sin": 0, "cos": 1}
+_FIXED = frozenset({"const", "pi"})
 _EARLY = frozenset({*LEAVES, "add", "sub", "mul", "neg", "div"})
 """What angles are made of."""
 
@@ -142,16 +142,17 @@ _NONE: Mapping[int, Name] = MappingProxyType({})
 
 def _found(program: Program) -> dict[int, None]:
     """Return the sines and cosines of what is known from the start, in order."""
-    known = constants(program)
-    early: list[bool] = []
+    late, fixed, early = 0, 1, 2
+    when: list[int] = []
     found: dict[int, None] = {}
     for k, (op, args, _) in enumerate(program.instructions):
-        is_early = op in _EARLY
-        for a in args if is_early else ():
-            is_early = is_early and early[a]
-        early.append(is_early)
-        if op in CIRCULAR and k not in known and early[args[0]]:
+        own = late
+        if op in _EARLY:
+            given = [when[a] for a in args]
+            own = late if late in given else max(given, default=fixed if op in _FIXED else early)
+        elif op in CIRCULAR and when[args[0]] == early:
             found[k] = None
+        when.append(own)
     return found
 
 
