@@ -42,9 +42,7 @@ def handout(derivation: Shown, notation: Notation) -> Iterator[Block]:
     numbered = numbers(derivation, notation)
     steps = key_steps(derivation, notation)
     letters = {
-        a: k
-        for a, k in letters_of(derivation).items()
-        if any(a in s.assumptions for s in steps)
+        a: k for a, k in letters_of(derivation).items() if any(a in s.assumptions for s in steps)
     }
     yield Heading(derivation.title, 1)
     yield Paragraph(

@@ -530,8 +530,7 @@ def _integral(value: Expr, names: Names) -> Box:
     if any(len(limit) != 3 for limit in value.limits):
         return Formula(value, names)
     signs = [
-        _limited(*(_exponent(end, names) for end in limit[1:]))
-        for limit in reversed(value.limits)
+        _limited(*(_exponent(end, names) for end in limit[1:])) for limit in reversed(value.limits)
     ]
     ends = [Row((THIN, Operator("d"), expression_box(limit[0], names))) for limit in value.limits]
     inside = _factor(value.function, names)

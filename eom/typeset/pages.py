@@ -230,8 +230,10 @@ def _text_paragraph(block: Paragraph, letters: str) -> list[str]:
 
 
 def _text_steps(block: Steps, letters: str) -> list[str]:
-    left = block.lines[0][0].left
+    first = block.lines[0][0]
+    left = first.left
     wide = left is None or is_wide(left, COLUMNS - 9, _text_measure)
+    wide = wide or broken(first, COLUMNS - 9, _text_measure)[0].left != left  # it stands alone
     size = 0 if wide else _length(_text_side(left, letters))
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):

@@ -258,9 +258,7 @@ def _rates_with_rotor(d: Derivation, system: System) -> list[Chain]:
     h = vector("B", (outputs[f"h_{k}"] for k in (1, 2, 3)))
     moving[system.states[3].symbol] = sp.Integer(0)
     d.show(
-        Equation(
-            entries(first_derivative(h, OMEGA, moving).total.column), entries(sp.zeros(3, 1))
-        ),
+        Equation(entries(first_derivative(h, OMEGA, moving).total.column), entries(sp.zeros(3, 1))),
         "they keep the momentum of body and rotor, as p_1 is constant: its rate in B and omega x h_C "
         "put together",
         put_in(*(line.equation for line in named)),
