@@ -12,7 +12,6 @@ from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
 from eom.exact.algebra import gather
-from eom.kinematics.frames import Vector, first_derivative, time_derivative, vector
 from eom.mechanics import dissipation as model
 from eom.mechanics import steady
 from eom.mechanics.freebody import AXIAL, MOMENTS, TRANSVERSE, H, T
@@ -555,8 +554,8 @@ def _nutation(d: Derivation) -> None:
     d.name_scalar(
         NUTATION_RATE,
         expr(-POWER / sp.Derivative(energy, model.NUTATION)),
-        "the energy sink: a symmetric body has the energy T over the angle theta from h to the axis, and T' = -P is "
-        "(dT/dtheta) theta'",
+        "the energy sink: a symmetric body has the energy T over the angle theta from h to the "
+        "axis, and T' = -P is (dT/dtheta) theta'",
         label="sink",
     ).then(
         "carried out: the angle falls if I_a > I_t, to spin about the axis of a disc, and grows if "
