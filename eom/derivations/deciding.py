@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eom.derivations.derived import Derived
-from eom.derivations.verification import IDENTITY, decide, has_meaning, is_plain, verify
+from eom.derivations.verification import IDENTITY, decide, is_of_quantities, is_plain, verify
 from eom.errors import InputError
 from eom.terms import rules
 from eom.terms.own import Own
@@ -95,7 +95,7 @@ def surplus(derivation: Derived) -> Iterator[tuple[str, str]]:
         for spared in step.assumptions if line.relation != ":=" else ():
             rest = closure(step.assumptions) - {spared}
             try:
-                if lines.decided(line, rest) == IDENTITY and has_meaning(line, scalars):
+                if lines.decided(line, rest) == IDENTITY and is_of_quantities(line, scalars):
                     decide(line, rest, scalars, count=1)  # its symbols, too, have to exist
             except InputError:
                 continue

@@ -37,6 +37,7 @@ from eom.derivations.verification import (
     check_signs,
     decide,
     has_meaning,
+    is_of_quantities,
 )
 from eom.errors import InputError, typed, typed_fields
 from eom.expressions import as_expression
@@ -681,7 +682,7 @@ class Derivation:
             found = evidence
             if found != IDENTITY:
                 found = self._lines.decided(line, names, f"{self.name}: {reason}")
-            if found == IDENTITY and has_meaning(line, self.scalars):
+            if found == IDENTITY and is_of_quantities(line, self.scalars):
                 decide(line, names, self.scalars, count=1)
 
         return smallest(self.assumed, holds)

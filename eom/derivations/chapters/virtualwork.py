@@ -278,17 +278,20 @@ class Work:
             *(use(d.definition_of(self.active[k]), backwards=True) for k in (1, 2)),
             *(use(d.recall(f"inert-sum-{k}").equation) for k in (1, 2)),
         ]
+        linear = (
+            "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the partial "
+            "velocity of u"
+        )
         parts = [
             d.start(expr(whole)).then(
-                "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the "
-                "partial velocity of u",
+                words,
                 use(d.definition_of(whole)),
                 distribute,
                 out_of_sums(d.scalars),
                 *by_coordinates,
                 label=f"{whole}",
             )
-            for whole in (active, inert)
+            for whole, words in ((active, linear), (inert, "and the same of the inertia force"))
         ]
         balances = [d.recall(f"kane-{k}") for k in (1, 2)]
         solutions = [
