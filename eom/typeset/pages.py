@@ -351,7 +351,7 @@ def _latex_display(block: Display, paper: _Paper) -> list[str]:
 def _latex_note(note: Note) -> str:
     assumed, remarks = map(_latex_words, (note.assumed, note.remarks))
     remarks = f" {{\\small [{remarks}]}}" if remarks else ""
-    assumed = f"\\emph{{{assumed}}}\\endgraf\\noindent\n" if assumed else ""
+    assumed = f"\\emph{{{assumed}}}\\endgraf\\nobreak\\noindent\n" if assumed else ""
     return f"\\noindent {assumed}\\textbf{{{note.number}.}} {_latex_words(note.reason)}{remarks}"
 
 
