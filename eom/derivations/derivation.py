@@ -70,7 +70,6 @@ from eom.terms.vocabulary import (
     velocity,
 )
 from eom.worlds.evaluate import Evaluator
-from eom.worlds.own import Furnished
 from eom.worlds.worlds import closure
 
 SIGNS = "sum of products that are not negative"
@@ -1011,13 +1010,11 @@ class Derivation:
 
         Of letters that stand for no term nothing is known.
         """
-        free, carried = Furnished(replace(self.own, laws=[]), {}), self._lines.carry(term)
-        scalars = {s: self._lines.carry(t) for s, t in self.scalars.items()}
-        free.scalars.update(scalars)
-        if not _is_known(carried, scalars):
+        free, carried = self._lines.worlds(lawful=False), self._lines.carry(term)
+        if not _is_known(carried, free.scalars):
             return True
         found = (
-            Evaluator(world, scalars).lowest(carried)
+            Evaluator(world, free.scalars).lowest(carried)
             for world in free(self.assumed, SIGN_WORLDS, field=RATIONALS)
         )
         return any(value >= 0 for value in found)
