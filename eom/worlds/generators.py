@@ -426,7 +426,7 @@ def _tried(
     order: int,
     values: Sequence[Any],
 ) -> list[Any]:
-    """Return coefficient ``order`` of a residual for the coefficients ``order + 2``; later ones do not count."""
+    """Return a residual's coefficient ``order`` for coefficients ``order + 2``; later ones do not count."""
     short = (Series(s.field, s.coefficients[: order + 3]) for s in current)
     tried = [_with(s, order + 2, v) for s, v in zip(short, values, strict=True)]
     return [r.coefficients[order] for r in residual(tried)]
