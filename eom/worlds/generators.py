@@ -411,7 +411,9 @@ def _solve_motion(
 
 
 def _slopes(
-    field: Field, current: Sequence[Series], residual: Callable[[Sequence[Series]], Sequence[Series]]
+    field: Field,
+    current: Sequence[Series],
+    residual: Callable[[Sequence[Series]], Sequence[Series]],
 ) -> list[list[Any]]:
     """Return the slopes of a residual at t = 0 by the coefficients 2, by trying zero and each unit."""
     n = len(current)

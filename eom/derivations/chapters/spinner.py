@@ -286,7 +286,9 @@ def _solved(d: Derivation, body: SpinningSymmetricBody, rows: list[Chain]) -> No
     d.check(Equation(expr(THETA_DDOT), expr(theta)), "the library has the same")
     d.assume("no_torque_3")
     free = d.given(Equation(dot(B3, TORQUE), number(0)), "no torque about b3")
-    rows[2].both("put into row 3, with Omega by C", use(free.equation), with_spin, label="row-3").infer(
+    rows[2].both(
+        "put into row 3, with Omega by C", use(free.equation), with_spin, label="row-3"
+    ).infer(
         "row 3, solved for the precession",
         solved(expr(PSI_DDOT), ONE_FRACTION),
         label="psi-equation",

@@ -48,6 +48,7 @@ M = mass("i")
 APPLIED, HELD = quantity("applied_force", "i"), quantity("constraint_force", "i")
 KINETIC = quantity("kinetic_energy", "system")
 _ACTIVE, _INERT = "generalised active force", "generalised inertia force"
+_LINEAR = "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the partial velocity of u"
 
 
 def virtual_work() -> Derived:
@@ -278,10 +279,6 @@ class Work:
             *(use(d.definition_of(self.active[k]), backwards=True) for k in (1, 2)),
             *(use(d.recall(f"inert-sum-{k}").equation) for k in (1, 2)),
         ]
-        linear = (
-            "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the partial "
-            "velocity of u"
-        )
         parts = [
             d.start(expr(whole)).then(
                 words,
@@ -291,7 +288,7 @@ class Work:
                 *by_coordinates,
                 label=f"{whole}",
             )
-            for whole, words in ((active, linear), (inert, "and the same of the inertia force"))
+            for whole, words in ((active, _LINEAR), (inert, "and the same of the inertia force"))
         ]
         balances = [d.recall(f"kane-{k}") for k in (1, 2)]
         solutions = [
