@@ -2,8 +2,8 @@
 
 An edit is really false when 60-digit numerics on smooth motions say so (`tests.eom.oracle`). The
 command fails where less than 99 % of the false edits are rejected, or a true one is. A whole run takes
-hours: each derivation is told when it is done, and one that is stopped (from the keyboard, or by the
-signal to terminate) prints what it has counted until then.
+a quarter of an hour on one core; each derivation is told when it is done, and a run that is stopped
+(from the keyboard, or by the signal to terminate) prints what it has counted until then.
 """
 
 from __future__ import annotations

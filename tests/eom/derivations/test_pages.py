@@ -3,6 +3,7 @@
 import html
 import re
 import shutil
+from xml.etree import ElementTree
 
 import pytest
 
@@ -17,7 +18,7 @@ from eom.terms.terms import nodes
 from eom.typeset.boxes import symbol
 from eom.typeset.markup import render
 from eom.typeset.notation import NOTATIONS, notation_named
-from tests.eom.rows import derivations
+from tests.eom.rows import derivations, only
 
 SAME = {"identity_matrix": "identity"}
 """The unit dyadic and the matrix of its components have one letter."""
@@ -201,3 +202,10 @@ def test_rotors_have_one_notation():
     assert "I_{s,k}" in page
     assert "I_{s,1}" in page
     assert "I_{sk}" not in page
+
+
+@pytest.mark.parametrize("name", only(names(), "energy-dissipation", "heavy-symmetric-top"))
+def test_no_quotient_stands_in_a_quotient(name):
+    for formula in re.findall("<math.*?</math>", derive(name).page("html"), re.DOTALL):
+        quotients = ElementTree.fromstring(formula).iter("mfrac")
+        assert not any(inner is not outer for outer in quotients for inner in outer.iter("mfrac"))
