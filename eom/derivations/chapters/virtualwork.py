@@ -48,7 +48,10 @@ M = mass("i")
 APPLIED, HELD = quantity("applied_force", "i"), quantity("constraint_force", "i")
 KINETIC = quantity("kinetic_energy", "system")
 _ACTIVE, _INERT = "generalised active force", "generalised inertia force"
-_LINEAR = "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the partial velocity of u"
+_LINEAR = (
+    "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the partial "
+    "velocity of u"
+)
 
 
 def virtual_work() -> Derived:
