@@ -25,7 +25,6 @@ from eom.worlds.shapes import (
     any_body,
     central,
     mirrored,
-    principal,
     shape,
 )
 from eom.worlds.turning import (
@@ -239,7 +238,7 @@ def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
 
 def _with_slug(draw: Draw, assumed: frozenset[str]) -> Stage:
     """A body, and a slug of six equal masses on three axes, both about one centre of mass."""
-    body = principal(draw) if "principal_with_slug" in assumed else central(draw)
+    body = central(draw)
     mass, a = draw.mass(), draw.number()
     slug = mirrored(draw.field, [(mass, (a, 0, 0)), (mass, (0, a, 0)), (mass, (0, 0, a))])
     damping = draw.number()

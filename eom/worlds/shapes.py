@@ -162,11 +162,6 @@ def central(draw: Draw) -> list[Weighted]:
     return _moved(draw.field, bodies, (-x, -y, -z))
 
 
-def principal(draw: Draw) -> list[Weighted]:
-    """Return a body with its centre of mass at the origin, and its principal axes there."""
-    return draw.choose(_principal, _axis_pairs)
-
-
 SYMMETRIES = {"spin_312": 1, "symmetric": 2, "symmetric_1": 0, "symmetric_2": 1}
 """Assumptions by which two principal moments are equal, and the axis of symmetry, from 0."""
 
@@ -177,7 +172,7 @@ def shape(draw: Draw, assumed: frozenset[str]) -> list[Weighted]:
     if axis is not None:
         body = draw.choose(lambda d: _equal_moments(d, axis), lambda d: _quarter_turns(d, axis))
     elif "principal_axes" in assumed or {"principal_at_O", "about_centre"} <= assumed:
-        body = principal(draw)
+        body = draw.choose(_principal, _axis_pairs)
     elif "principal_at_O" in assumed:
         return _flat(_principal(draw, central=False), assumed)
     else:

@@ -402,9 +402,6 @@ ASSUMPTIONS: dict[str, Restriction] = {
         ("constant_mass", "newton_2"),
         ("body_frame", "rigid", "spin_312", "rotors", "one_particle"),
     ),
-    "principal_with_slug": Restriction(
-        "b1, b2, b3 are principal axes of body and slug at the centre of mass", ("viscous_slug",)
-    ),
     "rotors": Restriction(
         "rotors, symmetric about axes that are fixed in the body, turn in the body",
         ("constant_mass",),

@@ -46,7 +46,6 @@ NEEDS = {
     "no_torque_2": ("spin_312", "newton_2"),
     "no_torque_3": ("spin_312", "newton_2"),
     "viscous_slug": ("newton_2", "constant_mass"),
-    "principal_with_slug": ("viscous_slug",),
     "rotors": ("constant_mass",),
     "principal_at_O": ("O_fixed_in_body",),
 }
@@ -278,7 +277,7 @@ def body_points(rnd, assumed):
     if "thin_rod" in assumed:
         a, b = rnd.point(), rnd.point()
         points = [a + rnd.either() * b for _ in points]
-    if {"principal_axes", "spin_312", "principal_with_slug"} & assumed:
+    if {"principal_axes", "spin_312"} & assumed:
         points = to_principal_axes(masses, points)
     for i, j in (pair for name, pair in EQUAL.items() if name in assumed):
         squares = [sum(m * p[k] ** 2 for m, p in zip(masses, points, strict=True)) for k in (i, j)]

@@ -65,10 +65,7 @@ MASSES = (("mass",), ("total_mass",))
 """How the atoms of masses begin."""
 
 SPECIAL = frozenset(
-    {
-        *("thin_rod", "one_particle", "rotors", "viscous_slug", "principal_with_slug", "spin_312"),
-        *("first_turn", *SEQUENCES),
-    }
+    {"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", "first_turn", *SEQUENCES}
 )
 """Assumptions that belong to a context, or to a family of degenerate bodies."""
 

@@ -76,7 +76,6 @@ NOUNS: dict[str, str] = {
     "no_torque_2": "no torque about b2",
     "no_torque_3": "no torque about b3",
     "viscous_slug": "a viscous slug",
-    "principal_with_slug": "principal axes of body and slug",
     "rotors": "symmetric rotors",
     "exhaust_at_rest": "that the mass which is taken in or lost is at rest",
     "exhaust_with_body": "that the mass which is taken in or lost has the body's velocity",

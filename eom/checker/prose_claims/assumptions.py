@@ -650,7 +650,6 @@ _BASES: Mapping[str, tuple[str, ...]] = {
 """Worlds in which the equations have a meaning."""
 MODELLED = frozenset(
     "spin_312 rotors viscous_slug one_particle thin_rod principal_at_O plane_body fixed_axis one_rotor "
-    "principal_with_slug "
     "steady_rotors steady_turn first_turn O_uniform exhaust_at_rest exhaust_with_body".split()
 )
 """Models and motions that no formula amounts to."""

@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
 
-from eom.derivations.chapters.rotation import explicit, name_spin, principal_matrix
+from eom.derivations.chapters.rotation import name_spin
 from eom.derivations.conditions import let, so
 from eom.derivations.derivation import Chain, Derivation
 from eom.derivations.derived import Derived
-from eom.exact.algebra import gather
+from eom.kinematics.frames import Vector, first_derivative, time_derivative, vector
 from eom.mechanics import dissipation as model
 from eom.mechanics import steady
 from eom.mechanics.freebody import AXIAL, MOMENTS, TRANSVERSE, H, T
 from eom.mechanics.rigidbody import OMEGA, angular_momentum
 from eom.system import System
 from eom.terms.rules import (
-    Rule,
     apply,
     at,
-    chain,
     combine,
     commute,
-    components,
-    compute,
-    constants,
     determinants,
     differentiate,
     differentiate_in,
@@ -38,18 +32,16 @@ from eom.terms.rules import (
     parallel,
     put_in,
     regroup,
-    scalars_in,
     symmetric,
     transport,
     triple_zero,
     use,
 )
-from eom.terms.rules.inferences import characteristic, entry, equal, solved
+from eom.terms.rules.inferences import characteristic, equal, solved
 from eom.terms.terms import (
     Equation,
     Term,
     add,
-    column,
     der,
     dot,
     entries,
@@ -90,11 +82,10 @@ def energy_dissipation() -> Derived:
     )
     _balance(d)
     _energy(d)
-    carried_out = _in_axes(d)
-    _energies(d, carried_out)
     excess = _major_axis(d).equation
     system = model.viscous_slug()
-    _stability(d, _equations(d, system, carried_out))
+    rates = _equations(d, system)
+    _stability(d, rates)
     _energy_sink(d)
     sink = d.recall("sink-nutation").equation.right.expression
     d.stands.update(
@@ -139,7 +130,7 @@ def _balance(d: Derivation) -> None:
     )
     parts.then("with the slug's momentum", use(slug.equation), label="momentum")
     d.start(der(dot(H_C, H_C))).then(
-        "the magnitude of the whole momentum is constant",
+        "the magnitude of the whole is constant",
         differentiate,
         use(d.recall("H-constant").equation),
         label="magnitude",
@@ -288,68 +279,24 @@ def _slug_power(d: Derivation, energy: Term) -> Chain:
     )
 
 
-# -- in principal axes -----------------------------------------------------------------------
-
-
-def _in_axes(d: Derivation) -> Rule:
-    """Name moments and rates in principal axes; return the rule that carries out components."""
-    d.only("principal_with_slug")
-    slug = "of the body without the slug"
-    part = (J_BODY, model.SLUG, f" {slug}")
-    diagonal = principal_matrix(d, J, MOMENTS, label="J-principal", part=part)
-    columns = [
-        explicit(d, vector, name, "B", f"component of {words} along b{{k}}")
-        for vector, name, words in ((W, "omega", "omega"), (SIGMA, "sigma", "sigma"))
-    ]
-    lines = [diagonal.equation, *columns]
-    letters = [use(d.definition_of(s), backwards=True) for s in (model.SLUG, model.DAMPING)]
-    rules = (*(use(line) for line in lines), *letters, compute())
-    return lambda term: apply(rules, term)
-
-
-def _energies(d: Derivation, carried_out: Rule) -> None:
-    """Write energy and momentum by components."""
-    scalars = (scalars_in("B"), components("B"), carried_out)
-    turning = use(d.recall("slug-omega").equation)
-    d.show(
-        Equation(T_ROT, expr(model.slug_energy())),
-        "the energy by components",
-        use(d.recall("energy").equation),
-        dyads_of_sphere,
-        turning,
-        *scalars,
-        label="energy-components",
-    )
-    h = angular_momentum(sp.diag(*MOMENTS), OMEGA) + model.slug_momentum()
-    d.show(
-        Equation(column(H_C, "B"), entries(sp.Matrix(h.column))),
-        "the momentum by components",
-        use(d.recall("momentum").equation),
-        dyads_of_sphere,
-        components("B"),
-        carried_out,
-        label="momentum-components",
-    )
-    d.show(
-        Equation(dot(H_C, H_C), expr(h.dot(h))),
-        "its square",
-        scalars_in("B"),
-        components("B"),
-        use(d.recall("momentum-components").equation),
-        compute(),
-        label="momentum-square",
-    )
-    d.name_scalar(ENERGY, T_ROT, "energy of rotation of body and slug", label="T")
-    d.name_scalar(SQUARE, dot(H_C, H_C), "square of their angular momentum", label="Q")
-
-
 # -- the major-axis rule ---------------------------------------------------------------------
 
 
 def _major_axis(d: Derivation) -> Chain:
     """Write the energy above that of a spin with the same momentum as a sum of squares."""
+    h = angular_momentum(sp.diag(*MOMENTS), OMEGA) + model.slug_momentum()
     squares = model.excess_energy(3)
-    lines = ("T", "energy-components", "Q", "momentum-square")
+    for k, moment in enumerate(MOMENTS, 1):
+        d.letter(moment, f"principal moment of inertia about b{k} of the body without the slug")
+    energy = d.name_scalar(
+        ENERGY,
+        expr(model.slug_energy()),
+        "energy of body and slug in principal axes of the body",
+        label="energy-components",
+    )
+    square = d.name_scalar(
+        SQUARE, expr(h.dot(h)), "square of their angular momentum", label="momentum-components"
+    )
     return d.show(
         Equation(
             expr(ENERGY - SQUARE / (2 * (MOMENTS[2] + model.SLUG))),
@@ -360,7 +307,7 @@ def _major_axis(d: Derivation) -> Chain:
         "the slug at rest. As energy falls as long as the slug slips and momentum stays, the motion "
         "ends in a steady spin, and of these it is the one without energy to lose: the major-axis "
         "rule",
-        put_in(*(d.recall(name).equation for name in lines)),
+        put_in(energy.equation, square.equation),
         label="excess",
     )
 
@@ -368,53 +315,43 @@ def _major_axis(d: Derivation) -> Chain:
 # -- equations of motion and stability -------------------------------------------------------
 
 
-def _equations(d: Derivation, system: System, carried_out: Rule) -> list[Chain]:
-    """Derive the rates in principal axes from the balances of body and slug."""
+def _equations(d: Derivation, system: System) -> list[Chain]:
+    """State the rates in principal axes, and show that they obey the balances of momentum."""
+    found = []
+    for symbol, rate, solution in zip(STATES, RATES, system.rates, strict=True):
+        found.append(
+            d.name_scalar(
+                rate,
+                expr(system.expand(solution)),
+                f"rate of {symbol}: the balances of body and slug in principal axes, solved",
+                label=f"{symbol}-rate",
+            )
+        )
+    known = put_in(*(line.equation for line in found))
     moving = dict(zip(STATES, RATES, strict=True))
-    for symbol, rate in moving.items():
-        d.name_scalar(rate, der(expr(symbol)), f"rate of {symbol}")
-    columns = []
-    for vector, name in ((W, "omega"), (SIGMA, "sigma")):
-        made = d.start(der(column(vector, "B"))).then(
-            f"rates of the components of {name}",
-            use(d.recall(f"column-of-{name}").equation),
-            compute(moving),
-            label=f"rates-of-{name}",
+    slug = model.slug_momentum()
+    whole = angular_momentum(sp.diag(*MOMENTS), OMEGA) + slug
+    viscous = model.SIGMA.scaled(-model.DAMPING)
+    for h, torque, words, label in (
+        (whole, vector("B", (0, 0, 0)), "they keep the momentum of the whole", "whole"),
+        (slug, viscous, "and the slug's rate is the viscous torque", "slug"),
+    ):
+        d.show(
+            Equation(entries(_rate(h, moving).column), entries(sp.Matrix(torque.column))),
+            f"{words}: its rate in B and omega x h put together",
+            known,
+            label=f"{label}-in-axes",
         )
-        columns.append(use(made.equation))
-    body = d.recall("body-euler")
-    slug = d.recall("slug-rate").infer(
-        "which is the viscous torque on the slug", equal(), d.recall("slug"), label="slug-in-B"
-    )
-    rows = (*columns, carried_out)
-    rates = [
-        line
-        for balance, name, first in ((body, "body", 0), (slug, "slug", 3))
-        for line in _rows(d, balance, name, RATES[first : first + 3], rows)
-    ]
-    for line, rate in zip(rates, system.rates, strict=True):
-        d.check(Equation(line.equation.left, expr(system.expand(rate))), "the system has the same")
-    return rates
+    power = viscous.dot(model.SIGMA)
+    rates = dict(zip((q.symbol for q in system.states), system.rates, strict=True))
+    d.check(Equation(expr(time_derivative(model.slug_energy(), rates)), expr(power)), "its energy")
+    d.check(Equation(expr(model.energy_rate()), expr(power)), "its rate of energy")
+    return found
 
 
-def _rows(
-    d: Derivation, balance: Chain, name: str, unknowns: Sequence[Expr], rows: Sequence[Rule]
-) -> list[Chain]:
-    """Write a balance by components, and solve each row for a rate."""
-    tidy = entrywise(lambda e: gather(e, (*STATES, *RATES)))
-    written = d.in_components(
-        balance, "B", f"the balance of the {name} in components in B", label=f"{name}-in-columns"
-    ).both("by components", lambda t: apply((*rows, tidy), t), label=f"{name}-by-components")
-    before = [d.recall(f"{s}-rate").equation for s in OMEGA.components] if name == "slug" else []
-    words = "solved, with the rate of the body" if before else "solved for the rate"
-    return [
-        written.infer(f"row {k}", entry(k, tidy), label=f"{name}-row-{k}").infer(
-            words,
-            solved(expr(unknown), put_in(*before), entrywise(lambda e: gather(e, STATES))),
-            label=f"{str(unknown).removesuffix('_dot')}-rate",
-        )
-        for k, unknown in enumerate(unknowns, 1)
-    ]
+def _rate(h: Vector, moving: dict[Expr, Expr]) -> Vector:
+    """Return the inertial rate of a vector in B, the rates of its components by their names."""
+    return first_derivative(h, OMEGA, moving).total
 
 
 def _stability(d: Derivation, rates: list[Chain]) -> None:
@@ -514,52 +451,38 @@ def _energy_sink(d: Derivation) -> None:
         (LETTERS[TRANSVERSE], "moment across the axis"),
         (LETTERS[AXIAL], "moment about the axis"),
         (model.NUTATION, "angle between h and the axis of symmetry"),
+        (H, "magnitude of the angular momentum"),
     ):
         d.letter(symbol, words)
-    lost = _lost(d)
-    _effective(d, lost)
-    _nutation(d)
-
-
-def _lost(d: Derivation) -> Chain:
-    """Derive that the energy T falls at the power that is lost."""
-    power = d.name_scalar(
-        POWER, expr(-model.energy_rate()), "power that is lost in the film", label="power"
+    d.name_scalar(
+        POWER,
+        expr(-model.energy_rate()),
+        "power that is lost in the film",
+        label="power",
     )
-    rate = d.name_scalar(ENERGY_RATE, der(expr(ENERGY)), "rate of T", label="T-rate")
-    slip, torque = (
-        d.recall("column-of-sigma").equation,
-        use(d.definition_of(model.DAMPING), backwards=True),
-    )
-    return d.show(
-        Equation(expr(ENERGY_RATE), expr(-POWER)),
-        "the energy falls at this power, while h_C is constant. Of a quasi-rigid body, the energy "
-        "sink, that alone is assumed",
-        use(rate.equation),
-        use(d.recall("T").equation),
-        use(d.recall("energy-rate").equation),
-        scalars_in("B"),
-        components("B"),
-        use(slip),
-        torque,
-        compute(),
-        put_in(power.equation),
+    lost = d.name_scalar(
+        ENERGY_RATE,
+        expr(-POWER),
+        "the energy sink: a quasi-rigid body loses the power P while H is constant",
         label="energy-sink",
     )
+    _nutation(d, lost)
+    _effective(d, lost)
 
 
-def _nutation(d: Derivation) -> None:
+def _nutation(d: Derivation, lost: Chain) -> None:
     """Derive the rate of the angle from the momentum to the axis."""
     energy = model.energy_at_nutation().xreplace(LETTERS)
     d.name_scalar(
         NUTATION_RATE,
-        expr(-POWER / sp.Derivative(energy, model.NUTATION)),
-        "the energy sink: a symmetric body has the energy T over the angle theta from h to the "
-        "axis, and T' = -P is (dT/dtheta) theta'",
+        expr(ENERGY_RATE / sp.Derivative(energy, model.NUTATION)),
+        "a symmetric body has the energy T over the angle theta from h to the axis, so that T' = "
+        "(dT/dtheta) theta'",
         label="sink",
     ).then(
         "carried out: the angle falls if I_a > I_t, to spin about the axis of a disc, and grows if "
         "I_a < I_t, to the flat spin of a rod",
+        put_in(lost.equation),
         entrywise(lambda e: sp.factor(e.doit()), "derivative"),
         label="sink-nutation",
     )
@@ -571,32 +494,13 @@ def _nutation(d: Derivation) -> None:
 
 def _effective(d: Derivation, lost: Chain) -> None:
     """Derive the rate of the effective moment of inertia."""
-    square = d.start(der(expr(SQUARE))).then(
-        "the square of the momentum is constant",
-        use(d.recall("Q").equation),
-        use(d.recall("magnitude").equation),
-        label="Q-constant",
-    )
-    d.name_scalar(H, expr(sp.sqrt(SQUARE)), "magnitude of the angular momentum", label="H")
-    constant = d.start(der(expr(H))).then(
-        "and so is the magnitude",
-        use(d.recall("H").equation),
-        chain(d.scalars),
-        use(square.equation),
-        constants(square.equation),
-        distribute,
-        label="magnitude-constant",
-    )
-    moment = d.name_scalar(
+    d.name_scalar(
         EFFECTIVE, expr(H**2 / (2 * ENERGY)), "effective moment of inertia", label="effective"
     )
-    rate = d.name_scalar(EFFECTIVE_RATE, der(expr(EFFECTIVE)), "rate of I_e")
-    d.start(expr(EFFECTIVE_RATE)).then(
+    d.name_scalar(
+        EFFECTIVE_RATE,
+        expr(-(H**2) * ENERGY_RATE / (2 * ENERGY**2)),
         "its rate, as H is constant",
-        use(rate.equation),
-        use(moment.equation),
-        chain(d.scalars),
-        constants(constant.equation),
         label="effective-rate",
     ).then(
         "for any body it only grows, towards the greatest moment",

@@ -328,25 +328,17 @@ PRINCIPAL = tuple(q.symbol for q in principal_inertia()[1])
 
 
 def principal_matrix(
-    d: Derivation,
-    inertia: Term,
-    symbols: Sequence[Any] = PRINCIPAL,
-    end: str = "",
-    part: tuple[Term, Any, str] | None = None,
-    **options: Any,
+    d: Derivation, inertia: Term, symbols: Sequence[Any] = PRINCIPAL, end: str = "", **options: Any
 ) -> Chain:
     """Name the principal moments of ``inertia`` along b1, b2, b3, and derive its matrix in B.
 
-    ``end``: of the labels of the lines that say so; ``part``: what the moments are of where they are of
-    a part alone, how much more the whole has about each axis, and the part in words.
+    ``end``: of the labels of the lines that say so.
     """
     eigen = []
-    own, more, of = part or (inertia, sp.Integer(0), "")
     for k, symbol in enumerate(symbols, 1):
         b = unit("B", k)
-        named = f"principal moment of inertia about b{k}{of}"
-        d.name_scalar(symbol, dot(b, dot(own, b)), named)
-        meaning = Equation(dot(inertia, b), mul(expr(symbol + more), b))
+        d.name_scalar(symbol, dot(b, dot(inertia, b)), f"principal moment of inertia about b{k}")
+        meaning = Equation(dot(inertia, b), mul(expr(symbol), b))
         words = f"b{k} is a principal axis"
         eigen.append(d.given(meaning, words, label=f"principal-axis-{k}{end}").equation)
     return d.start(column(inertia, "B")).then(

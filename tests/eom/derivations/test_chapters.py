@@ -9,10 +9,8 @@ from eom.derivations import derive, names
 from eom.derivations.derivation import SIGNS, Derivation
 from eom.derivations.verification import DerivationError, plain
 from eom.exercises.lessons import topics
-from eom.mechanics.dissipation import viscous_slug
 from eom.terms.rules.inferences import signs
 from eom.terms.terms import Equation, expr
-from eom.terms.vocabulary import quantity
 from tests.eom import oracle
 from tests.eom.chapters import MOTIONS, is_conditional, is_true, judge
 from tests.eom.mutants import judged_steps, mutants
@@ -200,25 +198,3 @@ def test_a_rod_is_struck_at_two_thirds_and_a_rocket_burns_as_the_exponential():
 
 def test_exercises_are_made_on_every_chapter():
     assert {n for made in topics().values() for n in made} == set(names())
-
-
-def test_energy_and_rates_of_body_and_slug_are_reached_from_the_laws():
-    """In principal axes nothing is stated anew: T is T_rot, and the rates are those of the balances."""
-    d = derive("energy-dissipation")
-    energy = sp.Symbol("T", real=True)
-    named = Equation(expr(energy), quantity("rotational_energy", "body", "C"), ":=")
-    assert d["T"].statement == named
-    rates = [f"{name}_{k}-rate" for name in ("omega", "sigma") for k in (1, 2, 3)]
-    for label in (
-        "energy-components",
-        "momentum-components",
-        *rates,
-        "energy-sink",
-        "effective-rate",
-    ):
-        assert d[label].kind == "result", label
-        assert d[label].follows, label
-    letters = {s.name: s for s in d.scalars}
-    for label, rate in zip(rates, viscous_slug().rates, strict=True):
-        same = rate.xreplace({s: letters[s.name] for s in rate.free_symbols})
-        assert sp.simplify(d[label].statement.right.data[0] - same) == 0
