@@ -26,7 +26,7 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 531,
-    "lines of code": 107_800,
+    "lines of code": 108_100,
     "modules in the fullest folder": 23,
     "folders of more than 25 modules": 0,
     "circles of files": 0,

@@ -1,14 +1,20 @@
 """``python -m benchmarks.mutants``: every single edit of every verified step, judged and checked.
 
 An edit is really false when 60-digit numerics on smooth motions say so (`tests.eom.oracle`). The
-command fails where less than 99 % of the false edits are rejected, or a true one is.
+command fails where less than 99 % of the false edits are rejected, or a true one is. A whole run takes
+a quarter of an hour on one core; each derivation is told when it is done, and a run that is stopped
+(from the keyboard, or by the signal to terminate) prints what it has counted until then.
 """
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import random
+import signal
 import sys
+import time
+from functools import lru_cache
 
 import click
 from rich.console import Console
@@ -31,35 +37,73 @@ COLUMNS = {
 """Column of the table, and the outcomes that it counts."""
 
 
+PIECES = 16
+"""Pieces of a derivation, of which each is judged by one process: what a run that is stopped may lose."""
+
+
 @click.command()
 @click.argument("chosen", nargs=-1)
 @click.option("--most", type=int, help="Judge at most so many edits of a derivation, at random.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 def main(chosen: tuple[str, ...], most: int | None, jobs: int) -> None:
     """Judge every edit of the derivations CHOSEN, or of all that ship and of those that tests make."""
+    asked = tuple(dict.fromkeys(chosen or (*names(), *OWN)))
+    judged, left = _counted(asked, most, jobs)
     count = Count()
-    parts = [(name, most, k, jobs) for name in chosen or (*names(), *OWN) for k in range(jobs)]
-    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
-        for (name, *_), found in zip(parts, pool.imap(_judged, parts), strict=True):
-            count.include(found)
-            click.echo(f"{name}: {count.total.total()} edits so far", err=True)
-            for line in found.wrong:
-                click.echo(line, err=True)
+    for found in judged:
+        count.include(found)
     Console(width=110).print(_table(count))
     for line in count.wrong:
         click.echo(line)
-    sys.exit(count.missed)
+    if left:
+        click.echo(f"Stopped before the end; not judged, or not wholly: {', '.join(left)}.")
+    sys.exit(bool(count.missed or left))
 
 
-def _judged(part: tuple[str, int | None, int, int]) -> Count:
-    """Judge every so many-th edit of a derivation, or of some of them drawn at random."""
-    name, most, first, step = part
+def _counted(asked: tuple[str, ...], most: int | None, jobs: int) -> tuple[list[Count], list[str]]:
+    """Return what became of the edits of each derivation, and which are not judged wholly."""
+    judged, left, began = dict[str, Count](), list(asked), time.perf_counter()
+    parts = [(name, most, k) for name in asked for k in range(PIECES)]
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with (
+        contextlib.suppress(KeyboardInterrupt),
+        multiprocessing.get_context("spawn").Pool(jobs, _uninterrupted) as pool,
+    ):
+        for (name, _, k), piece in zip(parts, pool.imap(_judged, parts), strict=True):
+            judged.setdefault(name, Count()).include(piece)
+            if k == PIECES - 1:
+                left.remove(name)
+                _tell(name, judged[name], time.perf_counter() - began)
+                began = time.perf_counter()
+    return list(judged.values()), left
+
+
+def _uninterrupted() -> None:
+    """Leave it to whoever started this process to end it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _tell(name: str, found: Count, seconds: float) -> None:
+    """Say what became of the edits of a derivation, in one line, and which were judged wrongly."""
+    outcomes = ", ".join(f"{n} {outcome}" for outcome, n in found.total.most_common())
+    click.echo(f"{name}: {found.total.total()} edits in {seconds:.0f} s: {outcomes}", err=True)
+    for line in found.wrong:
+        click.echo(line, err=True)
+
+
+@lru_cache(maxsize=1)
+def _edits(name: str, most: int | None) -> list[tuple]:
+    """Return the edits of a derivation, or some of them drawn at random."""
     made = OWN[name]().finish() if name in OWN else derive(name)
     edits = list(edits_of([made]))
-    if most is not None and most < len(edits):
-        edits = random.Random(name).sample(edits, most)
+    return edits if most is None or most >= len(edits) else random.Random(name).sample(edits, most)
+
+
+def _judged(part: tuple[str, int | None, int]) -> Count:
+    """Judge every so many-th edit of a derivation."""
+    name, most, first = part
     count = Count()
-    for one in edits[first::step]:
+    for one in _edits(name, most)[first::PIECES]:
         count.add(*one)
     return count
 

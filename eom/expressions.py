@@ -88,31 +88,25 @@ def is_over(expression: Expr, known: set[Expr]) -> bool:
     """Return quickly whether an expression is one, over known symbols, with no function of time in it."""
     if not isinstance(expression, sp.Basic):
         return False
-    found = [expression]
-    seen = set(found)
-    for node in found:
-        args = node.args
-        if not args:
-            if node.is_Symbol and node not in known:
+    for node in objects(expression):
+        if node.is_Symbol:
+            if node not in known:
                 return False
         elif isinstance(node, UNUSABLE):
             return False
-        for a in args:
-            if a not in seen:
-                seen.add(a)
-                found.append(a)
     return True
 
 
-def add_nodes(expression: Expr, seen: set[Expr]) -> None:
-    """Add the distinct subexpressions of one to those that were seen, with theirs."""
-    found = [] if expression in seen else [expression]
-    seen.update(found)
+def objects(expression: Expr) -> list[Expr]:
+    """Return an expression and its parts, each object that has parts once: nothing is compared."""
+    found = [expression]
+    seen: set[int] = set()  # all that is seen stays in the list: no number is used again
     for node in found:
-        for a in node.args:
-            if a not in seen:
-                seen.add(a)
-                found.append(a)
+        args = node.args
+        if args and id(node) not in seen:
+            seen.add(id(node))
+            found += args
+    return found
 
 
 def free_symbols(expressions: Iterable[Expr]) -> set[Expr]:

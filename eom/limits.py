@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from math import inf
+from threading import Lock
 from time import process_time
 
 _END: ContextVar[tuple[float, str]] = ContextVar("end", default=(inf, ""))
@@ -36,6 +37,9 @@ def deadline(seconds: float, work: str) -> Iterator[None]:
 
 SELDOM = (50_000, 20, 100)
 """Allocations between two collections of garbage, and collections of one generation for one of the next."""
+_LOCK = Lock()
+_FOUND: list[tuple[int, int, int]] = []
+"""Thresholds from before the first of those who are inside, once for each of them."""
 
 
 @contextmanager
@@ -44,13 +48,20 @@ def seldom_collected() -> Iterator[None]:
 
     References are counted all the same, and free at once what stands in no cycle. With the usual
     thresholds a fifth of a note's time goes into looking through SymPy's caches again and again.
+    Threads may be inside at once: the last to leave gives back what the first found. Who collects never,
+    or more seldom, is left alone.
     """
-    before = gc.get_threshold()
-    gc.set_threshold(*SELDOM)
+    with _LOCK:
+        _FOUND.append(_FOUND[0] if _FOUND else gc.get_threshold())
+        if 0 < _FOUND[0][0] < SELDOM[0]:
+            gc.set_threshold(*SELDOM)
     try:
         yield
     finally:
-        gc.set_threshold(*before)
+        with _LOCK:
+            found = _FOUND.pop()
+            if not _FOUND:
+                gc.set_threshold(*found)
 
 
 def check() -> None:

@@ -126,12 +126,13 @@ def test_codegen_knows_the_contract_alone():
     So do the units of its quantities, in which values are given. What shows an object is asked for by words
     (`eom.displays`), which the front door of `eom` gives a meaning.
 
-    How processes are started is the same in both packages, and says nothing of systems; nor do
-    exact arithmetic and quaternions over any scalars, which import nothing.
+    How processes are started, and how often garbage is looked for, is the same in both packages, and
+    says nothing of systems; nor do exact arithmetic and quaternions over any scalars, which import nothing.
     """
     arithmetic = {"eom.fields", "eom.rotations"}
     assert not any(t in NAMES for m in arithmetic for t, _ in imports(m, inside_functions=True))
     contract = {"eom.system", "eom.quantities", "eom.tables", "eom.errors", "eom.interrupts"}
+    contract |= {"eom.limits"}
     contract |= {"eom.units", "eom.displays"} | arithmetic
 
     def foreign(target):

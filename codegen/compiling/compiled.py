@@ -65,6 +65,7 @@ from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
 from codegen.targets.target import Target, refuse_unsupported
 from eom.errors import InputError, spelt, typed, unknown_name
+from eom.limits import seldom_collected
 from eom.system import BodyAttitude, System
 
 
@@ -363,7 +364,7 @@ def compile(  # noqa: A001 - the word that users expect
     in_c = build in (_automatic, _native)
     if in_c:
         native.begin_extension()
-    with compile_progress.to(progress):
+    with compile_progress.to(progress), seldom_collected():
         program, layout = fitted(system, structure, rules, stable)
         if in_c:
             compile_progress.fitted(program, layout)
@@ -371,6 +372,7 @@ def compile(  # noqa: A001 - the word that users expect
     return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
 
 
+@seldom_collected()
 def generate(
     program: Program, layout: Layout, target: str, integrator: Choice | None = None
 ) -> Mapping[str, str]:

@@ -9,9 +9,10 @@ static int none(instance *c, size_t count) {
     return count ? ERROR : OK;
 }
 
-static int one_each(instance *c, size_t count, size_t values) {
-    if (count != values) say(c, ERROR, "%lu values for %lu variables", (unsigned long)values, (unsigned long)count);
-    return count == values;
+static int has(instance *c, size_t own, const char *what, size_t values) {
+    if (own != values)
+        say(c, ERROR, "this unit has %lu %s, and not %lu", (unsigned long)own, what, (unsigned long)values);
+    return own == values;
 }
 
 static int set_up(instance *c, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
@@ -134,28 +135,30 @@ EXPORT int CALL(SetTime)(void *v, double t) {
     return OK;
 }
 
+static const char STATES[] = "continuous states";
+
 EXPORT int CALL(SetContinuousStates)(void *v, const double x[], size_t count) {
     instance *c = v;
-    return one_each(c, N, count) ? set_states(c, &c->m, x) : ERROR;
+    return has(c, N, STATES, count) ? set_states(c, &c->m, x) : ERROR;
 }
 
 EXPORT int GET_RATES(void *v, double rates[], size_t count) {
     instance *c = v;
-    return one_each(c, N, count) ? get_range(c, &c->m, RATE, count, rates) : ERROR;
+    return has(c, N, STATES, count) ? get_range(c, &c->m, RATE, count, rates) : ERROR;
 }
 
 EXPORT int CALL(GetEventIndicators)(void *v, double indicators[], size_t count) {
     instance *c = v;
-    return one_each(c, E, count) ? get_range(c, &c->m, INDICATOR, count, indicators) : ERROR;
+    return has(c, E, "event indicators", count) ? get_range(c, &c->m, INDICATOR, count, indicators) : ERROR;
 }
 
 EXPORT int CALL(GetContinuousStates)(void *v, double x[], size_t count) {
     instance *c = v;
-    return one_each(c, N, count) ? get_range(c, &c->m, STATE, count, x) : ERROR;
+    return has(c, N, STATES, count) ? get_range(c, &c->m, STATE, count, x) : ERROR;
 }
 
 EXPORT int CALL(GetNominalsOfContinuousStates)(void *v, double nominals[], size_t count) {
-    (void)v;
+    if (!has(v, N, STATES, count)) return ERROR;
     for (size_t i = 0; i < count; ++i) nominals[i] = 1.0;
     return OK;
 }

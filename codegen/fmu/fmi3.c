@@ -41,6 +41,11 @@ EXPORT int fmi3EnterInitializationMode(void *v, bool has_tolerance, double toler
     return OK;
 }
 
+static int one_each(instance *c, size_t count, size_t values) {
+    if (count != values) say(c, ERROR, "%lu values for %lu variables", (unsigned long)values, (unsigned long)count);
+    return count == values;
+}
+
 EXPORT int fmi3GetFloat64(void *v, const uint32_t r[], size_t count, double value[], size_t values) {
     instance *c = v;
     return one_each(c, count, values) ? get(c, &c->m, r, count, value) : ERROR;

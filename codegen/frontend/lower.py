@@ -39,6 +39,7 @@ from codegen.ir.program import (
 )
 from codegen.ir.residues import vanishing
 from eom.errors import InputError
+from eom.limits import seldom_collected
 from eom.quantities import Definition
 from eom.system import System, as_expression
 from eom.tables import TableFunction
@@ -202,6 +203,7 @@ def lowering_of(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Lowerin
     return Lowering(b, slots, f"system {system.name!r}", decimals=system.numbers == "decimals")
 
 
+@seldom_collected()
 def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
     """Return the program of a system, with its results in `GROUPS`.
 
@@ -298,6 +300,8 @@ def _split(term: Expr) -> tuple[Expr, Expr]:
 
 def _exact(coefficient: Expr) -> Exact:
     """Return a coefficient exactly."""
+    if coefficient.is_Integer:
+        return int(coefficient.p)
     exact = coefficient if coefficient.is_Rational else sp.Rational(coefficient)
     return _ratio(int(exact.p), int(exact.q))
 
@@ -305,10 +309,6 @@ def _exact(coefficient: Expr) -> Exact:
 @lru_cache(maxsize=4096)
 def _ratio(p: int, q: int) -> Exact:
     return p if q == 1 else Fraction(p, q)
-
-
-def _size(x: Exact) -> Exact:
-    return x if x >= 0 else -x
 
 
 class Lowering:
@@ -342,6 +342,10 @@ class Lowering:
     def lower(self, expression: Expr, part: str = "") -> int:
         """Return the number of the value of ``expression``; ``part`` names it in errors."""
         self.where = ": ".join(filter(None, (self.system, part)))
+        terms = self._terms(expression) if type(expression) is sp.Add else None
+        if terms:  # made again it has the same number: its hash would take longer
+            compile_progress.done(1)
+            return self._sum_of(terms)
         stack = [expression]
         memo = self.memo
         while stack:
@@ -350,11 +354,11 @@ class Lowering:
                 stack.pop()
                 continue
             children, build = self._rule(node)
-            missing = [c for c in children if c not in memo]
+            missing = [c for c in children if c not in memo] if children else ()
             if missing:
                 stack.extend(reversed(missing))
                 continue
-            memo[node] = build([memo[c] for c in children])
+            memo[node] = build([memo[c] for c in children] if children else [])
             stack.pop()
             compile_progress.done(1)
         return memo[expression]
@@ -398,19 +402,29 @@ class Lowering:
 
     def sum(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a sum, positive terms first; a factor or sign that all terms share is taken out."""
-        simple = [self._simple(t) for t in node.args]
-        if None not in simple:
-            known = sorted((t for t in simple if t), key=lambda term: term[0] < 0)
-            return (), lambda _: self._added(
-                [c for c, _ in known],
-                [f[0][0] if len(f) == 1 else self._multiplied(1, f) for _, f in known],
-            )
+        simple = self._terms(node)
+        if simple:
+            return (), lambda _: self._sum_of(simple)
         found = removable.difference(node)
         if found and found.name == "expm1":
             return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), _exact(found.factor))
-        terms = sorted((_split(t) for t in node.args), key=lambda term: term[0].is_negative)
-        coefficients = [_exact(c) for c, _ in terms]
-        return [rest for _, rest in terms], lambda a: self._added(coefficients, a)
+        terms = [(_exact(c), rest) for c, rest in map(_split, node.args)]
+        terms.sort(key=lambda term: term[0].numerator < 0)  # SymPy would deduce all facts
+        return [rest for _, rest in terms], lambda a: self._added([c for c, _ in terms], a)
+
+    def _terms(self, node: Expr) -> list[tuple[Exact, list[Factor]]] | None:
+        """Return the terms of a sum of such products, those below zero last, else None."""
+        found = []
+        for term in node.args:
+            simple = self._simple(term)
+            if simple is None:
+                return None
+            found.append(simple)
+        return sorted(found, key=lambda term: term[0].numerator < 0)
+
+    def _sum_of(self, terms: Sequence[tuple[Exact, list[Factor]]]) -> int:
+        factors = [f[0][0] if len(f) == 1 else self._multiplied(1, f) for _, f in terms]
+        return self._added([c for c, _ in terms], factors)
 
     def _simple(self, node: Expr) -> tuple[Exact, list[Factor]] | None:
         """Return coefficient and factors of a product of symbols that have numbers, else None."""
@@ -421,27 +435,33 @@ class Lowering:
             if factors[0].is_Rational:
                 coefficient = _exact(factors[0])
                 factors = factors[1:]
-        numbers = [self.memo.get(f) if f.is_Symbol else None for f in factors]
-        if None in numbers:
-            return None
-        return coefficient, [(n, 1, False) for n in numbers if n is not None]
+        found: list[Factor] = []
+        for factor in factors:
+            number = self.memo.get(factor) if factor.is_Symbol else None
+            if number is None:
+                return None
+            found.append((number, 1, False))
+        return coefficient, found
 
     def _added(self, coefficients: Sequence[Exact], numbers: Sequence[int]) -> int:
         """Return the sum of coefficients times values, those below zero last."""
-        sign = -1 if coefficients[0] < 0 else 1
-        sizes = {_size(c) for c in coefficients}
-        shared = sizes.pop() if len(sizes) == 1 else 1
-        first, *rest = (sign * (c if shared == 1 else 1 if c > 0 else -1) for c in coefficients)
-        total = self._scaled(numbers[0], _size(first))
-        total = total if first > 0 else self.b.add("neg", total)
-        for coefficient, number in zip(rest, numbers[1:], strict=True):
-            term = self._scaled(number, _size(coefficient))
-            total = self.b.add("sub" if coefficient < 0 else "add", total, term)
-        return self._scaled(total, sign * shared)
+        negative = [c.numerator < 0 for c in coefficients]
+        sizes = [-c if below else c for c, below in zip(coefficients, negative, strict=True)]
+        shared = sizes[0]
+        if shared != 1 and all(size == shared for size in sizes):
+            sizes = [1] * len(sizes)
+        else:
+            shared = 1
+        opposite = negative[0]
+        total = self._scaled(numbers[0], sizes[0])
+        for number, size, below in zip(numbers[1:], sizes[1:], negative[1:], strict=True):
+            term = self._scaled(number, size)
+            total = self.b.add("add" if below is opposite else "sub", total, term)
+        return self._scaled(total, -shared if opposite else shared)
 
     def _scaled(self, number: int, coefficient: Exact) -> int:
         """Multiply by an exact number; a denominator other than a power of two divides, but of decimals."""
-        p, q = coefficient.numerator, coefficient.denominator
+        p, q = coefficient.as_integer_ratio()
         if p == q:
             return number
         whole = q & (q - 1) == 0 or (self.decimals and 10**MAX_SPLIT_BITS % q == 0)
@@ -480,17 +500,20 @@ class Lowering:
         then sums of parameters; without parameters the coefficient comes last.
         """
         coefficient, factors = self._within_range(coefficient, factors)
-        below = self._powers((n, -e) for n, e, _ in factors if e < 0)
-        early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
-        late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
-        above = self._powers((n, e) for n, e, s in early if not s)
-        if early:
-            above = self._scaled(above, coefficient)
-            above = self._powers(((n, e) for n, e, s in early if s), above)
-            above = self._powers(late, above)
+        one, binding = self.b.const(1), self.b.binding
+        groups: tuple[list[tuple[int, Exact]], ...] = ([], [], [], [])
+        for n, e, is_sum in factors:
+            if e:
+                place = 0 if e < 0 else 3 if binding[n] > 1 else 2 if is_sum else 1
+                groups[place].append((n, -e if e < 0 else e))
+        under, early, sums, late = groups
+        below = self._powers(under, one)
+        if early or sums:
+            above = self._scaled(self._powers(early, one), coefficient)
+            above = self._powers(late, self._powers(sums, above))
         else:
-            above = self._scaled(self._powers(late), coefficient)
-        return above if below == self.b.const(1) else self.b.add("div", above, below)
+            above = self._scaled(self._powers(late, one), coefficient)
+        return above if below == one else self.b.add("div", above, below)
 
     def _within_range(
         self, coefficient: Exact, factors: Sequence[Factor]
@@ -514,10 +537,9 @@ class Lowering:
         rest = Fraction(coefficient) / shift ** int(exponent)
         return rest, [*others, (scaled, exponent, is_sum)]
 
-    def _powers(self, factors: Iterable[tuple[int, Exact]], first: int | None = None) -> int:
-        """Return the product of powers, beginning with ``first``."""
-        one = self.b.const(1)
-        product = one if first is None else first
+    def _powers(self, factors: Sequence[tuple[int, Exact]], product: int) -> int:
+        """Return the product of powers, beginning with ``product``."""
+        one = self.b.const(1) if factors else product
         for number, exponent in factors:
             power = self._power(number, exponent)
             product = power if product == one else self.b.add("mul", product, power)

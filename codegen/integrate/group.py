@@ -302,7 +302,7 @@ def values(layout: Layout, suffix: str) -> dict[str, str]:
 def single_text(
     program: Program, layout: Layout, suffix: str, texts: Mapping[str, str], sampled: bool = False
 ) -> str:
-    """Return functions and integrator, header and source, as one text that compiles by itself.
+    """Return an integrator and the functions that it calls as one text that compiles by itself.
 
     ``sampled``: with what stands round the loop where laws are sampled.
     """
@@ -311,7 +311,7 @@ def single_text(
     rest = rest.replace(f'#include "{name}_{suffix}.h"\n', "")
     if sampled:
         rest = samples.around(rest, suffix, layout)
-    return c.single_text(program, layout) + rest
+    return c.single_text(program, layout, rest) + rest
 
 
 def check_sampled(method: str, layout: Layout, programs: Sequence[tuple[Program, str]]) -> None:

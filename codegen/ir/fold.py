@@ -54,38 +54,54 @@ Rule = Callable[[Numbers, tuple[int, ...], Constants], int | None]
 class Law(NamedTuple):
     """``rule`` returns the number of the right side where an operation has the form of the left.
 
-    ``constant``: whether an argument must be a constant; such a rule is not asked otherwise.
+    ``among``: the operation that an operand must be, any if empty; the rule is not asked otherwise.
     """
 
     ops: tuple[str, ...]
     text: str
     exact: bool
     rule: Rule
-    constant: bool = False
+    among: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class RuleSet:
-    """The rules of each operation."""
+    """The laws of each operation, in the order in which their rules are asked."""
 
     name: str
-    general: Mapping[str, tuple[Rule, ...]] = field(repr=False)
-    """Rules that need no constant."""
-    rules: Mapping[str, tuple[Rule, ...]] = field(repr=False)
+    laws: Mapping[str, tuple[Law, ...]] = field(repr=False)
+    _asked: dict[tuple[str, ...], tuple[Rule, ...]] = field(
+        default_factory=dict, init=False, repr=False
+    )
+
+    def asked(self, form: tuple[str, ...]) -> tuple[Rule, ...]:
+        """Return the rules of an operation on operands of some operations, ``form`` in this order."""
+        known = self._asked.get(form)
+        if known is None:
+            op, *operands = form
+            laws = self.laws.get(op, ())
+            known = tuple(law.rule for law in laws if not law.among or law.among in operands)
+            self._asked[form] = known
+        return known
 
 
 def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | None:
     """Return an equal, simpler value of ``op`` on ``args`` if a rule knows one."""
-    instructions = b.instructions
-    listed, constants = rules.general, _NONE
-    if "const" in [instructions[a][0] for a in args]:
+    if op not in _FOLDED:
+        return None
+    instructions, constants = b.instructions, _NONE
+    if len(args) == 2:  # most operations; a comprehension takes longer than all the rest
+        x, y = args
+        form: tuple[str, ...] = (op, instructions[x][0], instructions[y][0])
+    else:
+        form = (op, *[instructions[a][0] for a in args])
+    if "const" in form:
         constants = [constant(b, a) for a in args]
-        listed = rules.rules
-        if op in _EXACT and all(c is not None for c in constants):
+        if op in _EXACT and None not in constants:
             value = _EXACT[op](*constants)
             if value is not None and _small(value):
                 return b.const(value)
-    for rule in listed.get(op, ()):
+    for rule in rules.asked(form):
         found = rule(b, args, constants)
         if found is not None:
             return found
@@ -94,8 +110,8 @@ def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | No
 
 def constant(b: Instructions, number: int) -> Fraction | None:
     """Return the exact constant that ``number`` is, or None."""
-    value = b.instructions[number].value
-    return value if isinstance(value, Fraction) else None
+    op, _, value = b.instructions[number]
+    return value if op == "const" and isinstance(value, Fraction) else None
 
 
 def bits(value: Fraction) -> int:
@@ -245,7 +261,7 @@ def _odd(op: str) -> Law:
         negative = _negated(b, args[0])
         return None if negative is None else b.add("neg", b.add(op, negative))
 
-    return Law((op,), f"{op}(-x) = -{op}(x)", False, rule)
+    return Law((op,), f"{op}(-x) = -{op}(x)", False, rule, "neg")
 
 
 def _even(op: str, exact: bool) -> Law:
@@ -253,7 +269,7 @@ def _even(op: str, exact: bool) -> Law:
         negative = _negated(b, args[0])
         return None if negative is None else b.add(op, negative)
 
-    return Law((op,), f"{op}(-x) = {op}(x)", exact, rule)
+    return Law((op,), f"{op}(-x) = {op}(x)", exact, rule, "neg")
 
 
 def _select_known(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
@@ -324,32 +340,30 @@ def _eq_zero(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | N
 
 
 LAWS: tuple[Law, ...] = (
-    Law(("add",), "x + 0 = x", False, _neutral(0), constant=True),
-    Law(("add",), "x + (-y) = x - y", True, _add_negative),
+    Law(("add",), "x + 0 = x", False, _neutral(0), "const"),
+    Law(("add",), "x + (-y) = x - y", True, _add_negative, "neg"),
     Law(("sub",), "x - x = 0", False, _sub_same),
-    Law(("sub",), "x - 0 = x", True, _right_neutral(0), constant=True),
-    Law(("sub",), "0 - x = -x", False, _sub_from_zero, constant=True),
-    Law(("sub",), "x - (-y) = x + y", True, _sub_negative),
-    Law(("sub",), "-x - y = -(x + y)", False, _sub_both_negative),
+    Law(("sub",), "x - 0 = x", True, _right_neutral(0), "const"),
+    Law(("sub",), "0 - x = -x", False, _sub_from_zero, "const"),
+    Law(("sub",), "x - (-y) = x + y", True, _sub_negative, "neg"),
+    Law(("sub",), "-x - y = -(x + y)", False, _sub_both_negative, "neg"),
     Law(("sub",), "x - y = -(y - x) where y - x exists", False, _sub_opposite),
-    Law(("mul",), "0 x = 0", False, _mul_zero, constant=True),
-    Law(("mul",), "1 x = x", True, _neutral(1), constant=True),
-    Law(("mul",), "(-1) x = -x", True, _mul_minus_one, constant=True),
-    Law(("mul",), "(-x) y = -(x y)", True, _negative_operand("mul")),
-    Law(("mul",), "x / y y = x", False, _mul_quotient),
-    Law(("div",), "x / 1 = x", True, _right_neutral(1), constant=True),
-    Law(("div",), "0 / x = 0", False, _div_zero, constant=True),
-    Law(("div",), "x / (-c) = -(x / c)", True, _div_negative_constant, constant=True),
-    Law(("div",), "x / 2^k = 2^-k x", True, _div_power_of_two, constant=True),
-    Law(("div",), "(-x) / y = -(x / y)", True, _negative_operand("div")),
-    Law(("neg",), "-(c x) = (-c) x", True, _neg_of_multiple),
-    Law(("neg",), "-(-x) = x", True, _neg_of_neg),
-    Law(("pow",), "x^0 = 1", True, _pow_zero, constant=True),
-    Law(("pow",), "x^1 = x", True, _right_neutral(1), constant=True),
-    Law(("pow",), "x^n, x^(n/2): products, and a root", False, _pow_unrolled, constant=True),
-    Law(
-        ("select",), "select(c, x, y) = x or y for a constant c", True, _select_known, constant=True
-    ),
+    Law(("mul",), "0 x = 0", False, _mul_zero, "const"),
+    Law(("mul",), "1 x = x", True, _neutral(1), "const"),
+    Law(("mul",), "(-1) x = -x", True, _mul_minus_one, "const"),
+    Law(("mul",), "(-x) y = -(x y)", True, _negative_operand("mul"), "neg"),
+    Law(("mul",), "x / y y = x", False, _mul_quotient, "div"),
+    Law(("div",), "x / 1 = x", True, _right_neutral(1), "const"),
+    Law(("div",), "0 / x = 0", False, _div_zero, "const"),
+    Law(("div",), "x / (-c) = -(x / c)", True, _div_negative_constant, "const"),
+    Law(("div",), "x / 2^k = 2^-k x", True, _div_power_of_two, "const"),
+    Law(("div",), "(-x) / y = -(x / y)", True, _negative_operand("div"), "neg"),
+    Law(("neg",), "-(c x) = (-c) x", True, _neg_of_multiple, "mul"),
+    Law(("neg",), "-(-x) = x", True, _neg_of_neg, "neg"),
+    Law(("pow",), "x^0 = 1", True, _pow_zero, "const"),
+    Law(("pow",), "x^1 = x", True, _right_neutral(1), "const"),
+    Law(("pow",), "x^n, x^(n/2): products, and a root", False, _pow_unrolled, "const"),
+    Law(("select",), "select(c, x, y) = x or y for a constant c", True, _select_known, "const"),
     Law(("select",), "select(c, x, x) = x", True, _select_same),
     Law(("min", "max"), "min(x, x) = max(x, x) = x", True, _same),
     Law(("and", "or"), "and(x, x) = or(x, x) = x for truth values", False, _same),
@@ -357,10 +371,10 @@ LAWS: tuple[Law, ...] = (
     _even("cos", False),
     _even("cosh", False),
     _even("abs", True),
-    Law(("hypot",), "hypot(-x, y) = hypot(x, y)", True, _hypot_signs),
-    Law(("hypot",), "hypot(0, x) = |x|", False, _hypot_zero, constant=True),
-    Law(("not",), "not(not(x)) = x for truth values", True, _not_not),
-    Law(("eq",), "(x = 0) = not(x) for truth values", True, _eq_zero, constant=True),
+    Law(("hypot",), "hypot(-x, y) = hypot(x, y)", True, _hypot_signs, "neg"),
+    Law(("hypot",), "hypot(0, x) = |x|", False, _hypot_zero, "const"),
+    Law(("not",), "not(not(x)) = x for truth values", True, _not_not, "not"),
+    Law(("eq",), "(x = 0) = not(x) for truth values", True, _eq_zero, "const"),
 )
 
 
@@ -417,12 +431,13 @@ _EXACT: dict[str, Callable[..., Any]] = {
 """Operations that are evaluated exactly on exact constants."""
 
 
-def _rule_set(name: str, laws: Sequence[Law]) -> RuleSet:
-    def by_op(chosen: Sequence[Law]) -> dict[str, tuple[Rule, ...]]:
-        ops = dict.fromkeys(op for law in chosen for op in law.ops)
-        return {op: tuple(law.rule for law in chosen if op in law.ops) for op in ops}
+_FOLDED = frozenset({*_EXACT, *(op for law in LAWS for op in law.ops)})
+"""Operations that may fold: the others, of any number of operands, are not looked at."""
 
-    return RuleSet(name, by_op([law for law in laws if not law.constant]), by_op(laws))
+
+def _rule_set(name: str, laws: Sequence[Law]) -> RuleSet:
+    ops = dict.fromkeys(op for law in laws for op in law.ops)
+    return RuleSet(name, {op: tuple(law for law in laws if op in law.ops) for op in ops})
 
 
 ALGEBRAIC = _rule_set("algebraic", LAWS)

@@ -129,7 +129,11 @@ def constants(program: Program) -> dict[int, float]:
 
     Such values are computed with 50 digits and rounded once; no target computes them.
     """
-    return {k: float(value) for k, value in constants_exactly(program, 50).items()}
+    instructions = program.instructions
+    return {
+        k: _double(instructions[k].value) if instructions[k].op == "const" else float(value)
+        for k, value in constants_exactly(program, 50).items()
+    }
 
 
 @lru_cache(maxsize=16)
@@ -139,12 +143,16 @@ def constants_exactly(program: Program, digits: int) -> dict[int, Any]:
     exact: dict[int, Any] = {}
     for k, instruction in enumerate(program.instructions):
         op, args, _ = instruction
-        if op not in OPS:
-            if op in {"const", "pi"}:
-                exact[k] = _leaf_exact(instruction, Point(), context)
-        elif op not in SOLVE and {*args} <= exact.keys():
-            operands = [exact[a] for a in args]
-            exact[k] = _real(context, partial(row_of(instruction).exact, context, *operands))
+        if op in {"const", "pi"}:
+            exact[k] = _leaf_exact(instruction, Point(), context)
+            continue
+        for a in args:
+            if a not in exact:
+                break
+        else:
+            if op in OPS and op not in SOLVE:
+                operands = [exact[a] for a in args]
+                exact[k] = _real(context, partial(row_of(instruction).exact, context, *operands))
     return exact
 
 
@@ -265,8 +273,22 @@ def _context(digits: int) -> Any:
 def _leaf_exact(instruction: Instruction, point: Point, m: Any) -> Any:
     if instruction.op == "const":
         assert isinstance(instruction.value, Fraction)
-        return m.mpf(instruction.value.numerator) / instruction.value.denominator
+        return _quotient(m, *instruction.value.as_integer_ratio())
     return +m.pi if instruction.op == "pi" else m.mpf(point.slot(instruction))
+
+
+def _double(value: Any) -> float:
+    return _rounded(*value.as_integer_ratio())  # whole numbers are found at once, fractions are not
+
+
+@lru_cache(maxsize=4096)
+def _rounded(above: int, below: int) -> float:
+    return float(_quotient(_context(50), above, below))
+
+
+@lru_cache(maxsize=4096)
+def _quotient(m: Any, above: int, below: int) -> Any:
+    return m.mpf(above) / below
 
 
 def _real(m: Any, evaluate: Callable[[], Any]) -> Any:

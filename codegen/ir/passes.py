@@ -5,12 +5,14 @@ Columns and matrices of values in programs that are being built: by their instru
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
+from itertools import compress
 from types import MappingProxyType
 
-from codegen.ir.ops import OPS, Instruction
-from codegen.ir.program import Builder, Program
+from codegen.ir.fold import RuleSet
+from codegen.ir.ops import OPS, Instruction, instruction_of
+from codegen.ir.program import Builder, Name, Program
 
 Slot = tuple[str, int]
 """A leaf that reads an array: state, parameter or input, and the place in it."""
@@ -18,11 +20,20 @@ Slot = tuple[str, int]
 
 def needed(program: Program, groups: Iterable[str]) -> set[int]:
     """Return the numbers of all values that ``groups`` of results depend on."""
-    found, instructions = {k for g in groups for k in program.results[g]}, program.instructions
-    for k in range(len(instructions) - 1, -1, -1):
-        if k in found:
-            found.update(instructions[k][1])
-    return found
+    return set(_needed(program.instructions, [program.results[g] for g in groups]))
+
+
+def _needed(instructions: Sequence[Instruction], results: Collection[tuple[int, ...]]) -> list[int]:
+    """Return the numbers of all that results depend on, in order."""
+    size = max(map(max, filter(None, results)), default=-1) + 1
+    found = bytearray(size)
+    for k in (k for result in results for k in result):
+        found[k] = 1
+    for k in range(size - 1, -1, -1):
+        if found[k]:
+            for a in instructions[k][1]:
+                found[a] = 1
+    return list(compress(range(size), found))
 
 
 def dependence(program: Program, group: str, kind: str = "state") -> set[tuple[int, int]]:
@@ -44,19 +55,48 @@ def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
     A program of which nothing is left out is returned as it is.
     """
     kept = list(program.results if groups is None else groups)
-    order = sorted(needed(program, kept))
+    order = _needed(program.instructions, [program.results[g] for g in kept])
     if len(order) == len(program.instructions) and kept == list(program.results):
         return program
-    new = {old: k for k, old in enumerate(order)}
-    instructions = [
-        Instruction(i[0], tuple([new[a] for a in i[1]]), i[2]) if i[1] else i
-        for i in map(program.instructions.__getitem__, order)
-    ]
-    results = {g: tuple(new[k] for k in program.results[g]) for g in kept}
-    names = {new[k]: name for k, name in program.names.items() if k in new}
-    return Program(
-        tuple(instructions), MappingProxyType(results), MappingProxyType(names), program.rules
-    )
+    results = {g: program.results[g] for g in kept}
+    return _restricted(order, program.instructions, results, program.names, program.rules)
+
+
+def pruned(
+    instructions: Sequence[Instruction],
+    results: Mapping[str, tuple[int, ...]],
+    names: Mapping[int, Name],
+    rules: RuleSet,
+) -> Program:
+    """Return the program of what results need of some instructions, which are valid as they are."""
+    order = _needed(instructions, results.values())
+    return _restricted(order, instructions, results, names, rules)
+
+
+def _restricted(
+    order: Sequence[int],
+    instructions: Sequence[Instruction],
+    results: Mapping[str, tuple[int, ...]],
+    names: Mapping[int, Name],
+    rules: RuleSet,
+) -> Program:
+    """Return the program of the instructions ``order``, numbered anew."""
+    new = [-1] * len(instructions)
+    for k, old in enumerate(order):
+        new[old] = k
+    made: list[Instruction] = []
+    for old in order:
+        instruction = instructions[old]
+        op, args, value = instruction
+        if len(args) == 2:  # most instructions, in half the time
+            x, y = args
+            instruction = instruction_of((op, (new[x], new[y]), value))
+        elif args:
+            instruction = instruction_of((op, tuple([new[a] for a in args]), value))
+        made.append(instruction)
+    left = {g: tuple([new[k] for k in r]) for g, r in results.items()}
+    named = {new[k]: name for k, name in names.items() if new[k] >= 0}
+    return Program(tuple(made), MappingProxyType(left), MappingProxyType(named), rules)
 
 
 def depth_first(program: Program) -> Program:
@@ -64,7 +104,7 @@ def depth_first(program: Program) -> Program:
 
     Values do not change; what is used late is computed late, so that fewer values wait at a time.
     """
-    order = sorted(k for k in needed(program, program.results) if _is_leaf(program, k))
+    order = [k for k in sorted(needed(program, program.results)) if _is_leaf(program, k)]
     placed = set(order)
     for result in (k for group in program.results.values() for k in group):
         stack = [result]

@@ -31,6 +31,7 @@ from codegen.ir.ops import (
     Data,
     Instruction,
     cost_of,
+    instruction_of,
 )
 from eom.tables import Table
 
@@ -190,12 +191,12 @@ class Builder:
         self.names: dict[int, Name] = {}
         self.binding: list[int] = []
         """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
-        self._numbers: dict[Instruction, int] = {}
+        self._numbers: dict[tuple[str, tuple[int, ...], Data], int] = {}
         self._constants: dict[tuple[int, int], int] = {}
 
     def leaf(self, op: str, value: Data = None) -> int:
         """Return the number of a leaf."""
-        return self._number(Instruction(op, (), value))
+        return self._number(op, (), value)
 
     def const(self, value: Fraction | float) -> int:
         """Return the number of an exact constant; a float is the dyadic fraction that it is."""
@@ -214,7 +215,7 @@ class Builder:
         if op in _COMMUTATIVE and args[0] > args[1]:
             args = (args[1], args[0])
         folded = fold.fold(self, op, args, self.rules)
-        return self._number(Instruction(op, args, value)) if folded is None else folded
+        return self._number(op, args, value) if folded is None else folded
 
     def again(self, instruction: Instruction, new: Mapping[int, int] | Sequence[int]) -> int:
         """Append an instruction of another program, its arguments renumbered by ``new``."""
@@ -225,7 +226,7 @@ class Builder:
 
     def unfolded(self, op: str, *args: int) -> int:
         """Return the number of the value of ``op`` on ``args`` as it is written."""
-        return self._number(Instruction(op, args))
+        return self._number(op, args)
 
     def find(self, instruction: Instruction) -> int | None:
         """Return the number of an instruction that exists already, or None."""
@@ -236,13 +237,13 @@ class Builder:
         if self.instructions[number].op not in LEAVES:
             self.names.setdefault(number, name)
 
-    def _number(self, instruction: Instruction) -> int:
-        known = self._numbers.get(instruction)
+    def _number(self, op: str, args: tuple[int, ...], value: Data = None) -> int:
+        known = self._numbers.get((op, args, value))
         if known is None:
             known = len(self.instructions)
+            instruction = instruction_of((op, args, value))
             self._numbers[instruction] = known
             self.instructions.append(instruction)
-            op, args, _ = instruction
             binding = self.binding
             when = BINDING.get(op, 0)
             for a in args:

@@ -37,10 +37,13 @@ def files(
     }
 
 
-def single_text(tableau: Tableau, program: Program, layout: Layout, sampled: bool = False) -> str:
+def single_text(
+    tableau: Tableau, program: Program, layout: Layout, sampled: bool = False, whole: bool = True
+) -> str:
     """Return functions and integrator as one text that compiles by itself.
 
-    ``sampled``: with what stands round the loop where laws are sampled.
+    ``sampled``: with what stands round the loop where laws are sampled. ``whole``: with functions that
+    the integrator does not call.
     """
     name = identifier(layout.name)
     header, source = files(tableau, program, layout, sampled).values()
@@ -50,7 +53,7 @@ def single_text(tableau: Tableau, program: Program, layout: Layout, sampled: boo
         prefix = f"{name}_{tableau.name}"
         rates = _rates(name, prefix, _watch(tableau, program, prefix))
         rest = samples.around(rest, tableau.name, layout, rates)
-    return c.single_text(program, layout) + rest
+    return c.single_text(program, layout, "" if whole else rest) + rest
 
 
 SHARED = {"NUMBERS": "numbers.c", "START": "start.c", "EVENTS": "events.c", "STEPS": "steps.c",
@@ -288,7 +291,7 @@ def structures(
 def _text_once(
     tableau: Tableau, program: SameObject[Program], layout: SameObject[Layout], sampled: bool
 ) -> str:
-    return single_text(tableau, program.value, layout.value, sampled)
+    return single_text(tableau, program.value, layout.value, sampled, whole=False)
 
 
 def begin(tableau: Tableau, program: Program, layout: Layout) -> None:

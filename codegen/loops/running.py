@@ -225,9 +225,9 @@ class Prepared:
             found = quick.further(whole, memory, (t, x), status, seconds)
             return varied(found, **self.said) if self.said else found
         if kept < len(t):
-            t, x = t[:kept].copy(), x[:kept]
+            t, x = t[:kept].copy(), x[:kept].copy()
         return varied(
-            self._made, t=t, y=x.T.copy(), state_at_stop=memory[quick.x].copy(),
+            self._made, t=t, y=x.T, state_at_stop=memory[quick.x].copy(),
             stop=varied(_ENDED[status], t=time_of_stop, which=which),
             closest=tuple(memory[quick.closest].tolist()) if problem.singularities else (),
             steps=steps, rejected=rejected, evaluations=evaluations, seconds=seconds,

@@ -79,10 +79,13 @@ def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
     }
 
 
-def single_text(program: Program, layout: Layout, order: int, sampled: bool = False) -> str:
+def single_text(
+    program: Program, layout: Layout, order: int, sampled: bool = False, whole: bool = True
+) -> str:
     """Return functions and integrator as one text that compiles by itself.
 
-    ``sampled``: with what stands round the loop where laws are sampled.
+    ``sampled``: with what stands round the loop where laws are sampled. ``whole``: with functions that
+    the integrator does not call.
     """
     name = identifier(layout.name)
     header, source = files(program, layout, order).values()
@@ -90,7 +93,7 @@ def single_text(program: Program, layout: Layout, order: int, sampled: bool = Fa
     rest = rest.replace(f'#include "{name}_taylor.h"\n', "")
     if sampled:
         rest = samples.around(rest, "taylor", layout)
-    return c.single_text(program, layout) + rest
+    return c.single_text(program, layout, "" if whole else rest) + rest
 
 
 def _prepared(program: Program, layout: Layout) -> Prepared:
@@ -166,7 +169,7 @@ def _structures(
 def _text_once(
     program: SameObject[Program], layout: SameObject[Layout], order: int, sampled: bool
 ) -> str:
-    return single_text(program.value, layout.value, order, sampled)
+    return single_text(program.value, layout.value, order, sampled, whole=False)
 
 
 def begin(program: Program, layout: Layout, order: int) -> None:

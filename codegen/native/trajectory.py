@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 
 T = TypeVar("T")
+_new, _put = object.__new__, object.__setattr__
 
 
 def varied(value: T, **changes: Any) -> T:
@@ -25,9 +26,8 @@ def varied(value: T, **changes: Any) -> T:
 
     Runs of a few microseconds are made of these; this takes a tenth of the time.
     """
-    made, own = object.__new__(type(value)), value.__dict__.copy()
-    own.update(changes)
-    object.__setattr__(made, "__dict__", own)
+    made = _new(type(value))
+    _put(made, "__dict__", value.__dict__ | changes)
     return made
 
 

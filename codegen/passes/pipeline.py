@@ -27,7 +27,7 @@ from codegen.frontend.structure import Structure, fit
 from codegen.ir import compile_progress
 from codegen.ir.fold import ALGEBRAIC, RULE_SETS
 from codegen.ir.ops import LEAVES, OPS, Instruction, cost_of
-from codegen.ir.passes import needed, prune
+from codegen.ir.passes import needed, prune, pruned
 from codegen.ir.program import BINDING, Builder, Name, Program, bindings
 from codegen.passes.chains import (
     SUMS,
@@ -272,9 +272,10 @@ def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
         instructions.append(made)
     results = {g: tuple(new[k] for k in r) for g, r in program.results.items()}
     names = {new[k]: name for k, name in program.names.items() if k in new and k not in slots}
-    late = prune(Program(tuple(instructions), results, names, program.rules))
-    before = Program(program.instructions, {leaf: tuple(slots)}, program.names, program.rules)
-    return Cut(leaf, prune(before), late, tuple(slots))
+    late = pruned(instructions, results, names, program.rules)
+    early_results = {leaf: tuple(slots)}
+    before = pruned(program.instructions, early_results, program.names, program.rules)
+    return Cut(leaf, before, late, tuple(slots))
 
 
 Factor = tuple[int, int]

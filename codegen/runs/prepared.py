@@ -135,12 +135,13 @@ class _Ready:
         if given.signals is not None or given.laws or progress is not None:
             return self._in_general(given, atol, progress)
         quick, made, used = self._quick, None, ""
-        began = time.perf_counter()
-        if quick is not None:
+        began = 0.0
+        if quick is not None:  # which says how long its loop takes
             made = quick.integrate(given.x0, given.values, given.held, atol[0])
             used = self.own_loop()[1]
         elif self.chooses and (decided := self._decision(given, atol[0])) is not None:
             run, used = decided
+            began = time.perf_counter()
             made = run(given.x0, atol[0])
         if made is None:
             return self._in_general(given, atol, progress)

@@ -600,7 +600,8 @@ def result_of(
     made, timing = found.trajectory, found.timing
     stop = made.stop
     result, own = object.__new__(Result), {
-        "t": found.times, "y": made.y.copy(), "sol": _NOT_KEPT, "nfev": made.evaluations,
+        "t": made.t.copy() if timing is None else found.times, "y": made.y.copy(),
+        "sol": _NOT_KEPT, "nfev": made.evaluations,
         "status": _STATUS.get(stop.kind, -1), "t_stop": stop.t, "y_stop": made.state_at_stop,
         "method": made.method or used, "steps": made.steps, "rejected": made.rejected,
         "seconds": seconds, "why": made.why, "names": names, "left_out": left_out,

@@ -2,7 +2,7 @@
 
 In: programs and layouts. Out: texts in C, NumPy, Python and JavaScript.
 Imports: `codegen.frontend`, `codegen.ir`, `codegen.passes`, `codegen.watch`, `eom.errors`,
-`eom.quantities`, `eom.tables`.
+`eom.limits`, `eom.quantities`, `eom.tables`.
 """
 
 from __future__ import annotations

@@ -19,11 +19,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from codegen.ir.interpret import constants
 from codegen.ir.linsolve import C_HELPERS
 from codegen.ir.names import comment
 from codegen.ir.ops import LEAVES, TURNED, Instruction
-from codegen.ir.passes import prune
+from codegen.ir.passes import pruned
 from codegen.ir.program import Name, Program
 from codegen.ir.stumpff import SERIES
 from eom.tables import Table
@@ -95,6 +94,7 @@ MANY_ANGLES = 4
 BLOCK = 4
 """Angles are filled up with zeros to a multiple of so many."""
 CIRCULAR = {"sin": 0, "cos": 1}
+_FIXED = frozenset({"const", "pi"})
 _EARLY = frozenset({*LEAVES, "add", "sub", "mul", "neg", "div"})
 """What angles are made of."""
 
@@ -132,9 +132,9 @@ def circles(program: Program) -> Circles | None:
         instructions[k] = Instruction(TURNED, (), slot)
         names[slot] = program.names.get(k, names[slot])
     kept = {k: name for k, name in program.names.items() if k not in found}
-    late = Program(tuple(instructions), program.results, MappingProxyType(kept), program.rules)
-    early = Program(program.instructions, {TURNED: angles}, _NONE, program.rules)
-    return Circles(prune(early), prune(late), room, tuple(names))
+    late = pruned(instructions, program.results, kept, program.rules)
+    early = pruned(program.instructions, {TURNED: angles}, _NONE, program.rules)
+    return Circles(early, late, room, tuple(names))
 
 
 _NONE: Mapping[int, Name] = MappingProxyType({})
@@ -142,13 +142,17 @@ _NONE: Mapping[int, Name] = MappingProxyType({})
 
 def _found(program: Program) -> dict[int, None]:
     """Return the sines and cosines of what is known from the start, in order."""
-    known = constants(program)
-    early: list[bool] = []
+    late, fixed, early = 0, 1, 2
+    when: list[int] = []
     found: dict[int, None] = {}
     for k, (op, args, _) in enumerate(program.instructions):
-        early.append(op in _EARLY and False not in [early[a] for a in args])
-        if op in CIRCULAR and k not in known and early[args[0]]:
+        own = late
+        if op in _EARLY:
+            given = [when[a] for a in args]
+            own = late if late in given else max(given, default=fixed if op in _FIXED else early)
+        elif op in CIRCULAR and when[args[0]] == early:
             found[k] = None
+        when.append(own)
     return found
 
 

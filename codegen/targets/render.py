@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from typing import NamedTuple
 
 from codegen.frontend.layout import Layout
@@ -16,7 +17,7 @@ from codegen.ir import compile_progress
 from codegen.ir.interpret import constants
 from codegen.ir.linsolve import Shape
 from codegen.ir.names import HELPERS, comment, identifiers
-from codegen.ir.ops import BLOCKS, OPS
+from codegen.ir.ops import BLOCKS, OPS, Instruction
 from codegen.ir.program import Name, Program
 from codegen.passes.pipeline import Cut
 from eom.quantities import Quantity
@@ -27,6 +28,7 @@ MAX_READS = 2
 """Processors take one operand from memory for nothing; more reads than this are a load of their own."""
 EVERY_NUMBER = "number"
 ATOM = 100
+_COMMUTATIVE = frozenset(name for name, row in OPS.items() if row.commutative)
 
 
 class Template(NamedTuple):
@@ -241,14 +243,14 @@ class _Renderer:
             compile_progress.done(1)
             if k in self.constants:
                 self.text[k] = self._number(self.constants[k])
+            elif instruction.op in OPS:
+                self._operation(k, instruction)
             elif instruction.op == "time":
                 self.text[k] = (self.slots["time"], ATOM)
-            elif k in self.variables and instruction.op not in OPS:
+            elif k in self.variables:
                 self._assign(k, self.variables[k].expression)
-            elif instruction.op not in OPS:
-                self._read(k)
             else:
-                self._operation(k)
+                self._read(k)
         results = tuple(self.text[k][0] for k in self.program.results[self.group])
         return Body(tuple(self.lines), results)
 
@@ -258,21 +260,17 @@ class _Renderer:
             return (self.special[EVERY_NUMBER].format(text), ATOM)
         return (text, ATOM) if value >= 0 or text != repr(value) else (f"({text})", ATOM)
 
-    def _operation(self, k: int) -> None:
-        op, args, data = self.program.instructions[k]
+    def _operation(self, k: int, instruction: Instruction) -> None:
+        op, args, data = instruction
         if op in BLOCKS:
             self._block(k)
             return
-        template = self.templates[op]
-        needs, given = template.needs or (0,) * len(args), [self.text[a] for a in args]
-        if OPS[op].commutative and _binds_less(template.needs, given):
-            given.reverse()  # b * c * a for a * (b * c), the same to the last bit
-        operands = [
-            text if power >= need else f"({text})"
-            for (text, power), need in zip(given, needs, strict=True)
-        ]
+        form, power, needs = self.templates[op]
+        if op in _COMMUTATIVE and _binds_less(needs, self.text[args[0]][1], self.text[args[1]][1]):
+            args = args[::-1]  # b * c * a for a * (b * c), the same to the last bit
+        operands = map(self._operand, args, needs or repeat(0))
         name = self.data[data] if isinstance(data, Table) else data
-        self._write(k, template.text.format(*operands, data=name), template.power)
+        self._write(k, form.format(*operands, data=name), power)
 
     def _block(self, k: int) -> None:
         """Write the statement of a factorisation or a solution, which is an array."""
@@ -320,9 +318,6 @@ class _Renderer:
         self.text[k] = (variable, ATOM)
 
 
-def _binds_less(needs: Sequence[int], operands: Sequence[tuple[str, int]]) -> bool:
+def _binds_less(needs: Sequence[int], first: int, second: int) -> bool:
     """Return whether the second operand would need brackets and the first would not."""
-    if len(needs) != 2:
-        return False
-    (_, first), (_, second) = operands
-    return needs[0] <= second < needs[1] <= first
+    return len(needs) == 2 and needs[0] <= second < needs[1] <= first

@@ -5,11 +5,13 @@ Events of `eom simulate`: how they are spelt, and how what was found is printed.
 
 from __future__ import annotations
 
+import importlib
 import math
 import re
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -131,28 +133,49 @@ def news(notice: str, noted: str) -> str:
 
 
 def compiled_of(
-    scene: AnyScene, target: str, stable: bool = False, *, runs: bool = False
+    scene: AnyScene, target: str, stable: bool = False, *, runs: bool = False, later: str = ""
 ) -> Compiled:
     """Return a scene compiled; what the user should know about it goes to standard error.
 
-    ``runs``: whether it is integrated as the scene says; its loop is then compiled meanwhile.
+    ``runs``: whether it is integrated as the scene says; its loop is then compiled meanwhile. ``later``: a
+    module that is imported while compilers work.
     """
     import codegen
     from codegen.ir import compile_progress
+    from codegen.native import native
     from codegen.runs.prepared import loop_of
 
     plan = scene.integration
     beside = compile_progress.beside(loop_of(plan.method, plan.rtol)) if runs else nullcontext()
+    if target in {"c", "auto"}:
+        native.begin_extension()  # works while the system is derived
     with waiting_for("deriving") as show, beside:
-        compiled = codegen.compile(scene.derive(), target, stable=stable, progress=compiling(show))
+        compiled = codegen.compile(
+            scene.derive(), target, stable=stable, progress=compiling(show, later)
+        )
     if compiled.notice:
         click.echo(f"note: {compiled.notice}", err=True)
     return compiled
 
 
-def compiling(show: Callable[[str], None]) -> Callable[[str, float], None]:
-    """Return what `codegen.compile` reports its progress to, for the line that `waiting_for` shows."""
-    return lambda stage, share: show(f"compiling: {stage} {share:.0%}")
+def compiling(show: Callable[[str], None], later: str = "") -> Callable[[str, float], None]:
+    """Return what `codegen.compile` reports its progress to, for the line that `waiting_for` shows.
+
+    ``later``: a module that is going to be used, imported in a thread once compilers are waited for.
+    """
+    threads = [threading.Thread(target=_imported, args=(later,), daemon=True)] if later else []
+
+    def report(stage: str, share: float) -> None:
+        show(f"compiling: {stage} {share:.0%}")
+        if stage == "compiler" and threads:
+            threads.pop().start()
+
+    return report
+
+
+def _imported(module: str) -> None:
+    with suppress(Exception):  # is raised again where it is used
+        importlib.import_module(module)
 
 
 @contextmanager

@@ -74,13 +74,24 @@ class Job:
         return [n for n in self.scene.full_system.state_names if n not in kept]
 
 
+PRINTER = "matplotlib.figure"
+"""What printed pictures are drawn by, whose import takes a third of a second."""
+
+
 def job_of(
-    scene: AnyScene, target: str, project: tuple[str, ...], events: tuple[str, ...] = ()
+    scene: AnyScene,
+    target: str,
+    project: tuple[str, ...],
+    events: tuple[str, ...] = (),
+    later: str = "",
 ) -> Job:
-    """Return the job of a scene. Raises `InputError` for what does not go together."""
+    """Return the job of a scene. Raises `InputError` for what does not go together.
+
+    ``later``: a module that it is going to need, imported while compilers work.
+    """
     import codegen
 
-    compiled = compiled_of(scene, target, runs=not (project or events))
+    compiled = compiled_of(scene, target, runs=not (project or events), later=later)
     plan = scene.integration
     found = events_of(events, compiled.system)
 
@@ -178,15 +189,15 @@ def run(
     from eom.views.draw.saving import can_write
 
     chosen = scene_of(scene, **plan)
-    job = job_of(chosen, target, project, events)
+    picture = folder / "trajectory.png"
+    drawn = can_write(picture)
+    job = job_of(chosen, target, project, events, PRINTER if drawn else "")
     print_equations(chosen, "text", explain=True)
     click.echo()
     report_files(write_files(job.files, folder))
     result = _simulate(job)
     if estimated and result.seconds <= LONGEST:
         second_run.begin(result.origin)
-    picture = folder / "trajectory.png"
-    drawn = can_write(picture)
     _save(job, result, folder / "trajectory.npz", picture if drawn else None)
     if not drawn:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)

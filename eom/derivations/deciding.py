@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from eom.derivations.derived import Derived
-from eom.derivations.verification import IDENTITY, decide, has_meaning, is_plain, verify
+from eom.derivations.verification import IDENTITY, decide, is_of_quantities, is_plain, verify
 from eom.errors import InputError
 from eom.terms import rules
 from eom.terms.own import Own
@@ -28,7 +28,7 @@ class Deciding:
 
     own: Own
     scalars: Mapping[Any, Term]
-    _drawn: tuple[tuple[Any, ...], Furnished] | None = None
+    _drawn: dict[bool, tuple[tuple[Any, ...], Furnished]] = field(default_factory=dict)
 
     def carry(self, term: Term) -> Term:
         """Return a term with bodies of its own spelt out and partial derivatives carried out."""
@@ -42,14 +42,17 @@ class Deciding:
         """Return a line with both sides carried out."""
         return replace(equation, left=self.carry(equation.left), right=self.carry(equation.right))
 
-    def worlds(self) -> Furnished:
-        """Return worlds with what stands so far: the same as long as nothing new is said."""
-        own = self.own
+    def worlds(self, *, lawful: bool = True) -> Furnished:
+        """Return worlds with what stands so far: the same as long as nothing new is said.
+
+        ``lawful``: whether the derivation's own laws hold in them.
+        """
+        own = self.own if lawful else replace(self.own, laws=[])
         named = (own.frames, own.points, own.bodies)
         key = (*(tuple(part.items()) for part in named), tuple(own.laws), own.configured)
-        if self._drawn is None or self._drawn[0] != key:
-            self._drawn = key, Furnished(own, {})
-        drawn = self._drawn[1]
+        if lawful not in self._drawn or self._drawn[lawful][0] != key:
+            self._drawn[lawful] = key, Furnished(own, {})
+        drawn = self._drawn[lawful][1]
         for s, t in self.scalars.items():  # what is new was not there when laws were stated
             if s not in drawn.scalars:
                 drawn.scalars[s] = self.carry(t)
@@ -95,7 +98,7 @@ def surplus(derivation: Derived) -> Iterator[tuple[str, str]]:
         for spared in step.assumptions if line.relation != ":=" else ():
             rest = closure(step.assumptions) - {spared}
             try:
-                if lines.decided(line, rest) == IDENTITY and has_meaning(line, scalars):
+                if lines.decided(line, rest) == IDENTITY and is_of_quantities(line, scalars):
                     decide(line, rest, scalars, count=1)  # its symbols, too, have to exist
             except InputError:
                 continue

@@ -37,6 +37,7 @@ from eom.derivations.verification import (
     check_signs,
     decide,
     has_meaning,
+    is_of_quantities,
 )
 from eom.errors import InputError, typed, typed_fields
 from eom.expressions import as_expression
@@ -69,7 +70,6 @@ from eom.terms.vocabulary import (
     velocity,
 )
 from eom.worlds.evaluate import Evaluator
-from eom.worlds.own import Furnished
 from eom.worlds.worlds import closure
 
 SIGNS = "sum of products that are not negative"
@@ -681,7 +681,7 @@ class Derivation:
             found = evidence
             if found != IDENTITY:
                 found = self._lines.decided(line, names, f"{self.name}: {reason}")
-            if found == IDENTITY and has_meaning(line, self.scalars):
+            if found == IDENTITY and is_of_quantities(line, self.scalars):
                 decide(line, names, self.scalars, count=1)
 
         return smallest(self.assumed, holds)
@@ -1010,13 +1010,11 @@ class Derivation:
 
         Of letters that stand for no term nothing is known.
         """
-        free, carried = Furnished(replace(self.own, laws=[]), {}), self._lines.carry(term)
-        scalars = {s: self._lines.carry(t) for s, t in self.scalars.items()}
-        free.scalars.update(scalars)
-        if not _is_known(carried, scalars):
+        free, carried = self._lines.worlds(lawful=False), self._lines.carry(term)
+        if not _is_known(carried, free.scalars):
             return True
         found = (
-            Evaluator(world, scalars).lowest(carried)
+            Evaluator(world, free.scalars).lowest(carried)
             for world in free(self.assumed, SIGN_WORLDS, field=RATIONALS)
         )
         return any(value >= 0 for value in found)

@@ -10,7 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 
-from eom.derivations.showing import Shown, capitalised, lines_of, meaning_of, numbers, only_names
+from eom.derivations.showing import (
+    Shown,
+    assumption_in_words,
+    capitalised,
+    letters_of,
+    lines_of,
+    numbers,
+    only_names,
+)
 from eom.derivations.steps import Step
 from eom.derivations.wording import letters_in_words
 from eom.terms.terms import Term
@@ -33,15 +41,16 @@ def handout(derivation: Shown, notation: Notation) -> Iterator[Block]:
     known = letters_in_words(derivation, notation)
     numbered = numbers(derivation, notation)
     steps = key_steps(derivation, notation)
-    letters = {a: k for k, a in enumerate(derivation.assumptions, 1)}
-    used = [a for a in letters if any(a in s.assumptions for s in steps)]
+    letters = {
+        a: k for a, k in letters_of(derivation).items() if any(a in s.assumptions for s in steps)
+    }
     yield Heading(derivation.title, 1)
     yield Paragraph(
         f"{len(steps)} of {len(numbered)} verified steps, numbered as in the whole: the results, and what "
         f"most of them hang on. Notation: {notation.title}."
     )
-    if used:
-        said = "; ".join(f"(A{letters[a]}) {meaning_of(a)}" for a in used)
+    if letters:
+        said = "; ".join(f"(A{k}) {assumption_in_words(a, letters)}" for a, k in letters.items())
         yield Paragraph(phrases(f"Assumed: {said}.", known))
     for step in steps:
         under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
@@ -86,7 +95,8 @@ def _covering(
 
 def _room(derivation: Shown) -> float:
     """Return the lines of a page that assumptions leave."""
-    words = sum(len(meaning_of(a)) + 8 for a in derivation.assumptions)
+    letters = letters_of(derivation)
+    words = sum(len(assumption_in_words(a, letters)) + 8 for a in letters)
     return PAGE - words / _WORDS
 
 

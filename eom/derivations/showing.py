@@ -77,7 +77,7 @@ from eom.typeset.markup import render, symbol_latex, width
 from eom.typeset.notation import equation_parts, notation_named, term_box, write
 from eom.typeset.sentences import Prose, phrases
 from eom.typeset.writing import expression_pieces
-from eom.worlds.worlds import ASSUMPTIONS
+from eom.worlds.worlds import ASSUMPTIONS, closure
 
 
 class Shown(Protocol):
@@ -114,6 +114,17 @@ class Shown(Protocol):
     @property
     def assumptions(self) -> tuple[str, ...]:
         """Every assumption that some step makes."""
+
+
+def assumption_in_words(assumption: str, letters: Mapping[str, int]) -> str:
+    """Return an assumption in words, with those it includes by their numbers: ``letters`` of a page.
+
+    One that another included one includes is not told.
+    """
+    needed = [a for a in letters if a in closure([assumption]) - {assumption}]
+    told = [a for a in needed if not any(a in closure([b]) for b in needed if b != a)]
+    others = ", ".join(f"A{letters[a]}" for a in told)
+    return meaning_of(assumption) + (f" (includes {others})" if others else "")
 
 
 def meaning_of(assumption: str) -> str:
@@ -175,8 +186,9 @@ def blocks(
 def _assumed(derivation: Shown, notation: Notation) -> Iterator[Item]:
     """Yield assumptions by the letters they are called by."""
     known = letters_in_words(derivation, notation)
-    for a, k in _letters(derivation).items():
-        yield f"A{k}", phrases(meaning_of(a), known)
+    letters = letters_of(derivation)
+    for a, k in letters.items():
+        yield f"A{k}", phrases(assumption_in_words(a, letters), known)
 
 
 def _summary(derivation: Shown, notation: Notation) -> str:
@@ -475,7 +487,7 @@ class _Notes:
 
     def __call__(self, step: Step) -> Note:
         kind = step.kind if step.kind not in {"result", step.evidence} else ""
-        letters = _letters(self.derivation)
+        letters = letters_of(self.derivation)
         new = [a for a in letters if a in step.assumptions and a not in self.told]
         self.told.update(new)
         under = ", ".join(f"A{letters[a]}" for a in letters if a in step.assumptions)
@@ -506,7 +518,7 @@ class _Notes:
         )
 
 
-def _letters(derivation: Shown) -> dict[str, int]:
+def letters_of(derivation: Shown) -> dict[str, int]:
     """Return the numbers by which assumptions are called."""
     return {a: k for k, a in enumerate(derivation.assumptions, 1)}
 

@@ -134,8 +134,17 @@ def is_plain(equation: Equation) -> bool:
 
 def has_meaning(equation: Equation, scalars: Scalars) -> bool:
     """Return whether every symbol stands for a quantity of the worlds."""
+    return _symbols(equation) <= set(scalars)
+
+
+def is_of_quantities(equation: Equation, scalars: Scalars) -> bool:
+    """Return whether symbols stand in an equation, and each for a quantity of the worlds."""
+    return bool(_symbols(equation)) and has_meaning(equation, scalars)
+
+
+def _symbols(equation: Equation) -> set[Any]:
     parts = (*nodes(equation.left), *nodes(equation.right))
-    return all(n.data[0].free_symbols <= set(scalars) for n in parts if n.head == "expr")
+    return {s for n in parts if n.head == "expr" for s in n.data[0].free_symbols}
 
 
 def _is_identity(equation: Equation, scalars: Scalars) -> bool:

@@ -50,27 +50,31 @@ class Rotor:
     @property
     def inertia(self) -> Quantity:
         """Moment of inertia about its axis, Js_k."""
-        return self._quantity("Js", "kg m^2", "moment of inertia about its axis of rotor")
+        return self._quantity("Js", "kg m^2", "moment of inertia of rotor {} about its axis")
 
     @property
     def momentum(self) -> Quantity:
         """Absolute axial momentum p_k = Js_k (a_k . omega + Omega_k)."""
-        return self._quantity("p", "N m s", "axial angular momentum in inertial space of rotor")
+        return self._quantity(
+            "p", "N m s", "angular momentum of rotor {} about its axis, in inertial space"
+        )
 
     @property
     def speed(self) -> Quantity:
         """Rate relative to the body, Omega_k."""
-        return self._quantity("Omega", "rad/s", "rate relative to the body of rotor", "\\Omega")
+        return self._quantity(
+            "Omega", "rad/s", "rate of rotor {} about its axis, relative to the body", "\\Omega"
+        )
 
     @property
     def torque(self) -> Quantity:
         """Torque of the motor on the rotor about its axis; the body feels its opposite."""
-        return self._quantity("u", "N m", "motor torque of the body on rotor")
+        return self._quantity("u", "N m", "motor torque of the body on rotor {}")
 
     def _quantity(self, letter: str, unit: str, meaning: str, latex: str = "") -> Quantity:
         sign_known = {"positive": True} if letter == "Js" else {"real": True}
         symbol = sp.Symbol(f"{letter}_{self.k}", **sign_known)
-        return Quantity(symbol, unit, f"{meaning} {self.k}", f"{latex or letter}_{self.k}")
+        return Quantity(symbol, unit, meaning.format(self.k), f"{latex or letter}_{self.k}")
 
     @property
     def turns_freely(self) -> bool:
@@ -323,7 +327,7 @@ def _rotor_outputs(rotor: Rotor, system: System) -> list[Definition]:
     """Rates of a rotor that turns freely; the torque that keeps a constant speed."""
     k, inertia = rotor.k, rotor.inertia.symbol
     if rotor.turns_freely:
-        meaning = f"rate about its axis in inertial space of rotor {k}"
+        meaning = f"rate of rotor {k} about its axis, in inertial space"
         absolute = scalar(f"rotor_rate_{k}", rotor.momentum.symbol / inertia, "rad/s", meaning)
         return [Definition(rotor.speed, rotor.relative_rate), absolute]
     if rotor.drive == "locked" or system.mass_matrix is not None:

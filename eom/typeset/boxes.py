@@ -89,10 +89,15 @@ class Form:
 
 @dataclass(frozen=True)
 class Fraction:
-    """One box over another, ``above`` and ``below`` the line."""
+    """One box over another, ``above`` and ``below`` the line.
+
+    ``beside``: the same with what holds quotients itself beside the line, where letters in them would be
+    small; LaTeX and MathML write it in the place of the quotient.
+    """
 
     above: Box
     below: Box
+    beside: Box | None = None
 
 
 @dataclass(frozen=True)

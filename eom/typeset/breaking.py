@@ -66,7 +66,7 @@ def opened(box: Box) -> tuple[Box, ...]:
         parts = _within(box.base, Scripts(Operator("close"), box.sub, box.sup))
         return parts if len(parts) > 1 else (box,)
     if isinstance(box, Fraction):
-        return _opened_fraction(box)
+        return opened(box.beside) if box.beside else _opened_fraction(box)
     return (box,)
 
 
@@ -167,6 +167,8 @@ def _excess(box: Box) -> float:
         box = expression_box(box.value, box.names)
     if isinstance(box, Grid):
         return sum(1.1 + max(map(_excess, cells)) for cells in box.rows) - 0.9
+    if isinstance(box, Fraction) and box.beside:
+        return _excess(box.beside)
     if isinstance(box, Fraction):
         return _FRACTION + max(_excess(box.above), _excess(box.below))
     if isinstance(box, Scripts):

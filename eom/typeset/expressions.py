@@ -224,7 +224,7 @@ def _bracketed(total: Expr, names: Names) -> Box:
 def _unsigned(factors: list[Expr], names: Names) -> Box:
     """Return a product that is not negative: a fraction if some factor is below the line.
 
-    Sums and integrals above stand beside the fraction where they are long.
+    Integrals and determinants above stand beside the fraction, and on pages what holds quotients.
     """
     above, below = _divided(_contents(factors))
     if not below:
@@ -234,7 +234,33 @@ def _unsigned(factors: list[Expr], names: Names) -> Box:
     if behind:
         front = [f for f in above if f not in behind]
         return Row((Fraction(_product(front, names), denominator), THIN, _product(behind, names)))
-    return Fraction(_product(above, names, alone=True), denominator)
+    beside = _beside(above, below, names)
+    return Fraction(_product(above, names, alone=True), denominator, beside)
+
+
+def _beside(above: list[Expr], below: list[Expr], names: Names) -> Box | None:
+    """Return a quotient with factors that hold quotients beside the line, of those below the inverse."""
+    (front, times), (rest, over) = (_by_quotients(factors, names) for factors in (above, below))
+    if not times and not over:
+        return None
+    numerator = _product(front, names, alone=True)
+    first: list[Box] = [Fraction(numerator, _product(rest, names, alone=True))] if rest else []
+    first += [numerator] if front and not rest else []
+    middle = [_product(times, names)] if times else []
+    power = Row((Operator("negative"), Symbol("1")))
+    last = [Scripts(Fence(_product(over, names, alone=True)), sup=power)] if over else []
+    return row(*_spaced([*first, *middle, *last]))
+
+
+def _by_quotients(factors: list[Expr], names: Names) -> tuple[list[Expr], list[Expr]]:
+    """Return the factors without quotients in them, and those with."""
+    held = [holds_quotient(_factor(f, names)) for f in factors]
+    found = list(zip(factors, held, strict=True))
+    return [f for f, holds in found if not holds], [f for f, holds in found if holds]
+
+
+def _spaced(boxes: Sequence[Box]) -> list[Box]:
+    return [part for box in boxes for part in (THIN, box)][1:]
 
 
 def _contents(factors: Sequence[Expr]) -> list[Expr]:
@@ -441,9 +467,10 @@ def _is_mostly_negative(total: Expr) -> bool:
 
 
 def _exponent(exponent: Expr, names: Names) -> Box:
-    """Return what is raised: a quotient on one line, as letters in a fraction would be tiny there."""
+    """Return what is raised, or a limit: a quotient on one line, as letters in a fraction would be tiny."""
     if exponent.is_Rational and not exponent.is_Integer:
-        return Row((Symbol(str(exponent.p)), Operator("slash"), Symbol(str(exponent.q))))
+        minus = Operator("negative") if exponent.p < 0 else None
+        return row(minus, Symbol(str(abs(exponent.p))), Operator("slash"), Symbol(str(exponent.q)))
     above, below = sp.fraction(exponent)
     if below == 1:
         return expression_box(exponent, names)
@@ -503,8 +530,7 @@ def _integral(value: Expr, names: Names) -> Box:
     if any(len(limit) != 3 for limit in value.limits):
         return Formula(value, names)
     signs = [
-        _limited(*(expression_box(end, names) for end in limit[1:]))
-        for limit in reversed(value.limits)
+        _limited(*(_exponent(end, names) for end in limit[1:])) for limit in reversed(value.limits)
     ]
     ends = [Row((THIN, Operator("d"), expression_box(limit[0], names))) for limit in value.limits]
     inside = _factor(value.function, names)
@@ -552,6 +578,17 @@ def is_tall(box: Box) -> bool:
     if isinstance(box, Fence):
         return is_tall(box.inner)
     return isinstance(box, Operator) and box.name in {"integral", "sum"}
+
+
+def holds_quotient(box: Box) -> bool:
+    """Return whether a line of a fraction stands in a box, but for indices, powers and limits."""
+    if isinstance(box, Row | Form):
+        return any(map(holds_quotient, box.items if isinstance(box, Row) else box.parts))
+    if isinstance(box, Grid):
+        return any(holds_quotient(cell) for line in box.rows for cell in line)
+    if isinstance(box, Scripts | Fence):
+        return holds_quotient(box.base if isinstance(box, Scripts) else box.inner)
+    return isinstance(box, Fraction)
 
 
 def _letter(value: Expr, names: Names) -> Box:

@@ -138,7 +138,8 @@ def letter_box(
     own = spelt.sub if isinstance(spelt, Scripts) else None
     base = spelt.base if isinstance(spelt, Scripts) else spelt
     name = base.name if isinstance(base, Symbol) else letter
-    sub = _indices([own, *subs])
+    indices = [b for b in subs if b is not None]
+    sub = _indices([own, *indices]) if own is None else joined([own, *indices])
     sup = Symbol(above, "roman") if above else None
     before = notation.frame(left) if left else None
     nucleus = notation.nuclei[kind](name)

@@ -170,7 +170,7 @@ def width(box: Box) -> int:
     if isinstance(box, Formula):
         return _formula_width(box)
     if isinstance(box, Fraction):
-        return max(width(box.above), width(box.below))
+        return width(box.beside) if box.beside else max(width(box.above), width(box.below))
     if isinstance(box, Row):
         return sum(width(i) for i in box.items) + len(box.gap) * max(0, len(box.items) - 1)
     if isinstance(box, Fence):
@@ -342,7 +342,9 @@ _LATEX: dict[type, Callable[[Any, Render], str]] = {
     Fence: lambda b, inner: ("{1}{0}{2}" if b.flat else "\\left{1} {0} \\right{2}").format(
         inner(b.inner).strip(), *_brackets(b, 0)
     ),
-    Fraction: lambda b, inner: f"\\frac{{{inner(b.above)}}}{{{inner(b.below)}}}",
+    Fraction: lambda b, inner: (
+        inner(b.beside) if b.beside else f"\\frac{{{inner(b.above)}}}{{{inner(b.below)}}}"
+    ),
     Grid: _latex_grid,
     Operator: lambda b, _: OPERATORS[b.name][0],
     Formula: _opened(_latex_formula),
@@ -633,7 +635,9 @@ _MATHML: dict[type, Callable[[Any, Render], str]] = {
     Scripts: _mathml_scripts,
     Row: _mathml_row,
     Fence: lambda b, inner: _mathml_fenced(b, inner(b.inner)),
-    Fraction: lambda b, inner: f"<mfrac>{inner(b.above)}{inner(b.below)}</mfrac>",
+    Fraction: lambda b, inner: (
+        inner(b.beside) if b.beside else f"<mfrac>{inner(b.above)}{inner(b.below)}</mfrac>"
+    ),
     Grid: _mathml_grid,
     Operator: _mathml_operator,
     Formula: _opened(_mathml_formula),

@@ -230,8 +230,10 @@ def _text_paragraph(block: Paragraph, letters: str) -> list[str]:
 
 
 def _text_steps(block: Steps, letters: str) -> list[str]:
-    left = block.lines[0][0].left
+    first = block.lines[0][0]
+    left = first.left
     wide = left is None or is_wide(left, COLUMNS - 9, _text_measure)
+    wide = wide or broken(first, COLUMNS - 9, _text_measure)[0].left != left  # it stands alone
     size = 0 if wide else _length(_text_side(left, letters))
     lines = []
     for note, group in zip(block.notes, block.lines, strict=True):
@@ -349,7 +351,7 @@ def _latex_display(block: Display, paper: _Paper) -> list[str]:
 def _latex_note(note: Note) -> str:
     assumed, remarks = map(_latex_words, (note.assumed, note.remarks))
     remarks = f" {{\\small [{remarks}]}}" if remarks else ""
-    assumed = f"\\emph{{{assumed}}}\\endgraf\\noindent\n" if assumed else ""
+    assumed = f"\\emph{{{assumed}}}\\endgraf\\nobreak\\noindent\n" if assumed else ""
     return f"\\noindent {assumed}\\textbf{{{note.number}.}} {_latex_words(note.reason)}{remarks}"
 
 

@@ -41,7 +41,7 @@ _TOKEN = re.compile(
 )
 _AXES = re.compile(r"[abiI][123]")
 _NOUN = re.compile(r" (?!(?:turns|is|and|or|to|in|as|has|moves|stays|follows|with)\b)[a-z]{2,}")
-"""What follows an A that begins a sentence and is its article, and no frame that does something."""
+"""What follows an article that begins a sentence, or a bracket, and no letter that does something."""
 _BETWEEN = re.compile(r"[\s().,=+\-/0-9<>|]*")
 _PRIME = Sign("'", "'", "mo")
 _DOTS = {1: "dot", 2: "ddot"}
@@ -174,7 +174,8 @@ def _is_word(words: str, m: re.Match[str], known: Mapping[str, Box]) -> bool:
         return True
     if m["name"] == "a" and not (m["power"] or m["marks"] or _is_beside_cross(words, m)):
         around = words[max(0, m.start() - 3) : m.start()], words[m.end() :]
-        near = around[0].rstrip().endswith(("=", "(", "-", "+", "/"))
+        noun = _NOUN.match(words, m.end()) is not None
+        near = around[0].rstrip().endswith(("=", "-", "+", "/", *("(" * (not noun))))
         near = near or re.search(r"\w\.$", around[0]) is not None
         near = near or around[1][:1] in {"", ".", ","} or around[1].startswith(" along ")
         return "a" not in known or not near

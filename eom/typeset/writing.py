@@ -388,7 +388,7 @@ def _since(writer: Writer, term: Term) -> Written:
     t = Symbol("t")
     sign = Scripts(Operator("integral"), Scripts(t, Symbol("0")), t)
     inside = row(writer.box(term.args[0], OPEN), Operator("thin"), Operator("d"), t)
-    return Row((sign, inside)), OPEN
+    return Row((sign, inside), " "), OPEN
 
 
 def _start(writer: Writer, term: Term) -> Written:

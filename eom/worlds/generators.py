@@ -396,33 +396,41 @@ def _solve_motion(
     """Find the coefficients from the third on that make ``residual`` vanish, order by order.
 
     Coefficient n of a residual is affine in the coefficients n + 2 of the unknowns, because forces
-    are linear in accelerations.
+    are linear in accelerations; its slopes by them are those of its value at t = 0 by accelerations there.
     """
-    current = list(unknown)
+    current, field = list(unknown), draw.field
+    slopes = _slopes(field, current, residual)
     for n in range(LENGTH - 2):
-        current = _next_coefficients(draw.field, current, residual, n)
+        factor = (n + 2) * (n + 1) // 2
+        rows = [[field.reduce(factor * a) for a in row] for row in slopes]
+        base = _tried(current, residual, n, [0] * len(current))
+        found = solve(rows, [field.reduce(-b) for b in base], field)
+        current = [_with(s, n + 2, v) for s, v in zip(current, found, strict=True)]
     return current
 
 
-def _next_coefficients(
+def _slopes(
     field: Field,
-    current: list[Series],
+    current: Sequence[Series],
+    residual: Callable[[Sequence[Series]], Sequence[Series]],
+) -> list[list[Any]]:
+    """Return the slopes of a residual at t = 0 by the coefficients 2, by trying zero and each unit."""
+    n = len(current)
+    base = _tried(current, residual, 0, [0] * n)
+    columns = [_tried(current, residual, 0, [int(k == j) for k in range(n)]) for j in range(n)]
+    return [[field.reduce(columns[j][i] - base[i]) for j in range(n)] for i in range(n)]
+
+
+def _tried(
+    current: Sequence[Series],
     residual: Callable[[Sequence[Series]], Sequence[Series]],
     order: int,
-) -> list[Series]:
-    """Solve for the coefficients ``order + 2`` by trying zero and each unit."""
-
-    def trial(values: Sequence[Any]) -> list[Series]:
-        return [_with(s, order + 2, v) for s, v in zip(current, values, strict=True)]
-
-    def at(values: Sequence[Any]) -> list[Any]:
-        return [r.coefficients[order] for r in residual(trial(values))]
-
-    n = len(current)
-    base = at([0] * n)
-    columns = [at([int(k == j) for k in range(n)]) for j in range(n)]
-    matrix = [[field.reduce(columns[j][i] - base[i]) for j in range(n)] for i in range(n)]
-    return trial(solve(matrix, [field.reduce(-b) for b in base], field))
+    values: Sequence[Any],
+) -> list[Any]:
+    """Return a residual's coefficient ``order`` for coefficients ``order + 2``; later ones do not count."""
+    short = (Series(s.field, s.coefficients[: order + 3]) for s in current)
+    tried = [_with(s, order + 2, v) for s, v in zip(short, values, strict=True)]
+    return [r.coefficients[order] for r in residual(tried)]
 
 
 def _with(s: Series, place: int, value: Any) -> Series:

@@ -7,6 +7,7 @@ the angle, not the theta functions and not the series of the code.
 import itertools
 import math
 import pickle
+from functools import partial
 
 import mpmath
 import numpy as np
@@ -17,8 +18,9 @@ from mpmath import mpf
 
 import codegen
 import eom
-from codegen.closed.elliptic import Modulus, first_kind, pair, series
+from codegen.closed.elliptic import Modulus, agm, carlson, first_kind, pair, series
 from codegen.closed.exact import CHUNK, KINDS, free_body, free_motion
+from codegen.closed.polhode import context
 from eom.errors import InputError
 from tests.draws import nonzero
 
@@ -427,3 +429,20 @@ def test_what_is_refused(message):
 def test_rounding_may_break_the_triangle_inequality():
     w, q = free_body((0.1, 0.2, 0.1 + 0.2), (1.0, 2.0, 3.0), (1, 0, 0, 0), 1.0)
     assert np.isfinite([*w, *q]).all()
+
+
+SCATTERED = st.tuples(st.floats(0.5, 1.0), st.integers(-1000, 1000), st.floats(0.0, 1e-16))
+
+
+@given(st.lists(SCATTERED, min_size=3, max_size=3), st.sampled_from([None, None, 0, 1, 2]))
+def test_means_and_integrals_of_whole_numbers_have_all_digits_whatever_their_sizes(sizes, zero):
+    """Of what may be as small beside another as doubles can say, with mpmath at more digits."""
+    own, more = context(), mpmath.mp.clone()
+    more.dps = own.dps + 30
+    values = [own.ldexp(own.mpf(a) + b, e) for a, e, b in sizes]
+    if zero is not None:
+        values[zero] = own.zero
+    x, y, z = map(more.mpf, values)
+    close = partial(more.almosteq, rel_eps=2 * own.eps)
+    assert close(more.mpf(carlson(*values)), more.elliprf(x, y, z))
+    assert close(more.mpf(agm(*values[:2])), more.agm(x, y))

@@ -1,5 +1,6 @@
 """Functional mock-up units, run by FMPy: our own trajectories, and calls that no tool should make."""
 
+import ctypes
 import io
 import shutil
 import subprocess
@@ -266,13 +267,14 @@ class Raised(Exception):
 @contextmanager
 def opened(path, kind=None, count=1, begin=True):
     """Instances of a unit in one process, initialised, and the list of what they say."""
-    from fmpy.fmi2 import FMU2Slave
+    from fmpy.fmi2 import FMU2Model, FMU2Slave
     from fmpy.fmi3 import FMU3Model, FMU3Slave
 
     folder = fmpy.extract(str(path))
     model = fmpy.read_model_description(str(path))
     said, version = [], model.fmiVersion
-    classes = {("2.0", None): FMU2Slave, ("3.0", None): FMU3Slave, ("3.0", "ME"): FMU3Model}
+    classes = {("2.0", None): FMU2Slave, ("3.0", None): FMU3Slave,
+               ("2.0", "ME"): FMU2Model, ("3.0", "ME"): FMU3Model}  # fmt: skip
     units = []
     for k in range(count):
         one = classes[version, kind](
@@ -280,7 +282,7 @@ def opened(path, kind=None, count=1, begin=True):
             instanceName=f"instance_{k}",
         )  # fmt: skip
         if version == "2.0":
-            one.instantiate()
+            one.instantiate(callbacks=heard(said))
             one.setupExperiment(startTime=0.0)
         else:
             one.instantiate(
@@ -298,6 +300,19 @@ def opened(path, kind=None, count=1, begin=True):
         shutil.rmtree(folder, ignore_errors=True)
 
 
+def heard(said):
+    """What a unit of FMI 2.0 is given to say something with."""
+    from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+    from fmpy.logging import addLoggerProxy
+
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = fmi2CallbackLoggerTYPE(lambda *words: said.append(words[-1].decode()))
+    callbacks.allocateMemory = defaultCallbacks.allocateMemory
+    callbacks.freeMemory = defaultCallbacks.freeMemory
+    addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks
+
+
 def started(one):
     one.enterInitializationMode()
     one.exitInitializationMode()
@@ -307,6 +322,28 @@ def started(one):
 def pendulum(tmp_path_factory):
     folder = tmp_path_factory.mktemp("unit")
     return codegen.write_fmu(PENDULUM, folder, START, VALUES, {"u": 0.5}, SPAN, 1e-11)
+
+
+@needs_compiler
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_a_wrong_number_of_states_is_told_in_words_of_both_standards(version, tmp_path):
+    from fmpy.fmi1 import FMICallException
+
+    path = codegen.write_fmu(PENDULUM, tmp_path, START, VALUES, {"u": 0.5}, version=version)
+    with opened(path, "ME") as ((one,), _, said):
+        room = (ctypes.c_double * 3)(0.5, 0.25)
+        rates = one.getDerivatives if version == "2.0" else one.getContinuousStateDerivatives
+        for call in (one.setContinuousStates, one.getContinuousStates, rates,
+                     one.getNominalsOfContinuousStates):  # fmt: skip
+            with pytest.raises(FMICallException):
+                call(room, 3)
+            assert said[-1] == "this unit has 2 continuous states, and not 3"
+        with pytest.raises(FMICallException):
+            one.getEventIndicators(room, 1)
+        assert said[-1] == "this unit has 0 event indicators, and not 1"
+        one.setContinuousStates(room, 2)  # it goes on
+        one.getContinuousStates(room, 2)
+        assert list(room)[:2] == [0.5, 0.25]
 
 
 @needs_compiler

@@ -163,13 +163,12 @@ EXAMPLES = {
 }  # fmt: skip
 """Left sides, by the text of the law."""
 
-NOTHING = RuleSet("nothing", {}, {})
+NOTHING = RuleSet("nothing", {})
 
 
 def alone(law):
     """A set of rules with one law in it."""
-    rules = dict.fromkeys(law.ops, (law.rule,))
-    return RuleSet(law.text, {} if law.constant else rules, rules)
+    return RuleSet(law.text, dict.fromkeys(law.ops, (law,)))
 
 
 def written(rules, tree):

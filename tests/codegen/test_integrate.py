@@ -1,7 +1,7 @@
 """Runge-Kutta methods: coefficients against the theory, the loop in C against SciPy's and the exact."""
 
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 
 import mpmath
 import numpy as np
@@ -15,7 +15,7 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.compiling.compiled import generate
 from codegen.integrate import scipy_
-from codegen.loops import runge_kutta, running, tableaux, written
+from codegen.loops import runge_kutta, running, tableaux, taylor, written
 from codegen.loops.tableaux import DOP853, DP5, TSIT5
 from codegen.native import native
 from codegen.native.trajectory import Problem
@@ -528,3 +528,19 @@ def test_tsit5_takes_inputs_that_are_functions():
     assert abs(one.steps - other.steps) <= 2
     np.testing.assert_allclose(one.y_stop, other.y_stop, atol=1e-7)
     assert one.method.startswith("Tsit5 in the loop of SciPy")
+
+
+def test_functions_that_a_loop_does_not_call_are_not_compiled_with_it():
+    compiled = compile_system(eom.heavy_top(), "numpy")
+    given = (compiled.program, compiled.layout)
+    for write in (
+        partial(runge_kutta.single_text, DOP853, *given),
+        partial(taylor.single_text, *given, 12),
+    ):
+        whole, alone = write(), write(whole=False)
+        for group in compiled.layout.sizes:
+            assert whole.count(f"heavy_top_{group}_kernel(") > 0
+            called = group in {"rates", "singularities"}
+            assert (f"heavy_top_{group}_kernel(" in alone) == called
+            assert f"heavy_top_{group}_batch(size_t count" in whole
+        assert alone.count("_batch(size_t count") == len(compiled.layout.sizes)  # declared

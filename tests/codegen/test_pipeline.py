@@ -130,7 +130,7 @@ def test_exact_rules_keep_every_bit(at):
     found = []
     for rules in (
         RULE_SETS["exact"],
-        dataclasses.replace(RULE_SETS["exact"], general={}, rules={}),
+        dataclasses.replace(RULE_SETS["exact"], laws={}),
     ):
         b = Builder(rules)
         leaves = {s: b.leaf("state", k) for k, s in enumerate((x, y, z))}

@@ -100,3 +100,32 @@ def test_quotients_in_exponents_stand_on_one_line(power, wanted):
     assert render(expression_box(sp.exp(power)), "latex") == f"e^{{{wanted}}}"
     if not power.could_extract_minus_sign():
         assert render(expression_box(sp.Symbol("x") ** power), "latex") == f"x^{{{wanted}}}"
+
+
+BESIDE = [
+    ("(2*p - q**2/I3)/I1", r"\frac{1}{I_{1}} \, \left(2 p - \frac{q^{2}}{I_{3}}\right)"),
+    ("x*(p + q/I3)/(I1*b)", r"\frac{x}{I_{1} b} \, \left(p + \frac{q}{I_{3}}\right)"),
+    ("x/(I1*(1 + p/q))", r"\frac{x}{I_{1}} \, \left(\frac{p}{q} + 1\right)^{-1}"),
+    ("x/(1 + p/q)", r"x \, \left(\frac{p}{q} + 1\right)^{-1}"),
+    ("1/(1 + p/q)", r"\left(\frac{p}{q} + 1\right)^{-1}"),
+    ("(p + 1/x)/(q + 1/x)", r"\left(p + \frac{1}{x}\right) \, \left(q + \frac{1}{x}\right)^{-1}"),
+    ("(p + exp(-x/b))/q", r"\frac{p + e^{-x/b}}{q}"),
+]
+
+
+@pytest.mark.parametrize(("words", "wanted"), BESIDE)
+def test_no_quotient_stands_in_a_quotient_on_pages(words, wanted):
+    box = expression_box(of(words))
+    assert render(box, "latex").replace(" ", "") == wanted.replace(" ", "")
+    assert "<mfrac><mrow><mfrac" not in render(box, "mathml")
+
+
+def test_in_text_a_quotient_stays_in_one_piece():
+    assert render(expression_box(of("(2*p - q**2/I3)/I1")), "text") == "(2 p − q²/I₃)/I₁"
+
+
+def test_limits_of_integrals_are_as_quotients_in_exponents():
+    x = of("x")
+    value = sp.Integral(x**2, (x, -sp.Rational(1, 2), sp.pi / 2))
+    assert r"\int_{-1/2}^{\pi/2}" in render(expression_box(value), "latex")
+    assert "<mfrac>" not in render(expression_box(value), "mathml")

@@ -5,6 +5,9 @@ The truth is decided by numerics that know nothing of the checker (`oracle`). Th
 """
 
 import random
+import signal
+import subprocess
+import sys
 
 import pytest
 
@@ -113,3 +116,22 @@ def test_edits_are_single_distinct_and_of_every_kind():
     crossed = Equation(integral(cross(r, der(r))), zero("vector"))
     swapped = Equation(integral(cross(der(r), r)), zero("vector"))
     assert swapped in [m.equation for m in mutants(crossed, ())]
+
+
+def test_a_run_that_is_stopped_tells_what_it_has_judged():
+    asked = ["inertia-of-rod", "inertia-properties"]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "benchmarks.mutants", *asked],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    first = run.stderr.readline()
+    run.send_signal(signal.SIGTERM)
+    told, _ = run.communicate(timeout=60)
+    assert first.startswith("inertia-of-rod: 334 edits in ")
+    assert "false, rejected" in first
+    last_row, left = told.splitlines()[-3], told.splitlines()[-1]
+    assert int(last_row.split("│")[2]) >= 334
+    assert left == "Stopped before the end; not judged, or not wholly: inertia-properties."
+    assert run.returncode == 1

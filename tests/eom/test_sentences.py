@@ -141,3 +141,8 @@ def test_names_are_told_without_marks_and_powers():
 def test_letters_can_be_kept_apart():
     parts = phrases("by a x a", {"a": Symbol("a")}, apart=True)
     assert [p if isinstance(p, str) else p.name for p in parts] == ["by ", "a", " \u00d7 ", "a"]
+
+
+def test_an_article_behind_a_bracket_is_no_letter():
+    assert latex("(a matrix of vectors)", KNOWN) == "(a matrix of vectors)"
+    assert latex("(a is any vector)", KNOWN) == "($a$ is any vector)"

@@ -134,7 +134,7 @@ class Pair:
         conditions = [
             d.suppose(Equation(expr(s), number(0), ">="), words, label=label)
             for s, words, label in (
-                (self.mu, "masses are positive", "masses"),
+                (self.mu, "masses are positive, and so is the reduced one", "masses"),
                 (1 - e**2, "let e be at most one", "e-range"),
             )
         ]

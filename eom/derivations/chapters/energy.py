@@ -50,6 +50,7 @@ def kinetic_energy() -> Derived:
 def _koenig(d: Derivation) -> None:
     """Part the energy; the body need not be rigid."""
     d.only("constant_mass")
+    d.define(BODY_MASS, "mass of the body", label="mass")
     energy = d.define(T, "kinetic energy", label="T", states=["000:E26"]).then(
         "one half comes out of the integral", distribute, label="T-half", states=["000:E26"]
     )
@@ -155,7 +156,7 @@ def _rate(d: Derivation) -> None:
     motion = Equation(mul(BODY_MASS, der(velocity("C"))), FORCE)
     d.law(motion, "motion of the centre of mass", label="motion")
     translation = mul(number(1, 2), BODY_MASS, dot(velocity("C"), velocity("C")))
-    constant = d.define(BODY_MASS, "mass of the body", label="mass").both(
+    constant = d.recall("mass").both(
         "it is constant, as the mass of each element is",
         der,
         differentiate_under,

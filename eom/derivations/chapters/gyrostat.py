@@ -241,17 +241,30 @@ def _dual_spin(d: Derivation) -> None:
 
 
 def _rates_with_rotor(d: Derivation, system: System) -> list[Chain]:
+    """State the rates in principal axes, and show that they keep the momentum of body and rotor."""
     quiet = {q.symbol: sp.Integer(0) for q in system.inputs}
     rates = [system.expand(r).xreplace(quiet) for r in system.rates]
-    return [
+    moving = {q.symbol: sp.Symbol(f"{q.symbol}_dot", real=True) for q in system.states[:3]}
+    named = [
         d.name_scalar(
-            sp.Symbol(f"{w}_dot", real=True),
+            symbol,
             expr(gather_above(rate, OMEGA.components)),
             f"rate of {w}, with a rotor about b1 whose motor gives no torque, in principal axes",
             label=f"{w}-rate",
         )
-        for w, rate in zip(OMEGA.components, rates, strict=False)
+        for (w, symbol), rate in zip(moving.items(), rates, strict=False)
     ]
+    outputs = {o.name: system.expand(o.expression) for o in system.outputs}
+    h = vector("B", (outputs[f"h_{k}"] for k in (1, 2, 3)))
+    moving[system.states[3].symbol] = sp.Integer(0)
+    d.show(
+        Equation(entries(first_derivative(h, OMEGA, moving).total.column), entries(sp.zeros(3, 1))),
+        "they keep the momentum of body and rotor, as p_1 is constant: its rate in B and omega x h_C "
+        "put together",
+        put_in(*(line.equation for line in named)),
+        label="momentum-kept",
+    )
+    return named
 
 
 def _by_axial_momentum(d: Derivation, system: System, across: Chain) -> None:
@@ -283,8 +296,13 @@ def _dual_spin_sign(d: Derivation, h: Expr) -> None:
     given = let(
         d,
         *(
-            (e, "let the momentum along the axis be large", f"above-{moment}")
-            for e, moment in zip(above, (I2, I3), strict=True)
+            (e, words, f"above-{moment}")
+            for e, words, moment in zip(
+                above,
+                ("let the momentum along the axis be no less than I2 nu", "nor less than I3 nu"),
+                (I2, I3),
+                strict=True,
+            )
         ),
     )
     so(

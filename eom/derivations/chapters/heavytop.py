@@ -239,7 +239,7 @@ class Top:
         )
         self._one_dimensional()
         d.recall("E").both(
-            "its rate, as both momenta are constant, is zero",
+            "the rate of the energy, as both momenta are constant, is zero",
             der,
             self.named(self.Ve),
             chain(d.scalars),

@@ -199,10 +199,8 @@ def _first_moment(d: Derivation) -> None:
     first = d.define(
         FIRST, "first moment of mass about O", label="first-moment", states=["002:E11"]
     )
-    d.law(
-        Equation(position("i", "O"), add(position("i"), -position("O"))),
-        "rho_i = r_i - r_O",
-        label="relative",
+    d.recall("split").infer(
+        "solved for the place from O", solved(position("i", "O")), label="relative"
     )
     d.law(
         Equation(position("C", "O"), add(position("C"), -position("O"))),

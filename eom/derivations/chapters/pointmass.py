@@ -108,15 +108,25 @@ def _energy(d: Derivation) -> None:
 
 
 def _components(d: Derivation) -> None:
-    d.only("one_particle", "newton_2", "constant_mass", "O_at_origin")
+    d.only("one_particle", "newton_2", "constant_mass", "O_fixed_in_space")
 
     def state(chain: Chain, label: str) -> None:
         d.in_components(chain, "I", "components in I", label=label, states=["002:E5"])
 
     state(d.recall("newton"), "newton-I")
     state(d.recall("momentum"), "momentum-I")
-    same = d.given(Equation(position("P", "O"), position("P")), "O is the origin").equation
-    state(d.recall("h-definition").then("O is the origin", inside("der", use(same))), "h-I")
+    rate = d.start(der(position("P"))).then(
+        "r = r_O + rho, and O is inertially fixed: both rates are the same",
+        use(d.recall("split").equation),
+        differentiate,
+        use(d.recall("O-fixed").equation),
+        distribute,
+        label="rate-about-O",
+    )
+    about = d.recall("h-definition").then(
+        "so with the velocity in I", use(rate.equation, backwards=True), label="h-fixed"
+    )
+    state(about, "h-I")
     d.recall("energy").then(
         "components in I", scalars_in("I"), components("I"), label="energy-I", states=["002:E5"]
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
@@ -176,8 +177,21 @@ def _range(bound: tuple[Expr, Expr, Expr]) -> str:
 
 
 def _volume_element(region: Region) -> Expr:
-    """Return the element of volume, area or length in its short form."""
-    return sp.factor(in_letters(region.element))
+    """Return the element of volume, area or length in its short form, its sums those of the coordinates."""
+    places = [in_letters(as_expression(x)) for x in region.position]
+    known = sorted({a for x in places for a in x.atoms(sp.Add)}, key=str)
+    factors = sp.Mul.make_args(sp.factor(in_letters(region.element)))
+    return sp.Mul(*(_by_known(f, known) for f in factors))
+
+
+def _by_known(factor: Expr, known: Sequence[Expr]) -> Expr:
+    """Return a power of a sum as one of a known sum, where they are equal but for the sign."""
+    base, power = factor.as_base_exp()
+    for other in known if base.is_Add and power.is_Integer else ():
+        for sign in (1, -1):
+            if sp.expand(base - sign * other) == 0:
+                return sign**power * other**power
+    return factor
 
 
 def _integral(region: Region, f: Expr) -> Expr:

@@ -261,7 +261,7 @@ def _axle(d: Derivation, row: Chain) -> None:
     )
     d.assume("no_torque_2")
     quiet = d.given(Equation(dot(B2, TORQUE), number(0)), "no torque about the axle")
-    along.both("no torque about the axle", use(quiet.equation), label="row-2-free").infer(
+    along.both("put into row 2", use(quiet.equation), label="row-2-free").infer(
         "divided by the moment: Omega + psi' sin theta is constant",
         solved(der(expr(AXLE))),
         label="first-integral",
@@ -286,7 +286,9 @@ def _solved(d: Derivation, body: SpinningSymmetricBody, rows: list[Chain]) -> No
     d.check(Equation(expr(THETA_DDOT), expr(theta)), "the library has the same")
     d.assume("no_torque_3")
     free = d.given(Equation(dot(B3, TORQUE), number(0)), "no torque about b3")
-    rows[2].both("no torque about b3", use(free.equation), with_spin, label="row-3").infer(
+    rows[2].both(
+        "put into row 3, with Omega by C", use(free.equation), with_spin, label="row-3"
+    ).infer(
         "row 3, solved for the precession",
         solved(expr(PSI_DDOT), ONE_FRACTION),
         label="psi-equation",

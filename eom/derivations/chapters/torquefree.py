@@ -478,6 +478,11 @@ def fold_energy(d: Derivation) -> Any:
     return use(twice.equation)
 
 
+def _by_products(e: Expr) -> Expr:
+    """Gather products of the rates, and factor their coefficients."""
+    return sp.Add(*map(sp.factor, sp.Add.make_args(gather(e, OMEGA.components))))
+
+
 def _herpolhode(d: Derivation) -> None:
     d.only("torque_free", "principal_axes")
     h = angular_momentum(sp.diag(*MOMENTS), OMEGA)
@@ -506,7 +511,7 @@ def _herpolhode(d: Derivation) -> None:
         use(moving.equation),
         use(d.recall("column-of-omega").equation),
         compute(),
-        entrywise(sp.factor),
+        entrywise(_by_products),
         label="herpolhode",
     )
     d.check(Equation(d.steps[-1].statement.left, expr(swept)), "the library has the same rate")

@@ -48,6 +48,10 @@ M = mass("i")
 APPLIED, HELD = quantity("applied_force", "i"), quantity("constraint_force", "i")
 KINETIC = quantity("kinetic_energy", "system")
 _ACTIVE, _INERT = "generalised active force", "generalised inertia force"
+_LINEAR = (
+    "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the partial "
+    "velocity of u"
+)
 
 
 def virtual_work() -> Derived:
@@ -280,15 +284,14 @@ class Work:
         ]
         parts = [
             d.start(expr(whole)).then(
-                "the rates of the coordinates are linear in u, with slopes W_1, W_2: such is the "
-                "partial velocity of u",
+                words,
                 use(d.definition_of(whole)),
                 distribute,
                 out_of_sums(d.scalars),
                 *by_coordinates,
                 label=f"{whole}",
             )
-            for whole in (active, inert)
+            for whole, words in ((active, _LINEAR), (inert, "and the same of the inertia force"))
         ]
         balances = [d.recall(f"kane-{k}") for k in (1, 2)]
         solutions = [

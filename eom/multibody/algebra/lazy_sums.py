@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
-from eom.expressions import add_nodes, nodes
+from eom.expressions import nodes, objects
 from eom.fields import Operators
 from eom.multibody.algebra.values import value
 from eom.quantities import Definition, Quantity
@@ -49,6 +49,14 @@ class Node(Operators):
     def operated(self, op: str, *operands: Any) -> Any:
         """Return the result of an operation; a product of sums makes them factors."""
         return _OPERATIONS[op](*operands)
+
+    def __add__(self, other: Any) -> Node:  # the two that recursions ask most, without a look-up
+        return _added(self, other)
+
+    def __mul__(self, other: Any) -> Any:
+        return _multiplied(self, other)
+
+    __radd__, __rmul__ = __add__, __mul__
 
     @property
     def one(self) -> Term:
@@ -91,9 +99,13 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-@lru_cache(maxsize=4096)
 def _number(c: Number) -> Expr:
-    return sp.Rational(c.numerator, c.denominator)
+    return _rational(*c.as_integer_ratio())  # whole numbers are found at once, fractions are not
+
+
+@lru_cache(maxsize=4096)
+def _rational(p: int, q: int) -> Expr:
+    return sp.Rational(p, q)
 
 
 def _product(c: Number, factors: tuple[Expr, ...]) -> Expr:
@@ -139,7 +151,8 @@ class Naming:
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self.taken = set(taken)
         self.definitions: list[Definition] = []
-        self._known: dict[tuple[Term, ...], Node] = {}
+        self._known: dict[tuple[tuple[Expr, ...], ...], list[tuple[tuple[Term, ...], Node]]] = {}
+        """By the factors of their terms: coefficients, whose hashes take long, are compared."""
         self._atoms: dict[Expr, Any] = {}
 
     def atom(self, given: Any) -> Any:
@@ -168,14 +181,16 @@ class Naming:
         terms = value.terms
         if len(terms) == 1:
             c, f = terms[0]
-            if len(f) == 1 and f[0].is_Symbol and c in {1, -1}:
+            if len(f) == 1 and f[0].is_Symbol and c in (1, -1):  # a set would hash fractions
                 return self._atoms.get(f[0], value) if c == 1 else value
-        known = self._known.get(terms)
+        same = self._known.setdefault(tuple([f for _, f in terms]), [])
+        known = next((node for given, node in same if given == terms), None)
         if known is None:
             row = LETTERS[letter]
             name = self._free(f"{row.letter}_{part}{'_' * bool(suffix)}{suffix}")
             quantity = Quantity(sp.Symbol(name, real=True), row.unit, row.meaning.format(part))
-            known = self._known[terms] = self.define(quantity, value)
+            known = self.define(quantity, value)
+            same.append((terms, known))
         return known
 
     def define(self, quantity: Quantity, value: Any) -> Node:
@@ -201,7 +216,7 @@ def used(definitions: Iterable[Definition], results: Iterable[Expr]) -> tuple[De
     for definition in reversed(list(definitions)):
         if definition.symbol in needed:
             kept.append(definition)
-            add_nodes(definition.expression, needed)
+            needed.update([a for a in objects(definition.expression) if a.is_Symbol])
     return tuple(reversed(kept))
 
 

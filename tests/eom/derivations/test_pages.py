@@ -3,6 +3,7 @@
 import html
 import re
 import shutil
+from xml.etree import ElementTree
 
 import pytest
 
@@ -17,7 +18,7 @@ from eom.terms.terms import nodes
 from eom.typeset.boxes import symbol
 from eom.typeset.markup import render
 from eom.typeset.notation import NOTATIONS, notation_named
-from tests.eom.rows import derivations
+from tests.eom.rows import derivations, only
 
 SAME = {"identity_matrix": "identity"}
 """The unit dyadic and the matrix of its components have one letter."""
@@ -176,3 +177,35 @@ def test_every_page_is_compiled_and_each_handout_is_one_page(name):
 def test_symbols_of_a_result_alone_are_listed():
     shown = derive("rigid-body-momentum").page("text", steps=False)
     assert "integral of r\u2081 r\u2082 dm over the body" in shown
+
+
+def test_assumptions_say_which_others_they_include():
+    page = derive("torque-free-motion").page("text")
+    assert "is zero (includes A3, A4, A5)" in page
+    assert "A5  the frame B is fixed in the body (includes A2)" in page
+    short = derive("torque-free-motion").page("text", form="handout")
+    told = set(re.findall(r"\(A(\d)\)", short))
+    included = re.findall(r"\(includes ([^)]*)\)", short)
+    assert included
+    assert {k for words in included for k in re.findall(r"A(\d)", words)} <= told
+
+
+def test_a_matrix_that_stands_alone_does_not_move_its_relation():
+    page = derive("energy-dissipation").page("text")
+    matrices = [line for line in page.splitlines() if line.strip().startswith(("[[", "= [["))]
+    assert matrices
+    assert max(len(line) - len(line.lstrip()) for line in matrices) < 16
+
+
+def test_rotors_have_one_notation():
+    page = derive("gyrostat").page("latex")
+    assert "I_{s,k}" in page
+    assert "I_{s,1}" in page
+    assert "I_{sk}" not in page
+
+
+@pytest.mark.parametrize("name", only(names(), "energy-dissipation", "heavy-symmetric-top"))
+def test_no_quotient_stands_in_a_quotient(name):
+    for formula in re.findall("<math.*?</math>", derive(name).page("html"), re.DOTALL):
+        quotients = ElementTree.fromstring(formula).iter("mfrac")
+        assert not any(inner is not outer for outer in quotients for inner in outer.iter("mfrac"))

@@ -186,7 +186,7 @@ def test_what_is_left_out_is_there(name):
         ("rigid-body-momentum", "arrow", "[I_C]_B = [[S\u2082\u2082"),
         ("rigid-body-momentum", "underline", "I = [[S\u2082\u2082"),
         ("gyrostat", "arrow", "h\u2081 = (I\u2081 \u2212 I_(s,1))"),
-        ("gyrostat", "arrow", "I_(s,2)  moment of inertia about its axis of rotor 2"),
+        ("gyrostat", "arrow", "I_(s,2)  moment of inertia of rotor 2 about its axis"),
         ("gyrostat", "superscript", "M_(a,1)  motor torque of the body on rotor 1"),
         ("gyrostat", "arrow", "\u03a9\u2081 + \u03c9\u2081   = p\u2081/I_(s,1)"),
         ("torque-free-motion", "arrow", "angular momentum along \u00ee\u2081"),
