@@ -8,13 +8,27 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
 import sympy as sp
 
+from eom.checker.consequence.arrays import (
+    UNIT,
+    Array,
+    Components,
+    added,
+    cells,
+    column,
+    each,
+    size,
+    skew,
+    times,
+)
+from eom.checker.consequence.dress import AXES, Arrays, Dress, dress_of, kept
+from eom.checker.consequence.whole import FACTOR, Whole
 from eom.checker.infer.sayings import Prose, said
 from eom.checker.mean.claims import CONSTANT, EQUALITIES, Claim, claims
 from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
@@ -25,7 +39,7 @@ from eom.checker.read.syntax import Derivative, Node, Number, children, walk
 from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.system import System
-from eom.terms.terms import Term
+from eom.terms.terms import SCALAR, Term, nodes
 from eom.terms.vocabulary import described
 
 Expr = Any
@@ -80,6 +94,8 @@ class Equal:
 
     left: Expr
     right: Expr
+    whole: Whole | None = field(default=None, compare=False, repr=False)
+    """The statement that this is a part of, where vectors stand in it."""
 
     @property
     def letters(self) -> frozenset[Expr]:
@@ -102,6 +118,7 @@ class Letters:
     lexicon: Lexicon
     still: frozenset[str]
     spellings: Mapping[str, str]
+    arrays: Arrays = field(default_factory=Arrays)
 
     def latex(self, e: Expr) -> str:
         """Return an expression as LaTeX in the letters of the note."""
@@ -121,27 +138,41 @@ class Letters:
         return Read(tuple(q for p in parts for q in p.equations), whole=all(p.whole for p in parts))
 
     def _said(self, statement: Statement) -> Read:
-        try:
-            found = claims(statement, self.lexicon)
-        except InputError:
-            found = ()
-        parts = [self._pairs(c) for c in found if not c.findings and not c.role]
-        whole = len(parts) == len(found) > 0 and not statement.conditions
-        return Read(
-            tuple(q for p in parts for q in p.equations),
-            whole=whole and all(p.whole for p in parts),
-        )
+        parts = [self._pairs(c, Whole(self, statement, k)) for k, c in self._claims(statement)]
+        whole = all(p.whole for p in parts) and len(parts) > 0 and not statement.conditions
+        return Read(tuple(q for p in parts for q in p.equations), whole=whole)
 
-    def _pairs(self, claim: Claim) -> Read:
+    def _claims(self, statement: Statement) -> list[tuple[int, Claim]]:
+        """Return what a statement claims, with its number; signs of definition are those of equality."""
+        signs = tuple(replace(g, name="=") if g.name in EQUALITIES else g for g in statement.signs)
+        if self.arrays.entries:
+            statement = replace(statement, signs=signs)
         try:
-            members = [self.expression(m.term, claim.scalars) for m in claim.members]
-        except (InputError, RecursionError):
+            return list(enumerate(claims(statement, self.lexicon)))
+        except InputError:
+            return []
+
+    def _pairs(self, claim: Claim, whole: Whole) -> Read:
+        if claim.findings or claim.role:
             return Read((), whole=False)
+        try:
+            members = self.members(claim)
+        except (InputError, RecursionError, ValueError):
+            return Read((), whole=False)
+        vectors = whole if self.arrays.entries and shows_arrays(claim) else None
         if claim.kind == CONSTANT:
-            return Read((Equal(members[0], sp.S.Zero),), whole=True)
-        links = zip(claim.relations, pairwise(members), strict=False)
-        found = tuple(Equal(a, b) for relation, (a, b) in links if relation in EQUALITIES)
-        return Read(found, whole=len(found) == len(members) - 1 > 0 and not claim.numbers)
+            zeros = tuple(Equal(c, sp.S.Zero, vectors) for c in cells(members[0]))
+            return Read(zeros, whole=True)
+        links = list(zip(claim.relations, pairwise(members), strict=False))
+        found = tuple(
+            Equal(x, y, None if vectors is None else replace(vectors, link=k, cell=c))
+            for k, (relation, (a, b)) in enumerate(links)
+            if relation in EQUALITIES
+            for c, (x, y) in enumerate(zip(cells(a), cells(b), strict=True))
+            if x != 0 or y != 0
+        )
+        equal = [r for r in claim.relations if r in EQUALITIES]
+        return Read(found, whole=len(equal) == len(members) - 1 > 0 and not claim.numbers)
 
     def expression(self, term: Term, scalars: Mapping[Any, Term]) -> Expr:
         """Return a term in letters. Raises `InputError` for what is no scalar."""
@@ -156,13 +187,91 @@ class Letters:
         if term.head == "atom" and term.data[0] in {MOVING, STILL}:
             name = str(term.data[1])
             return sp.I if name == IMAGINARY.text else jet(name, moving=name not in self.still)
-        if term.head not in _RULES or term.data not in {(), ("",)}:
-            raise InputError("this is no relation between letters", got=described(term))
-        return _RULES[term.head](*(self.expression(a, scalars) for a in term.args))
+        found = self._components(scalars).of(term)
+        if size(found) != (1, 1):
+            raise InputError("this is no scalar", got=described(term))
+        return found[0][0]
+
+    def reads(self, statement: Statement) -> bool:
+        """Return whether all that a statement says can be read."""
+        return self._said(statement).whole
+
+    def members(self, claim: Claim) -> list[Array]:
+        """Return the members of a claim by components. Raises `InputError` for what is nothing in letters."""
+        found = [self._components(claim.scalars).of(m.term) for m in claim.members]
+        if len({size(a) for a in found}) > 1:
+            raise InputError("members of different sizes", got=[size(a) for a in found])
+        return found
+
+    def linked(self, statement: Statement, number: int, link: int) -> tuple[Equal, ...]:
+        """Return the equations of a link of what a statement claims; none where it cannot be read."""
+        found = dict(self._claims(statement)).get(number)
+        whole = Whole(self, statement, number)
+        equations = () if found is None else self._pairs(found, whole).equations
+        return tuple(q for q in equations if q.whole is not None and q.whole.link == link)
+
+    def _components(self, scalars: Mapping[Any, Term]) -> Components:
+        return Components(
+            lambda t: self.expression(t, scalars),
+            self._array,
+            rate,
+            partial,
+            self.arrays.frame,
+            self.lexicon.notation.dot,
+        )
+
+    def _array(self, term: Term, frame: str) -> Array | None:
+        """Return the components of a letter; ``frame``: of a derivative that is a letter of its own."""
+        quantity, *labels = term.data
+        if quantity == "unit" and not frame:
+            return column(sp.Integer(k == labels[-1]) for k in AXES)
+        if quantity in {"identity", "identity_matrix"}:
+            return UNIT
+        if quantity not in {"vector", "dyadic"}:
+            return None
+        name = f"{labels[0]}^{frame}" if frame else str(labels[0])
+        moving = name not in self.arrays.still
+
+        def one(label: str) -> Expr:
+            return jet(f"{name} {label}", moving=moving)
+
+        if name in self.arrays.units:
+            return _direction(one("polar"), one("azimuth"))
+        if name in self.arrays.turns:
+            return _rotation(*map(one, AXES))
+        if quantity == "vector":
+            return column(map(one, AXES))
+        pairs = [[(r, c) for c in AXES] for r in AXES]
+        if name in self.arrays.symmetric:
+            pairs = [[(min(p), max(p)) for p in row] for row in pairs]
+        return tuple(tuple(one("".join(p)) for p in row) for row in pairs)
 
 
-def _partial(f: Expr, variable: Expr) -> Expr:
-    return partial(f, variable)
+def _direction(polar: Expr, azimuth: Expr) -> Array:
+    """Return a vector of unit length by two angles."""
+    flat = sp.sin(polar)
+    return column((flat * sp.cos(azimuth), flat * sp.sin(azimuth), sp.cos(polar)))
+
+
+def _rotation(a: Expr, b: Expr, c: Expr) -> Array:
+    """Return a rotation matrix by Rodrigues' parameters; source: Cayley (1846)."""
+    skewed = skew(column((a, b, c)))
+    square = times(skewed, skewed)
+    whole = 1 + a**2 + b**2 + c**2
+    return added(UNIT, each(lambda s, q: 2 * (s + q) / whole, skewed, square))
+
+
+def shows_arrays(claim: Claim) -> bool:
+    """Return whether vectors or matrices stand in a claim."""
+    todo, done = [m.term for m in claim.members], set()
+    while todo:
+        for node in nodes(todo.pop()):
+            if node.kind != SCALAR or node.head in {"dot", "inner"}:
+                return True
+            named = node.data[0].free_symbols & claim.scalars.keys() if node.head == "expr" else ()
+            todo += [claim.scalars[s] for s in named if s not in done]
+            done.update(named)
+    return False
 
 
 class partial(sp.Function):  # type: ignore[misc]  # noqa: N801 - it is printed as it is called
@@ -171,9 +280,6 @@ class partial(sp.Function):  # type: ignore[misc]  # noqa: N801 - it is printed 
 
 class timed(sp.Function):  # type: ignore[misc]  # noqa: N801
     """The derivative by the time of an expression with such derivatives."""
-
-
-_RULES = {"add": sp.Add, "mul": sp.Mul, "der": rate, "partial": _partial}
 
 
 _CONSTANT = re.compile(
@@ -201,12 +307,37 @@ def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Le
     usual = {k for k in looks if k.name in USUAL and not k.style and not k.accents}
     still = frozenset(k.text for k in (named | usual) - dotted)
     plain = [k for k in looks if k.style in PLAIN and k != Look("t") and not _decorated(k)]
-    layer = tuple(
-        Entry(k, Meaning(STILL if k.text in still else MOVING, (k.text,)), k.text) for k in plain
-    )
     nothing = model_of(System.from_rates("nothing", {sp.Symbol("nothing_", real=True): sp.S.Zero}))
-    own = replace(lexicon, layers=(layer,), scopes=(), system=nothing)
-    return Letters(own, still, {k.text: latex_of(k) for k in plain})
+
+    def dressed(dress: Dress) -> Letters:
+        arrays = dress.arrays
+        layer = tuple(
+            Entry(k, Meaning(STILL if k.text in still else MOVING, (k.text,)), k.text)
+            for k in plain
+            if k not in arrays.looks
+        )
+        own = replace(lexicon, layers=(layer,), scopes=(), system=nothing)
+        found = Letters(own, still, {k.text: latex_of(k) for k in plain}, arrays)
+        return _with_arrays(found, lexicon) if arrays.entries else found
+
+    return dressed(dress_of(formulas, text, lexicon).settled(lambda d: dressed(d).reads))
+
+
+def _with_arrays(letters: Letters, lexicon: Lexicon) -> Letters:
+    """Return letters that are read by components, in a notation in which columns stand beside vectors."""
+    arrays, own = letters.arrays, letters.lexicon
+    factor = Entry(FACTOR, Meaning(STILL, (FACTOR.text,)), FACTOR.text)
+    notation = replace(own.notation, mixed=arrays.frame, resolved=False, bracketed=False)
+    notation = replace(notation, dyads=False, quaternions="", spatial="")
+    layers = ((*arrays.entries, *own.layers[0], factor), kept(lexicon))
+    spelt = {
+        f"{name} {axes}": rf"\left({written}\right)_{{{axes}}}"
+        for name, written in arrays.spellings.items()
+        for axes in (*AXES, *(r + c for r in AXES for c in AXES))
+    }
+    own = replace(own, layers=layers, notation=notation)
+    still = letters.still | {FACTOR.text}
+    return replace(letters, lexicon=own, still=still, spellings={**letters.spellings, **spelt})
 
 
 def _decorated(look: Look) -> bool:

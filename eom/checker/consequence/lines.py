@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
@@ -80,7 +80,7 @@ class _Note:
     brought: set[int] = field(default_factory=set)
     used: set[int] = field(default_factory=set)
     of_line: dict[int, frozenset[Expr]] = field(default_factory=dict)
-    weak: list[tuple[int, Equal]] = field(default_factory=list)
+    weak: list[list[tuple[int, Equal]]] = field(default_factory=list)
     lagrangian: tuple[Expr, int] | None = None
 
 
@@ -180,13 +180,21 @@ def _learn(note: _Note, number: int, q: Equal, new: frozenset[str]) -> None:
     if rule is None:
         return
     if rule.name not in new:
-        note.weak.append((number, q))
+        _weakly(note, number, q)
         return
     note.rules.add(rule)
     if rule.name in LAGRANGIANS and any(
         k and k.order for k in map(letter, rule.value.free_symbols)
     ):
         note.lagrangian = (jet(rule.name), number)
+
+
+def _weakly(note: _Note, number: int, q: Equal) -> None:
+    """Keep an equation as a premise that may be meant of a special case; with components, their others."""
+    last = note.weak[-1][-1][1].whole if note.weak else None
+    if q.whole is None or last is None or last.statement is not q.whole.statement:
+        note.weak.append([])
+    note.weak[-1].append((number, q))
 
 
 def _found(note: _Note, q: Equal, *, judged: bool) -> Followed | None:
@@ -215,7 +223,12 @@ def _found(note: _Note, q: Equal, *, judged: bool) -> Followed | None:
 
 
 def _empties(note: _Note, q: Equal, at: Sequence[Point]) -> bool:
-    """Return whether a term vanishes at points of a special case that does not elsewhere."""
+    """Return whether a term vanishes at points of a special case that does not elsewhere.
+
+    Of an equation with vectors this has to be so in all components.
+    """
+    if q.whole is not None:
+        return all(_empties(note, replace(e, whole=None), at) for e in q.whole.equations)
     terms = [t for side in (q.left, q.right) for t in sp.Add.make_args(side) if t != 0]
     general = points(note.rules)
     return any(
@@ -240,9 +253,9 @@ def _sets(note: _Note) -> Iterator[Rules]:
     last = note.weak[: -MAX_WEAK - 1 : -1]
     more = [
         note.aside,
-        *([w] for w in last),
+        *last,
         laws,
-        [*note.aside, *last[::-1]],
+        [*note.aside, *(w for one in last[::-1] for w in one)],
         [*note.aside, *laws],
     ]
     for added in {tuple(id(q) for _, q in m): m for m in more if m}.values():

@@ -8,14 +8,16 @@ line has a slip there.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import permutations
 
 import sympy as sp
 
-from eom.checker.consequence.letters import Equal, Expr, letter
-from eom.checker.consequence.rules import MP, Number, Point, Rules, agrees, points
+from eom.checker.consequence.letters import Equal, Expr, jet, letter
+from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
+from eom.checker.consequence.whole import FACTOR, Whole
 from eom.errors import InputError
 
 MAX_NUMBER = 12
@@ -43,6 +45,8 @@ def slip(q: Equal, rules: Rules, letters: frozenset[Expr] = frozenset()) -> Slip
     ``letters``: what may stand in the place of one of its own.
     """
     at, loose = points(rules), points(Rules())
+    if q.whole is not None:
+        return _of_whole(q, q.whole, at, letters)
     found = []
     for side, path, part in _parts(q):
         try:
@@ -57,6 +61,72 @@ def slip(q: Equal, rules: Rules, letters: frozenset[Expr] = frozenset()) -> Slip
                 found.append(Slip(part, factor, mended))
                 break
     return min(found, key=_simplicity, default=None)
+
+
+def _of_whole(q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Expr]) -> Slip | None:
+    """Return the simplest slip in what is written of an equation with vectors, asked for once a link."""
+    if len(at) < POINTS or q != next((e for e in whole.equations if not agrees(e, at)), None):
+        return None
+    found: list[Slip] = []
+    atoms = [a for a in (*_atoms(q), *letters) if len(a.name.split()) < 2 if a.is_Symbol]
+    for written, equations in whole.scaled():
+        factors: Iterator[Expr] = iter(())
+        with suppress(InputError, ZeroDivisionError, ValueError, TypeError):
+            needed = [_factor(equations, p) for p in at]
+            if None not in needed:
+                factors = _factors([n for n in needed if n is not None], atoms, at)
+        for factor in factors:
+            mended = tuple(
+                replace(e, left=_scaled(e.left, factor), right=_scaled(e.right, factor))
+                for e in equations
+            )
+            if _mends(mended, at):
+                part = jet(written, moving=False)
+                found.append(Slip(part, factor, _summed(mended)))
+                break
+    return min(found, key=_simplicity, default=None)
+
+
+def _scaled(e: Expr, factor: Expr) -> Expr:
+    return e.xreplace({SCALE: factor})
+
+
+def _mends(equations: Sequence[Equal], at: Sequence[Point]) -> bool:
+    """Return whether all components agree at points, and not by themselves."""
+    loose = points(Rules())
+    return all(agrees(e, at) for e in equations) and not all(agrees(e, loose) for e in equations)
+
+
+def _summed(equations: Sequence[Equal]) -> Equal:
+    """Return components as one equation, for what it rests on."""
+    return Equal(
+        sp.Add(*(k * e.left for k, e in enumerate(equations, 1))),
+        sp.Add(*(k * e.right for k, e in enumerate(equations, 1))),
+    )
+
+
+def _factor(equations: Sequence[Equal], at: Point) -> Number | None:
+    """Return by what a part of components has to be multiplied at a point; None for no such."""
+    for e in equations:
+        if SCALE in e.letters:
+            values = []
+            for k in TRIED:
+                put = {SCALE: sp.Integer(k)}
+                values.append(at.of(e.left.xreplace(put)) - at.of(e.right.xreplace(put)))
+            if any(abs(v) > TINY for v in values):
+                return _root(values)
+        elif not _agrees_at(e, at):
+            return None
+    return None
+
+
+def _agrees_at(e: Equal, at: Point) -> bool:
+    a, b = at.sides(e)
+    return bool(abs(a - b) <= TINY * (abs(a) + abs(b)))
+
+
+SCALE = jet(FACTOR.text, moving=False)
+"""The factor at a part of what is written."""
 
 
 def _simplicity(s: Slip) -> tuple[bool, bool, int]:
