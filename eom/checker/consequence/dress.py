@@ -82,6 +82,14 @@ class Arrays:
         """Their looks."""
         return frozenset(e.look for e in self.entries)
 
+    def stand_in(self, statement: Statement) -> bool:
+        """Return whether vectors or matrices stand in a statement."""
+        looks = self.looks
+        if any(isinstance(n, Matrix) for m in statement.members for n in walk(m)):
+            return True
+        found = (s for m in statement.members for s in _letters(m))
+        return any(s.look in looks or s.with_label() in looks for s in found)
+
 
 def name_of(look: Look) -> str:
     """Return the name of a letter that is no scalar: that of its look and style."""
@@ -238,8 +246,9 @@ def _size(node: Node) -> tuple[int, int] | None:
     """Return the size of a matrix, or of a column, that is written out; None for all else."""
     if isinstance(node, Addition):
         return next((s for t in node.terms if (s := _size(t)) is not None), None)
-    if isinstance(node, Product) and not node.operator:
-        return _size(node.factors[-1])
+    if isinstance(node, Product):
+        last = node.factors[-1]
+        return None if node.operator or isinstance(last, Group) else _size(last)
     if isinstance(node, Scripts) and node.sub is None and isinstance(node.sup, Symbol):
         inside = _size(node.base) if node.sup.name in TRANSPOSED else None
         return None if inside is None else inside[::-1]
@@ -403,7 +412,7 @@ class Dress:
             return self
         read = {id(s): known(s) for s in self.statements}
         for one in self.statements:
-            if read[id(one)] or not _is_open(one, best.kinds):
+            if read[id(one)] or not best.arrays.stand_in(one):
                 continue
             for other in best._others(one):
                 tried = reads(other)
@@ -459,14 +468,6 @@ class Dress:
 
 
 MAX_OPEN = 5
-
-
-def _is_open(one: Statement, kinds: Mapping[Look, Kind]) -> bool:
-    """Return whether vectors or matrices stand in a statement."""
-    inside = [n for m in one.members for n in walk(m)]
-    return any(isinstance(n, Matrix) for n in inside) or any(
-        s.look in kinds for m in one.members for s in _letters(m)
-    )
 
 
 def _may_be_other(look: Look, dress: Dress) -> bool:

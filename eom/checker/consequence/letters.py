@@ -39,7 +39,7 @@ from eom.checker.read.syntax import Derivative, Node, Number, children, walk
 from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.system import System
-from eom.terms.terms import SCALAR, Term, nodes
+from eom.terms.terms import Term
 from eom.terms.vocabulary import described
 
 Expr = Any
@@ -74,6 +74,15 @@ def letter(symbol: Expr) -> Letter | None:
     """Return what a symbol stands for, None for all but letters of a note."""
     parts = symbol.name.rsplit(_BETWEEN, 2) if symbol.is_Symbol else []
     return Letter(parts[0], len(parts[1]), bool(parts[2])) if len(parts) == 3 else None
+
+
+def is_component(symbol: Expr) -> bool:
+    """Return whether a letter is a component of a vector or matrix."""
+    known = letter(symbol)
+    return known is not None and bool(_COMPONENT.search(known.name))
+
+
+_COMPONENT = re.compile(r" [123]{1,2}$")
 
 
 def rate(e: Expr) -> Expr:
@@ -159,7 +168,7 @@ class Letters:
             members = self.members(claim)
         except (InputError, RecursionError, ValueError):
             return Read((), whole=False)
-        vectors = whole if self.arrays.entries and shows_arrays(claim) else None
+        vectors = whole if self.arrays.entries and self.arrays.stand_in(whole.statement) else None
         if claim.kind == CONSTANT:
             zeros = tuple(Equal(c, sp.S.Zero, vectors) for c in cells(members[0]))
             return Read(zeros, whole=True)
@@ -259,19 +268,6 @@ def _rotation(a: Expr, b: Expr, c: Expr) -> Array:
     square = times(skewed, skewed)
     whole = 1 + a**2 + b**2 + c**2
     return added(UNIT, each(lambda s, q: 2 * (s + q) / whole, skewed, square))
-
-
-def shows_arrays(claim: Claim) -> bool:
-    """Return whether vectors or matrices stand in a claim."""
-    todo, done = [m.term for m in claim.members], set()
-    while todo:
-        for node in nodes(todo.pop()):
-            if node.kind != SCALAR or node.head in {"dot", "inner"}:
-                return True
-            named = node.data[0].free_symbols & claim.scalars.keys() if node.head == "expr" else ()
-            todo += [claim.scalars[s] for s in named if s not in done]
-            done.update(named)
-    return False
 
 
 class partial(sp.Function):  # type: ignore[misc]  # noqa: N801 - it is printed as it is called

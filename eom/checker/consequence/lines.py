@@ -21,6 +21,7 @@ from eom.checker.consequence.letters import (
     Equal,
     Expr,
     Letters,
+    is_component,
     jet,
     letter,
     partial,
@@ -243,7 +244,8 @@ SMALL = 1e-25
 def _around(note: _Note, rules: Rules, q: Equal) -> frozenset[Expr]:
     """Return the letters of the formulas that an equation may rest on."""
     own = note.of_line
-    return frozenset().union(*(own.get(n, frozenset()) for n in _sources(rules, q)))
+    found = frozenset().union(*(own.get(n, frozenset()) for n in _sources(rules, q)))
+    return frozenset(s for s in found if not is_component(s))
 
 
 def _sets(note: _Note) -> Iterator[Rules]:

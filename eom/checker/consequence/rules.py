@@ -243,6 +243,8 @@ def _alone(zero: Expr, s: Expr) -> Expr | None:
         return None
     if not slope.has(s):
         return -zero.xreplace({s: sp.S.Zero}) / slope
+    if slope.diff(s).has(s):
+        return None
     half = sp.expand(slope / (2 * s)) if sp.expand(slope).xreplace({s: sp.S.Zero}) == 0 else s
     if half.has(s) or half == 0:
         return None

@@ -15,7 +15,7 @@ from itertools import permutations
 
 import sympy as sp
 
-from eom.checker.consequence.letters import Equal, Expr, jet, letter
+from eom.checker.consequence.letters import Equal, Expr, is_component, jet, letter
 from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
 from eom.checker.consequence.whole import FACTOR, Whole
 from eom.errors import InputError
@@ -67,14 +67,24 @@ def _of_whole(q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Ex
     """Return the simplest slip in what is written of an equation with vectors, asked for once a link."""
     if len(at) < POINTS or q != next((e for e in whole.equations if not agrees(e, at)), None):
         return None
+    rules = at[0].rules
+    sides = (s for e in whole.equations for s in (e.left, e.right))
+    key = ("slip", whole.link, frozenset().union(*(rules.normal(s)[1] for s in sides)))
+    if key not in whole.memo:
+        whole.memo[key] = _slip_of(whole, [*_atoms(q), *letters], at)
+    known: Slip | None = whole.memo[key]
+    return known
+
+
+def _slip_of(whole: Whole, atoms: Sequence[Expr], at: Sequence[Point]) -> Slip | None:
     found: list[Slip] = []
-    atoms = [a for a in (*_atoms(q), *letters) if len(a.name.split()) < 2 if a.is_Symbol]
+    atoms = [a for a in atoms if not any(map(is_component, a.free_symbols))]
     for written, equations in whole.scaled():
         factors: Iterator[Expr] = iter(())
         with suppress(InputError, ZeroDivisionError, ValueError, TypeError):
-            needed = [_factor(equations, p) for p in at]
-            if None not in needed:
-                factors = _factors([n for n in needed if n is not None], atoms, at)
+            needed = [n for p in at if (n := _factor(equations, p)) is not None]
+            if len(needed) == len(at):
+                factors = _factors(needed, atoms, at)
         for factor in factors:
             mended = tuple(
                 replace(e, left=_scaled(e.left, factor), right=_scaled(e.right, factor))
@@ -197,6 +207,8 @@ def _root(values: Sequence[Number]) -> Number | None:
 
 
 TINY = MP.mpf(10) ** -20
+ROUGH = 1e-9
+"""Relative error of plain numbers, by which quotients are told apart before all digits are asked."""
 
 
 def _factors(
@@ -209,7 +221,12 @@ def _factors(
         return
     atoms = [sp.S.One, *sorted(set(atoms), key=str)]
     values = {a: [p.of(a) for p in at] for a in atoms}
+    first, second = ({a: complex(v[k]) for a, v in values.items()} for k in (0, 1))
+    steps = complex(needed[0]), complex(needed[1])
     for a, b in permutations(atoms, 2):
+        near = steps[0] * first[b] * second[a], steps[1] * second[b] * first[a]
+        if abs(near[0] - near[1]) > ROUGH * abs(near[0]):
+            continue
         rest = [n * y / x for n, x, y in zip(needed, values[a], values[b], strict=True)]
         number = _number(rest, most=2)
         if number is not None:
