@@ -14,9 +14,9 @@ from itertools import combinations, product
 
 from eom.checker.infer.sayings import Prose, said
 from eom.checker.mean.elaborator import FUNCTIONS, TRANSPOSED
-from eom.checker.mean.lexicon import TABLED, Entry, Lexicon, Meaning
+from eom.checker.mean.lexicon import MAX_ROWS, TABLED, Entry, Lexicon, Meaning
 from eom.checker.read.statements import Formula, Statement
-from eom.checker.read.symbol_shape import Look, Seen, labels, seen
+from eom.checker.read.symbol_shape import Look, Seen, labels, named_in, seen
 from eom.checker.read.syntax import (
     Addition,
     Call,
@@ -42,12 +42,14 @@ from eom.terms.terms import DYADIC, MATRIX, VECTOR
 STYLES = frozenset({"bold", "sans"})
 ARROWS = frozenset({"vec", "underline", "harpoon", "underarrow", "undertilde"})
 TRANSPOSES = frozenset({"T", "top", "intercal"})
-NO_LABELS = TRANSPOSES | {"times", "-", "+", "1", "2", "prime", "n", "bullet", "circ"}
+NO_LABELS = TRANSPOSES | {"times", "-", "1", "2", "n", "bullet", "circ"}
 NO_LETTERS = frozenset({"nabla", "partial", "delta", "Delta", "d"})
 FRAME = "B"
 """Name of the frame of all components, where the note's notation has none."""
 AXES = ("1", "2", "3")
 TRIADS = (("x", "y", "z"), ("i", "j", "k"), ("I", "J", "K"))
+NAMED = (AXES, ("r", "theta", "phi"), ("rho", "varphi", "z"), ("t", "n", "b"))
+"""Right-handed triads of unit vectors e."""
 
 VECTORS, DYADICS, MATRICES = "vector", "dyadic", "matrix"
 
@@ -65,14 +67,15 @@ class Kind:
 class Arrays:
     """Letters that are no scalars: their entries, and by name which are what.
 
-    ``units``: vectors of unit length; ``turns``: rotation matrices; ``symmetric``: matrices; ``still``: what
-    does not change; ``spellings``: LaTeX; ``frame``: that of all components.
+    ``units``: vectors of unit length; ``turns``: rotation matrices; ``symmetric``: matrices;
+    ``triads``: of unit vectors that turn, with their axes; ``still``: what does not change; ``spellings``: LaTeX; ``frame``: that of all components.
     """
 
     entries: tuple[Entry, ...] = ()
     units: frozenset[str] = frozenset()
     turns: frozenset[str] = frozenset()
     symmetric: frozenset[str] = frozenset()
+    triads: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     still: frozenset[str] = frozenset()
     spellings: Mapping[str, str] = field(default_factory=dict)
     frame: str = FRAME
@@ -153,8 +156,28 @@ def _letters(node: Node) -> Iterator[Seen]:
         yield one
         return
     inner = (node.base,) if _is_transpose(node) else children(node)
+    if isinstance(node, Product) and not node.operator:
+        inner = tuple(_with_names(node.factors))
     for inside in inner:
-        yield from _letters(inside)
+        if isinstance(inside, Seen):
+            yield inside
+        else:
+            yield from _letters(inside)
+
+
+def _with_names(factors: Sequence[Node]) -> Iterator[Node | Seen]:
+    r"""Yield factors, vectors with the points that are named in brackets behind them: \vec V(A/B)."""
+    named: tuple[str, ...] = ()
+    for one, following in zip(factors, (*factors[1:], None), strict=True):
+        if named:
+            named = ()
+            continue
+        given = seen(one)
+        if given is not None and dressed(given.look) and isinstance(following, Group):
+            named = named_in(following) if following.open == "(" else ()
+        yield replace(given, look=replace(given.look, sub=(*given.look.sub, *named))) if (
+            named and given is not None
+        ) else one
 
 
 def _is_transpose(node: Node) -> bool:
@@ -255,7 +278,9 @@ def _size(node: Node) -> tuple[int, int] | None:
     if isinstance(node, Group) and node.open in {"(", "["} and isinstance(node.body, Items):
         return (1, len(node.body.items))
     if isinstance(node, Matrix) and node.environment not in {"vmatrix", "Vmatrix"}:
-        return len(node.rows), len(node.rows[0])
+        first = [seen(c) for c in node.rows[0]]
+        vectors = all(f is not None and dressed(f.look) for f in first)
+        return len(node.rows) * (len(AXES) if vectors else 1), len(node.rows[0])
     return None
 
 
@@ -344,29 +369,32 @@ def _of_words(text: Prose, pattern: re.Pattern[str]) -> frozenset[Look]:
     return frozenset(m.look for s in said(text) if pattern.search(s.words) for m in s.of)
 
 
-def _basis(kinds: Mapping[Look, Kind], shown: _Shown, *, body: bool) -> dict[Look, str]:
-    """Return the unit vectors of the one basis that nothing moves, with the numbers of their axes."""
-    found: dict[Look, tuple[str, str]] = {}
-    for look, kind in kinds.items():
-        axis = _axis(look, body=body) if kind.what == VECTORS else None
-        if axis is not None:
-            found[look] = axis
-    triads = {t for t, _ in found.values()}
-    moved = set(found) & (shown.dotted | shown.alone)
-    return {k: a for k, (_, a) in found.items()} if len(triads) == 1 and not moved else {}
+def _triads(kinds: Mapping[Look, Kind], shown: _Shown) -> dict[Look, tuple[str, str]]:
+    """Return the unit vectors of right-handed triads that are not given by others, with their axes."""
+    found = {k: _axis(k) for k, kind in kinds.items() if kind.what == VECTORS}
+    known = {k: a for k, a in found.items() if a is not None}
+    given = {a[0] for k, a in known.items() if k in shown.alone}
+    return {k: a for k, a in known.items() if a[0] not in given}
 
 
-def _axis(look: Look, *, body: bool) -> tuple[str, str] | None:
+def _basis(
+    triads: Mapping[Look, tuple[str, str]], shown: _Shown, *, moving: bool
+) -> dict[Look, str]:
+    """Return the unit vectors of the one triad that nothing moves, with the numbers of their axes."""
+    still = len({t for t, _ in triads.values()}) == 1 and not triads.keys() & shown.dotted
+    named = all(k.name in TRIADS[0] or t.endswith("e x") for k, (t, _) in triads.items())
+    return {k: a for k, (_, a) in triads.items()} if still and (named or not moving) else {}
+
+
+def _axis(look: Look) -> tuple[str, str] | None:
     """Return the triad that a unit vector is of, and its axis."""
-    hat = "hat" in look.accents
     dress = f"{look.style} {' '.join(look.accents)}"
-    for triad in TRIADS:
-        if look.name in triad and not look.sub and (hat or (triad == TRIADS[1] and not body)):
-            return f"{dress} {triad[0]}", AXES[triad.index(look.name)]
-    if look.name == "e" and not body and len(look.sub) == 1:
-        for triad in (AXES, TRIADS[0]):
-            if look.sub[0] in triad:
-                return f"{dress} e{triad[0]}", AXES[triad.index(look.sub[0])]
+    name, hat = (look.name, "hat" in look.accents) if not look.sub else ("", False)
+    if look.name == "e" and len(look.sub) == 1:
+        name, dress, hat = look.sub[0], f"{dress} e", True
+    for triad in (*TRIADS, *NAMED):
+        if name in triad and (hat or triad == TRIADS[1]):
+            return f"{dress} {triad[0]}", AXES[triad.index(name)]
     return None
 
 
@@ -402,6 +430,7 @@ class Dress:
     still: frozenset[Look]
     inertias: frozenset[Look]
     turns: frozenset[Look]
+    triads: Mapping[Look, tuple[str, str]]
     basis: Mapping[Look, str]
     body: bool
 
@@ -426,7 +455,7 @@ class Dress:
 
     def _others(self, one: Statement) -> Iterator[Dress]:
         """Yield other kinds of the letters of a statement, the fewest changes first."""
-        n = max((k.rows for k in self.kinds.values() if k.what == "column"), default=3)
+        n = sorted({n for size in self.shown.sizes.values() for n in size} - {1, len(AXES)})
         looks = {self.shown.look(s) for m in one.members for s in _letters(m)}
         open_ = sorted((k for k in looks if _may_be_other(k, self)), key=lambda k: k.text)
         for count in (1, 2):
@@ -448,13 +477,14 @@ class Dress:
         unit = (k for k in shown.looks if k.name == "1" and k.style)
         entries += [Entry(k, Meaning("identity_matrix"), k.text) for k in unit]
         vectors = {k for k, kind in kinds.items() if kind.what == VECTORS}
-        given = shown.alone | shown.dotted | self.basis.keys()
+        given = shown.alone | shown.dotted | self.triads.keys()
         return Arrays(
             tuple(entries),
             units=_names(k for k in vectors if "hat" in k.accents and k not in given),
             turns=_names((self.turns & kinds.keys()) - vectors - shown.alone),
             symmetric=_names((self.inertias & kinds.keys()) - vectors),
             still=_names((self.still | self._steady()) & kinds.keys() - shown.dotted),
+            triads={name_of(k): t for k, t in self.triads.items() if k not in self.basis},
             spellings={name_of(k): latex_of(k) for k in kinds},
             frame=frame,
         )
@@ -471,15 +501,17 @@ MAX_OPEN = 5
 
 
 def _may_be_other(look: Look, dress: Dress) -> bool:
-    if not look.name.isalpha() or look in dress.basis or look in dress.shown.sizes:
+    if not look.name.isalpha() or look in dress.triads or look in dress.shown.sizes:
         return False
     return not look.accents or dressed(look)
 
 
-def _choices(look: Look, n: int) -> tuple[Kind, ...]:
-    if dressed(look) or n == len(AXES):
-        return Kind(VECTORS), Kind(DYADICS, 3, 3), Kind(MATRICES, 3, 3)
-    return Kind("column", n, 1), Kind("table", n, n)
+def _choices(look: Look, counts: Iterable[int]) -> tuple[Kind, ...]:
+    """Return what a letter may be: with three rows where it is dressed or nothing has others."""
+    counts = [n for n in counts if n <= MAX_ROWS]
+    others = tuple(k for n in counts for k in (Kind("column", n, 1), Kind("table", n, n)))
+    three = (Kind(VECTORS), Kind(DYADICS, 3, 3), Kind(MATRICES, 3, 3))
+    return (*three, *others) if dressed(look) or not others else others
 
 
 def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dress:
@@ -495,6 +527,7 @@ def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dres
         and (kind := _kind(k, shown, lexicon, others)) is not None
     }
     body = any(_BODY.search(s) for s in text.sentences)
+    triads = _triads(kinds, shown)
     gravity = {k for k in kinds if k.name == "g" and not body}
     meant = {k: found.meaning.quantity for k in kinds if (found := lexicon.find(k)) is not None}
     return Dress(
@@ -505,7 +538,8 @@ def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dres
         still=frozenset(_of_words(text, _STILL) | gravity),
         inertias=_of_words(text, _SYMMETRIC) | {k for k in kinds if meant.get(k) == "inertia"},
         turns=_of_words(text, _TURN) | {k for k in kinds if meant.get(k) == "rotation"},
-        basis=_basis(kinds, shown, body=body),
+        triads=triads,
+        basis=_basis(triads, shown, moving=body),
         body=body,
     )
 

@@ -244,6 +244,10 @@ class Letters:
         def one(label: str) -> Expr:
             return jet(f"{name} {label}", moving=moving)
 
+        if name in self.arrays.triads and not frame:
+            triad, axis = self.arrays.triads[name]
+            turn = _rotation(*(jet(f"{triad} {k}") for k in AXES))
+            return column(row[AXES.index(axis)] for row in turn)
         if name in self.arrays.units:
             return _direction(one("polar"), one("azimuth"))
         if name in self.arrays.turns:

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from eom.checker.consequence.letters import Equal, Expr, letter, partial, rate, timed
+from eom.checker.consequence.letters import Equal, Expr, is_component, letter, partial, rate, timed
 from eom.errors import InputError
 
 Number = Any
@@ -206,7 +206,7 @@ def _same(a: Number, b: Number) -> bool:
 def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | None:
     """Return the rule that an equation makes, for the letter that it says most of; None for none.
 
-    A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
+    What is said of a vector alone is said of it. A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
     """
     whole, used = rules.normal(q.left - q.right)
     zero = sp.numer(sp.together(whole))
@@ -223,11 +223,12 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
     return None
 
 
-def _rank(s: Expr, q: Equal, new: frozenset[str]) -> tuple[bool, bool, bool, int, str]:
+def _rank(s: Expr, q: Equal, new: frozenset[str]) -> tuple[bool, bool, bool, bool, int, str]:
     known = letter(s)
     assert known is not None
     alone = s in {q.left, q.right}
     return (
+        not (q.whole is not None and s == q.left and is_component(s)),
         not (alone and known.name in new),
         known.name not in new,
         not known.moving,

@@ -64,8 +64,8 @@ def slip(q: Equal, rules: Rules, letters: frozenset[Expr] = frozenset()) -> Slip
 
 
 def _of_whole(q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Expr]) -> Slip | None:
-    """Return the simplest slip in what is written of an equation with vectors, asked for once a link."""
-    if len(at) < POINTS or q != next((e for e in whole.equations if not agrees(e, at)), None):
+    """Return the simplest slip in what is written of an equation with vectors, the same for all components."""
+    if len(at) < POINTS:
         return None
     rules = at[0].rules
     sides = (s for e in whole.equations for s in (e.left, e.right))
