@@ -83,6 +83,9 @@ class _Note:
     of_line: dict[int, frozenset[Expr]] = field(default_factory=dict)
     weak: list[list[tuple[int, Equal]]] = field(default_factory=list)
     lagrangian: tuple[Expr, int] | None = None
+    key: tuple[object, ...] = ()
+    sets: list[Rules] = field(default_factory=list)
+    more: Iterator[Rules] = field(default_factory=lambda: iter(()))
 
 
 def followed(
@@ -249,7 +252,24 @@ def _around(note: _Note, rules: Rules, q: Equal) -> frozenset[Expr]:
 
 
 def _sets(note: _Note) -> Iterator[Rules]:
-    """Yield rules: of lines that bring letters in, and with what else is said, the nearest first."""
+    """Yield rules: of lines that bring letters in, and with what else is said, the nearest first.
+
+    They are kept as long as nothing else is known.
+    """
+    premises = (*note.aside, *(w for one in note.weak for w in one))
+    known = tuple(note.rules.known.values()), tuple(note.rules.signs)
+    key = known, premises, note.lagrangian
+    if key != note.key:
+        note.key, note.sets, note.more = key, [], _made_sets(note)
+    k = 0
+    while k < len(note.sets) or (found := next(note.more, None)) is not None:
+        if k == len(note.sets):
+            note.sets.append(found)
+        yield note.sets[k]
+        k += 1
+
+
+def _made_sets(note: _Note) -> Iterator[Rules]:
     yield note.rules
     laws = [] if note.lagrangian is None else list(_lagrange(note, *note.lagrangian))
     last = note.weak[: -MAX_WEAK - 1 : -1]

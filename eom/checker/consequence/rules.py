@@ -19,7 +19,7 @@ DIGITS = 40
 MP = MPContext()
 MP.dps = DIGITS
 POINTS, MAX_SEEDS = 3, 24
-MAX_OPERATIONS = 4000
+MAX_NODES, MAX_NODES_OF_COMPONENT = 8000, 300
 MAX_ROUNDS = 60
 
 
@@ -67,7 +67,7 @@ class Rules:
                 return e, used
             e = e.xreplace({s: v for s, (v, _) in found.items()})
             used = used.union(*(u for _, u in found.values()))
-            if e.count_ops() > MAX_OPERATIONS:
+            if _is_longer(e, MAX_NODES):
                 break
         raise InputError("too long a formula")
 
@@ -86,6 +86,11 @@ class Rules:
                 value = rate(value)
             self.memo[s] = value, rule.sources
         return self.memo[s]
+
+
+def _is_longer(e: Expr, most: int) -> bool:
+    """Return whether an expression has more nodes than this when it is written out."""
+    return next(islice(sp.preorder_traversal(e), most, None), None) is not None
 
 
 def _worked_out(e: Expr, rules: Rules) -> tuple[Expr, frozenset[int]]:
@@ -209,6 +214,8 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
     What is said of a vector alone is said of it. A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
     """
     whole, used = rules.normal(q.left - q.right)
+    if q.whole is not None and _is_longer(whole, MAX_NODES_OF_COMPONENT):
+        return None
     zero = sp.numer(sp.together(whole))
     for s in sorted(filter(letter, whole.free_symbols), key=lambda s: _rank(s, q, new)):
         known = letter(s)

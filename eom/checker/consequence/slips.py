@@ -69,7 +69,7 @@ def _of_whole(q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Ex
         return None
     rules = at[0].rules
     sides = (s for e in whole.equations for s in (e.left, e.right))
-    key = ("slip", whole.link, frozenset().union(*(rules.normal(s)[1] for s in sides)))
+    key = ("slip", whole.link, tuple(rules.normal(s)[0] for s in sides))
     if key not in whole.memo:
         whole.memo[key] = _slip_of(whole, [*_atoms(q), *letters], at)
     known: Slip | None = whole.memo[key]
