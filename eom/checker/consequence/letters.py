@@ -7,7 +7,7 @@ A function and its derivatives are symbols of their own, `jet`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -20,7 +20,7 @@ from eom.checker.mean.claims import CONSTANT, EQUALITIES, Claim, claims
 from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
 from eom.checker.mean.model import model_of
 from eom.checker.read.statements import Formula, Statement
-from eom.checker.read.symbol_shape import Look, seen
+from eom.checker.read.symbol_shape import Look, Seen, seen
 from eom.checker.read.syntax import Derivative, Node, Number, children, walk
 from eom.checker.read.writing import latex_of
 from eom.errors import InputError
@@ -156,6 +156,8 @@ class Letters:
         if term.head == "atom" and term.data[0] in {MOVING, STILL}:
             name = str(term.data[1])
             return sp.I if name == IMAGINARY.text else jet(name, moving=name not in self.still)
+        if term.head == "since" and term.args[0].data == (sp.S.One,):
+            return TIME
         if term.head not in _RULES or term.data not in {(), ("",)}:
             raise InputError("this is no relation between letters", got=described(term))
         return _RULES[term.head](*(self.expression(a, scalars) for a in term.args))
@@ -183,6 +185,9 @@ _CONSTANT = re.compile(
     re.IGNORECASE,
 )
 """Words for what does not change with time."""
+NUMBERS = frozenset({Look("t"), Look("pi"), Look("infty")})
+"""Letters that no note uses for anything else: the time, numbers."""
+_EULER = Look("e")
 USUAL = frozenset("g m M l ell R I J Theta k mu rho varrho".split())
 """Letters of which everybody means constants, where they have no dots."""
 
@@ -194,19 +199,31 @@ def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Le
     change with time.
     """
     members = [m for f in formulas for s in f.statements if s.relational for m in s.members]
-    pairs = [pair for m in members for pair in _looks(m)]
-    dotted = {look for look, dots in pairs if dots} | {k for m in members for k in _below(m)}
-    looks = dict.fromkeys(look for look, _ in pairs)
+    shown = [one for m in members for one in _looks(m)]
+    dotted = {s.look for s in shown if s.dots} | {k for m in members for k in _below(m)}
+    looks = dict.fromkeys(s.look for s in shown)
+    numbers = NUMBERS | {s.look for s in shown if s.look == _EULER and s.raised}
     named = {m.look for s in said(text) if _CONSTANT.search(s.words) for m in s.of}
     usual = {k for k in looks if k.name in USUAL and not k.style and not k.accents}
-    still = frozenset(k.text for k in (named | usual) - dotted)
-    plain = [k for k in looks if k.style in PLAIN and k != Look("t") and not _decorated(k)]
+    still = frozenset(name_of(k) for k in (named | usual | _fixed(looks)) - dotted)
+    plain = [k for k in looks if k.style in PLAIN and k not in numbers and not _decorated(k)]
     layer = tuple(
-        Entry(k, Meaning(STILL if k.text in still else MOVING, (k.text,)), k.text) for k in plain
+        Entry(k, Meaning(STILL if name_of(k) in still else MOVING, (name_of(k),)), k.text)
+        for k in plain
     )
     nothing = model_of(System.from_rates("nothing", {sp.Symbol("nothing_", real=True): sp.S.Zero}))
     own = replace(lexicon, layers=(layer,), scopes=(), system=nothing)
-    return Letters(own, still, {k.text: latex_of(k) for k in plain})
+    return Letters(own, still, {name_of(k): latex_of(k) for k in plain})
+
+
+def name_of(look: Look) -> str:
+    r"""Return the name of a letter; ``\mathcal{L}`` and L are two."""
+    return f"{look.style} {look.text}" if look.style else look.text
+
+
+def _fixed(looks: Iterable[Look]) -> set[Look]:
+    """Return letters of what is as it begins, v_0."""
+    return {k for k in looks if k.sub == ("0",)}
 
 
 def _decorated(look: Look) -> bool:
@@ -214,10 +231,10 @@ def _decorated(look: Look) -> bool:
     return bool(look.accents or look.presub or look.presup)
 
 
-def _looks(node: Node) -> Iterator[tuple[Look, int]]:
+def _looks(node: Node) -> Iterator[Seen]:
     found = None if isinstance(node, Number) else seen(node)
     if found is not None:
-        yield found.look, found.dots
+        yield found
         return
     for inside in children(node):
         yield from _looks(inside)

@@ -10,22 +10,27 @@ as contradict it, two at least; else it or one of these is.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import groupby, product
 
 import sympy as sp
 
 from eom.checker.consequence.letters import (
+    TIME,
     Equal,
     Expr,
     Letters,
     jet,
     letter,
     partial,
+    rate,
     timed,
 )
+from eom.checker.consequence.modes import mode, modes
 from eom.checker.consequence.rules import (
     Point,
     Rules,
@@ -35,7 +40,7 @@ from eom.checker.consequence.rules import (
     points,
     solved,
 )
-from eom.checker.consequence.slips import Slip, slip
+from eom.checker.consequence.slips import Slip, View, slip
 from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.verdicts import GRAVE
@@ -45,9 +50,9 @@ from eom.errors import InputError
 
 FAILS = (InputError, ZeroDivisionError, ValueError, TypeError, OverflowError)
 SETTLED = frozenset({HOLDS, UNDER, DEFINITION, ASSUMPTION})
-LAGRANGIANS = ("L",)
-FIRM = 2
-"""Lines that follow from one by which it is likelier to be right than a line that does not."""
+LAGRANGIANS = ("L", "cal L", "calligraphic L", "script L")
+FIRM = 1
+"""Equations that follow from one by which it is likelier to be right than one that does not."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,11 @@ class Followed:
     slip: Slip | None = None
     sure: bool = True
     under: frozenset[int] = frozenset()
+    how: str = ""
+
+
+RATE = "rate"
+"""How a line follows of which only the derivative does: but for what it is at one time."""
 
 
 @dataclass
@@ -69,10 +79,12 @@ class _Note:
     """What is known so far: of lines what was found of each of their equations, None for nothing.
 
     ``rules``: what lines say that bring a letter in; ``aside``: what sentences say; ``weak``: what lines
-    say of letters that stand before, which may be meant of a special case.
+    say of letters that stand before, which may be meant of a special case. ``words``: what stands before
+    each formula.
     """
 
     letters: Letters
+    words: Sequence[str] = ()
     rules: Rules = field(default_factory=Rules)
     seen: set[str] = field(default_factory=set)
     aside: list[tuple[int, Equal]] = field(default_factory=list)
@@ -82,6 +94,7 @@ class _Note:
     of_line: dict[int, frozenset[Expr]] = field(default_factory=dict)
     weak: list[tuple[int, Equal]] = field(default_factory=list)
     lagrangian: tuple[Expr, int] | None = None
+    sets: tuple[tuple[object, ...], list[Rules]] | None = None
 
 
 def followed(
@@ -89,9 +102,13 @@ def followed(
     understood: Sequence[Understood],
     verdicts: Sequence[str],
     open_: Iterable[int],
+    words: Sequence[str],
 ) -> Mapping[int, Followed]:
-    """Return what follows from earlier lines, of those that are ``open_``, by number."""
-    note = _Note(letters)
+    """Return what follows from earlier lines, of those that are ``open_``, by number.
+
+    ``words``: what stands before each formula.
+    """
+    note = _Note(letters, words)
     wanted, whole = frozenset(open_), set()
     displays = [k for k, u in enumerate(understood) if u.formula.piece.kind == "display"]
     for number, (one, verdict) in enumerate(zip(understood, verdicts, strict=True)):
@@ -116,8 +133,9 @@ def _settled(
     joined = {n: _joined(found) for n, found in note.found.items()}
     wrong = {n: f for n, f in joined.items() if f is not None and f.slip is not None}
     right = {n: f for n, f in joined.items() if f is not None and f.slip is None}
-    supports = Counter(s for n, f in right.items() for s in f.sources - {n})
-    against = Counter(s for n, f in wrong.items() for s in f.sources - {n})
+    each = [f for found in note.found.values() for f in found if f is not None]
+    supports = Counter(s for f in each if f.slip is None for s in f.sources)
+    against = Counter(s for f in each if f.slip is not None for s in f.sources)
     kept: dict[int, Followed] = {}
     for n, f in {**right, **wrong}.items():
         others = f.sources - {n}
@@ -127,10 +145,10 @@ def _settled(
             firm = all(
                 verdicts[s] == DEFINITION or supports[s] >= max(FIRM, against[s]) for s in others
             )
-            kept[n] = Followed(f.sources, f.slip, sure=firm)
+            kept[n] = replace(f, sure=firm)
         elif n in whole:
             open_ = (s for s in others if verdicts[s] not in SETTLED and s not in note.brought)
-            kept[n] = Followed(f.sources, under=frozenset(open_))
+            kept[n] = replace(f, under=frozenset(open_))
     return kept
 
 
@@ -142,7 +160,8 @@ def _joined(found: Sequence[Followed | None]) -> Followed | None:
     known = [f for f in found if f is not None]
     if len(known) < len(found) or not found:
         return None
-    return Followed(frozenset().union(*(f.sources for f in known)))
+    how = max((f.how for f in known), key=len)
+    return Followed(frozenset().union(*(f.sources for f in known)), how=how)
 
 
 def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) -> None:
@@ -157,14 +176,15 @@ def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) ->
     if not display and not brings:
         note.aside.append((number, q))
         return
+    found = _as_mode(note, number, q, new)
     if not brings:
-        found = _found(note, q, judged=judged)
+        found = found or _found(note, q, new, judged=judged)
+    if found or not brings or not _is_slope(q):
         note.found.setdefault(number, []).append(found)
-        if found is not None:
-            return
-    elif not _is_slope(q):
-        note.found.setdefault(number, []).append(None)
-    _learn(note, number, q, new)
+    if found is None:
+        _learn(note, number, q, new)
+    elif found.how == RATE and found.slip is None:
+        _learn(note, number, q, frozenset(lone(q)))
 
 
 def _is_slope(q: Equal) -> bool:
@@ -189,29 +209,77 @@ def _learn(note: _Note, number: int, q: Equal, new: frozenset[str]) -> None:
         note.lagrangian = (jet(rule.name), number)
 
 
-def _found(note: _Note, q: Equal, *, judged: bool) -> Followed | None:
+def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Followed | None:
     """Return that an equation follows, or would but for a slip; None for neither."""
-    tried = []
-    for rules in _sets(note):
-        try:
+    sets = _sets(note)
+    for rules in sets:
+        with suppress(*FAILS):
             at = points(rules)
             exact = agrees(q, at)
             if (exact or agrees_but_for_signs(q, at)) and not _empties(note, q, at):
                 note.used |= {n for n, _ in note.aside} & _sources(rules, q)
                 note.rules.signs += [] if exact else [q]
                 return Followed(_sources(rules, q))
-            tried.append(rules)
-        except FAILS:
-            continue
-    for rules in tried if judged else ():
-        try:
-            found = slip(q, rules, _around(note, rules, q))
-            sources = frozenset() if found is None else _sources(rules, found.mended)
-        except FAILS:
-            continue
-        if sources:
-            return Followed(sources, found)
+    views = [_itself, *_rates(q, note.rules)]
+    for k, (view, rules) in enumerate(product(views, sets)):
+        with suppress(*FAILS):
+            asked = view(q)
+            if k >= len(sets) and agrees(asked, points(rules)):
+                if not _says_when(q, new):
+                    return None
+                return Followed(_sources(rules, asked), how=RATE)
+    for view, rules in product(views, sets) if judged else ():
+        with suppress(*FAILS):
+            found = slip(q, points(rules), _around(note, rules, view(q)), view)
+            sources = frozenset() if found is None else _sources(rules, view(found.mended))
+            if sources:
+                return Followed(sources, found)
     return None
+
+
+def _rates(q: Equal, rules: Rules) -> list[View]:
+    """Return the derivatives of an equation by the time that may follow where it does not."""
+    known = {k.name for k in map(letter, q.letters) if k is not None and k.moving}
+    orders = [rules.known[n].order for n in known if n in rules.known]
+    return [_rate, lambda q: _rate(_rate(q))][: min(filter(None, orders), default=0)]
+
+
+def _itself(q: Equal) -> Equal:
+    return q
+
+
+def _rate(q: Equal) -> Equal:
+    return Equal(rate(q.left), rate(q.right))
+
+
+def _says_when(q: Equal, new: frozenset[str]) -> bool:
+    """Return whether an equation has a constant of its own, or a time: what its derivative leaves open."""
+    known = [k for k in map(letter, q.letters) if k is not None and not k.moving]
+    return (q.left - q.right).has(TIME) or any(k.name in new for k in known)
+
+
+def _as_mode(note: _Note, number: int, q: Equal, new: frozenset[str]) -> Followed | None:
+    """Return that a letter is a frequency of what moves by the rules, or would be but for a slip."""
+    unknown = [s for s in q.letters if letter(s).name in new]
+    if len(unknown) != 1 or letter(unknown[0]).order:
+        return None
+    sets = _sets(note)
+    for rules in sets:
+        with suppress(*FAILS):
+            found = mode(q, rules, unknown[0])
+            if found is not None:
+                return Followed(found.sources | _sources(rules, q), how=found.form)
+    for rules in sets if FREQUENCY.search(note.words[number]) else ():
+        for one in modes(rules, unknown[0]):
+            with suppress(*FAILS):
+                found = slip(q, one.points)
+                if found is not None:
+                    return Followed(one.sources | _sources(rules, q), found, how=one.form)
+    return None
+
+
+FREQUENCY = re.compile(r"frequenc|period|eigen|oscillat|mode\b|modes\b|nutation|libration", re.IGNORECASE)
+"""Words before a line that says how fast something oscillates."""
 
 
 def _empties(note: _Note, q: Equal, at: Sequence[Point]) -> bool:
@@ -233,14 +301,23 @@ def _around(note: _Note, rules: Rules, q: Equal) -> frozenset[Expr]:
     return frozenset().union(*(own.get(n, frozenset()) for n in _sources(rules, q)))
 
 
-def _sets(note: _Note) -> Iterator[Rules]:
-    """Yield rules: of lines that bring letters in, and with what else is said, the nearest first."""
+def _sets(note: _Note) -> list[Rules]:
+    """Return rules: of lines that bring letters in, and with what else is said, the nearest first."""
+    key = (id(note.rules), len(note.rules.signs), *map(id, note.rules.known.values()))
+    key += (*(id(q) for _, q in (*note.aside, *note.weak)), note.lagrangian)
+    if note.sets is None or note.sets[0] != key:
+        note.sets = key, list(_made(note))
+    return note.sets[1]
+
+
+def _made(note: _Note) -> Iterator[Rules]:
     yield note.rules
     laws = [] if note.lagrangian is None else list(_lagrange(note, *note.lagrangian))
-    last = note.weak[: -MAX_WEAK - 1 : -1]
+    weak = [list(ws) for _, ws in groupby(note.weak, lambda w: w[0])][-MAX_WEAK:]
+    last = [w for ws in weak[::-1] for w in ws[::-1]]
     more = [
         note.aside,
-        *([w] for w in last),
+        *weak[::-1],
         laws,
         [*note.aside, *last[::-1]],
         [*note.aside, *laws],

@@ -21,6 +21,8 @@ MP.dps = DIGITS
 POINTS, MAX_SEEDS = 3, 24
 MAX_OPERATIONS = 4000
 MAX_ROUNDS = 60
+MAX_SOLVED, MAX_TOGETHER = 600, 150
+"""Operations of equations that are solved, and of those that are brought to one denominator."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,11 @@ class Rules:
     signs: list[Equal] = field(default_factory=list)
     """Equations that say which root of a square is meant."""
     memo: dict[Expr, tuple[Expr, frozenset[int]]] = field(default_factory=dict)
+    drawn: dict[int, list[Point]] = field(default_factory=dict)
+    """Points, by how many equations say which root is meant there."""
+
+    kept: dict[str, Any] = field(default_factory=dict)
+    """What else was found of these rules."""
 
     def copy(self) -> Rules:
         """Return the same rules, to which others may be added."""
@@ -51,7 +58,7 @@ class Rules:
     def add(self, rule: Rule) -> None:
         """Take in a rule for a letter that has none."""
         self.known[rule.name] = rule
-        self.memo = {}
+        self.memo, self.drawn, self.kept = {}, {}, {}
 
     def normal(self, e: Expr) -> tuple[Expr, frozenset[int]]:
         """Return an expression in letters that are free, and the formulas that this rests on.
@@ -178,8 +185,12 @@ def evaluated(e: Expr, values: Mapping[Expr, Number]) -> Number:
 
 def points(rules: Rules) -> list[Point]:
     """Return points in general position, at which roots of squares have their signs."""
-    drawn = (Point(rules, seed) for seed in range(MAX_SEEDS))
-    return list(islice((p for p in drawn if all(_same(*p.sides(q)) for q in rules.signs)), POINTS))
+    key = len(rules.signs)
+    if key not in rules.drawn:
+        all_ = (Point(rules, seed) for seed in range(MAX_SEEDS))
+        fit = (p for p in all_ if all(_same(*p.sides(q)) for q in rules.signs))
+        rules.drawn[key] = list(islice(fit, POINTS))
+    return rules.drawn[key]
 
 
 def agrees(q: Equal, at: Sequence[Point]) -> bool:
@@ -209,16 +220,19 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
     A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
     """
     whole, used = rules.normal(q.left - q.right)
-    zero = sp.numer(sp.together(whole))
+    size = whole.count_ops()
+    if size > MAX_SOLVED:
+        return None
+    zero = sp.numer(sp.together(whole)) if size <= MAX_TOGETHER else whole
     for s in sorted(filter(letter, whole.free_symbols), key=lambda s: _rank(s, q, new)):
         known = letter(s)
         assert known is not None
         others = {letter(o) for o in whole.free_symbols - {s}}
         if any(o and o.name == known.name and o.order >= known.order for o in others):
             continue
-        value = _alone(zero, s)
-        if value is not None:
-            squared = zero.diff(s).has(s)
+        found = _alone(zero, s)
+        if found is not None:
+            value, squared = found
             return Rule(known.name, known.order, value, used | {number}, squared=squared)
     return None
 
@@ -236,17 +250,26 @@ def _rank(s: Expr, q: Equal, new: frozenset[str]) -> tuple[bool, bool, bool, int
     )
 
 
-def _alone(zero: Expr, s: Expr) -> Expr | None:
-    """Return what a symbol is where an expression vanishes that is linear in it, or in its square."""
-    slope = zero.diff(s)
-    if slope == 0:
+def _alone(zero: Expr, s: Expr) -> tuple[Expr, bool] | None:
+    """Return what a symbol is where an expression vanishes that is linear in it, or in its square: which.
+
+    Whether it is, is asked at a point.
+    """
+    if sp.S.Zero in (zero.diff(s), zero):
         return None
-    if not slope.has(s):
-        return -zero.xreplace({s: sp.S.Zero}) / slope
-    half = sp.expand(slope / (2 * s)) if sp.expand(slope).xreplace({s: sp.S.Zero}) == 0 else s
-    if half.has(s) or half == 0:
+    others = Point(Rules(), 0)
+    try:
+        low, zeroth, one, two = (others.of(zero.xreplace({s: sp.Integer(k)})) for k in (-1, 0, 1, 2))
+    except (InputError, ZeroDivisionError):
         return None
-    return sp.sqrt(-zero.xreplace({s: sp.S.Zero}) / half)
+    slope = one - zeroth
+    linear = _same(two - zeroth, 2 * slope) and _same(low - zeroth, -slope)
+    squared = _same(two - zeroth, 4 * slope) and _same(low, one)
+    if slope == 0 or not (linear or squared):
+        return None
+    first = zero.xreplace({s: sp.S.Zero})
+    value = -first / (zero.xreplace({s: sp.S.One}) - first)
+    return (sp.sqrt(value) if squared else value), squared
 
 
 def lone(q: Equal) -> Iterator[str]:

@@ -34,14 +34,47 @@ def decided(
     if not open_:
         yield from found
         return
-    letters = letters_of([u.formula for u in understood], prose(document), lexicon)
-    known = followed(letters, understood, verdicts, open_)
-    for number, finding in enumerate(found):
-        what = known.get(number)
-        if what is None or (what.slip is not None and not what.sure and finding.verdict == UNSURE):
-            yield finding
+    text, words = prose(document), _words(document)
+    told: dict[int, Finding] = {}
+    for numbers in _ranges(understood):
+        part = [understood[n] for n in numbers]
+        letters = letters_of([u.formula for u in part], text, lexicon)
+        wanted = [k for k, n in enumerate(numbers) if n in open_ and n not in told]
+        known = followed(
+            letters, part, [verdicts[n] for n in numbers], wanted, [words[n] for n in numbers]
+        )
+        there = [found[n] for n in numbers]
+        for k, what in known.items():
+            one = found[numbers[k]]
+            if what.slip is None or what.sure or one.verdict != UNSURE:
+                told[numbers[k]] = _told(one, what, k, there, letters)
+    yield from (told.get(n, f) for n, f in enumerate(found))
+
+
+def _words(document: Document) -> list[str]:
+    """Return for each formula the words that stand before it, from the display before on."""
+    words: list[str] = []
+    last: list[str] = []
+    for piece in document.pieces:
+        if piece.is_formula:
+            words.append(" ".join(last))
+            last = last if piece.kind == "inline" else []
         else:
-            yield _told(finding, what, number, found, letters)
+            last.append(piece.body)
+    return words
+
+
+def _ranges(understood: Sequence[Understood]) -> Iterator[list[int]]:
+    """Yield the numbers of the formulas of each part of a note, then of the whole note.
+
+    A letter may be something else in another part: what follows within one goes first.
+    """
+    parts: dict[tuple[str, ...], list[int]] = {}
+    for n, u in enumerate(understood):
+        parts.setdefault(u.headings, []).append(n)
+    if len(parts) > 1:
+        yield from parts.values()
+    yield list(range(len(understood)))
 
 
 def _told(
