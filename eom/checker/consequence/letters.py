@@ -39,27 +39,43 @@ IMAGINARY = Look("i")
 
 @dataclass(frozen=True)
 class Letter:
-    """A letter of a note, or one of its derivatives by the time."""
+    """A letter of a note, or one of its derivatives by the time; ``kind``: `STAYS`, `CHANGES`, `MAY`."""
 
     name: str
     order: int
-    moving: bool
+    kind: str
+
+    @property
+    def moving(self) -> bool:
+        """Whether it has derivatives."""
+        return self.kind != STAYS
+
+
+STAYS, CHANGES, MAY = "", "t", "q"
+"""Letters of constants, letters with dots, and those that change only where they are given by such."""
 
 
 _BETWEEN = "|"
 
 
 @lru_cache(maxsize=4096)
-def jet(name: str, order: int = 0, *, moving: bool = True) -> Expr:
+def jet(name: str, order: int = 0, kind: str = CHANGES) -> Expr:
     """Return the symbol of a letter, or of its derivative; constants have none."""
-    return sp.Symbol(_BETWEEN.join((name, "'" * order, "t" if moving else "")), real=True)
+    return sp.Symbol(_BETWEEN.join((name, "'" * order, kind)), real=True)
+
+
+def derived(symbol: Expr, order: int) -> Expr:
+    """Return the symbol of a derivative of a letter, of which any symbol is given."""
+    known = letter(symbol)
+    assert known is not None
+    return jet(known.name, order, known.kind)
 
 
 @lru_cache(maxsize=4096)
 def letter(symbol: Expr) -> Letter | None:
     """Return what a symbol stands for, None for all but letters of a note."""
     parts = symbol.name.rsplit(_BETWEEN, 2) if symbol.is_Symbol else []
-    return Letter(parts[0], len(parts[1]), bool(parts[2])) if len(parts) == 3 else None
+    return Letter(parts[0], len(parts[1]), parts[2]) if len(parts) == 3 else None
 
 
 def rate(e: Expr) -> Expr:
@@ -70,7 +86,7 @@ def rate(e: Expr) -> Expr:
     for s in e.free_symbols:
         known = letter(s)
         if known is not None and known.moving:
-            parts.append(e.diff(s) * jet(known.name, known.order + 1))
+            parts.append(e.diff(s) * derived(s, known.order + 1))
     return sp.Add(*parts)
 
 
@@ -101,6 +117,7 @@ class Letters:
 
     lexicon: Lexicon
     still: frozenset[str]
+    quiet: frozenset[str]
     spellings: Mapping[str, str]
 
     def latex(self, e: Expr) -> str:
@@ -112,6 +129,9 @@ class Letters:
     def _spelt(self, one: Letter) -> str:
         plain = self.spellings.get(one.name, one.name)
         return rf"\{'d' * one.order}ot{{{plain}}}" if one.order else plain
+
+    def _kind(self, name: str) -> str:
+        return STAYS if name in self.still else MAY if name in self.quiet else CHANGES
 
     def read(self, formula: Formula) -> Read:
         """Return what a formula says is equal, and whether that is all it says."""
@@ -155,7 +175,7 @@ class Letters:
             )
         if term.head == "atom" and term.data[0] in {MOVING, STILL}:
             name = str(term.data[1])
-            return sp.I if name == IMAGINARY.text else jet(name, moving=name not in self.still)
+            return sp.I if name == IMAGINARY.text else jet(name, 0, self._kind(name))
         if term.head == "since" and term.args[0].data == (sp.S.One,):
             return TIME
         if term.head not in _RULES or term.data not in {(), ("",)}:
@@ -213,7 +233,8 @@ def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Le
     )
     nothing = model_of(System.from_rates("nothing", {sp.Symbol("nothing_", real=True): sp.S.Zero}))
     own = replace(lexicon, layers=(layer,), scopes=(), system=nothing)
-    return Letters(own, still, {name_of(k): latex_of(k) for k in plain})
+    quiet = frozenset(name_of(k) for k in plain if k not in dotted and not k.called)
+    return Letters(own, still, quiet, {name_of(k): latex_of(k) for k in plain})
 
 
 def name_of(look: Look) -> str:

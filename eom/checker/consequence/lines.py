@@ -206,7 +206,8 @@ def _learn(note: _Note, number: int, q: Equal, new: frozenset[str]) -> None:
     if rule.name in LAGRANGIANS and any(
         k and k.order for k in map(letter, rule.value.free_symbols)
     ):
-        note.lagrangian = (jet(rule.name), number)
+        own = next(s for s in q.letters if letter(s).name == rule.name)
+        note.lagrangian = (own, number)
 
 
 def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Followed | None:

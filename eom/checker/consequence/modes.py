@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eom.checker.consequence.letters import Equal, Expr, jet, letter
+from eom.checker.consequence.letters import CHANGES, Equal, Expr, jet, letter
 from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
 from eom.errors import InputError
 
@@ -61,7 +61,8 @@ def _closed(rules: Rules, name: str) -> frozenset[str]:
     while todo:
         one = todo.pop()
         value, _ = rules.normal(jet(one, rules.known[one].order))
-        more = {k.name for k in map(letter, value.free_symbols) if k is not None and k.moving}
+        known = filter(None, map(letter, value.free_symbols))
+        more = {k.name for k in known if k.kind == CHANGES}
         if any(n not in rules.known or not rules.known[n].order for n in more):
             return frozenset()
         todo += sorted(more - names)

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from eom.checker.consequence.letters import Equal, Expr, letter, partial, rate, timed
+from eom.checker.consequence.letters import MAY, Equal, Expr, letter, partial, rate, timed
 from eom.errors import InputError
 
 Number = Any
@@ -150,6 +150,8 @@ class Point:
 
     def _drawn(self, s: Expr) -> Number:
         known = letter(s)
+        if known is not None and known.kind == MAY and known.order:
+            return MP.zero
         name = (
             f"{self.seed} {known.name} {known.order}" if known is not None else f"{self.seed} {s}"
         )
@@ -188,14 +190,23 @@ def points(rules: Rules) -> list[Point]:
     key = len(rules.signs)
     if key not in rules.drawn:
         all_ = (Point(rules, seed) for seed in range(MAX_SEEDS))
-        fit = (p for p in all_ if all(_same(*p.sides(q)) for q in rules.signs))
+        fit = (p for p in all_ if all(_equal(q, p) for q in rules.signs))
         rules.drawn[key] = list(islice(fit, POINTS))
     return rules.drawn[key]
 
 
 def agrees(q: Equal, at: Sequence[Point]) -> bool:
     """Return whether two sides are equal at all points. Raises `InputError` where they have no values."""
-    return len(at) == POINTS and all(_same(*p.sides(q)) for p in at)
+    return len(at) == POINTS and all(_equal(q, p) for p in at)
+
+
+def _equal(q: Equal, at: Point) -> bool:
+    terms = [at.of(t) for e in (q.left, -q.right) for t in sp.Add.make_args(e)]
+    return bool(abs(MP.fsum(terms)) <= MP.mpf(10) ** -25 * (sum(map(abs, terms)) + FLOOR))
+
+
+FLOOR = 1e-6
+"""What counts as nothing beside values that are of the order of one."""
 
 
 def agrees_but_for_signs(q: Equal, at: Sequence[Point]) -> bool:
