@@ -21,7 +21,7 @@ from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
 from eom.checker.mean.model import model_of
 from eom.checker.read.statements import Formula, Statement
 from eom.checker.read.symbol_shape import Look, Seen, seen
-from eom.checker.read.syntax import Derivative, Node, Number, children, walk
+from eom.checker.read.syntax import Derivative, Group, Node, Number, Product, children, walk
 from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.system import System
@@ -231,6 +231,7 @@ def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Le
         Entry(k, Meaning(STILL if name_of(k) in still else MOVING, (name_of(k),)), k.text)
         for k in plain
     )
+    layer += (Entry(Look("t"), Meaning("time", ()), "t"),)
     nothing = model_of(System.from_rates("nothing", {sp.Symbol("nothing_", real=True): sp.S.Zero}))
     own = replace(lexicon, layers=(layer,), scopes=(), system=nothing)
     quiet = frozenset(name_of(k) for k in plain if k not in dotted and not k.called)
@@ -256,15 +257,24 @@ def _looks(node: Node) -> Iterator[Seen]:
     found = None if isinstance(node, Number) else seen(node)
     if found is not None:
         yield found
+        for above in found.raised:
+            yield from _looks(above)
         return
     for inside in children(node):
         yield from _looks(inside)
 
 
 def _below(node: Node) -> Iterator[Look]:
-    """Yield the letters of which a derivative by the time is written as a fraction."""
+    """Yield the letters of which a derivative is written as a fraction, and functions of the time."""
     for inside in walk(node):
-        if isinstance(inside, Derivative) and inside.operand is not None:
-            found = seen(inside.operand)
-            if found is not None:
-                yield found.look
+        given: list[Node | None] = []
+        if isinstance(inside, Derivative):
+            given = [inside.operand]
+        elif isinstance(inside, Product):
+            given = [a for a, b in pairwise(inside.factors) if _is_at(b)]
+        yield from (found.look for n in given if n is not None and (found := seen(n)))
+
+
+def _is_at(node: Node) -> bool:
+    """Return whether a node is the time in brackets, as behind a function of it."""
+    return isinstance(node, Group) and node.open == "(" and seen(node.body) == Seen(Look("t"))
