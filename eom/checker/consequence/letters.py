@@ -141,6 +141,8 @@ class Letters:
         return Read(tuple(q for p in parts for q in p.equations), whole=all(p.whole for p in parts))
 
     def _said(self, statement: Statement) -> Read:
+        if any(when != Look("t") for m in statement.members for _, when in _calls(m)):
+            return Read((), whole=False)
         try:
             found = claims(statement, self.lexicon)
         except InputError:
@@ -270,11 +272,14 @@ def _below(node: Node) -> Iterator[Look]:
         given: list[Node | None] = []
         if isinstance(inside, Derivative):
             given = [inside.operand]
-        elif isinstance(inside, Product):
-            given = [a for a, b in pairwise(inside.factors) if _is_at(b)]
         yield from (found.look for n in given if n is not None and (found := seen(n)))
+    yield from (found.look for n, _ in _calls(node) if (found := seen(n)))
 
 
-def _is_at(node: Node) -> bool:
-    """Return whether a node is the time in brackets, as behind a function of it."""
-    return isinstance(node, Group) and node.open == "(" and seen(node.body) == Seen(Look("t"))
+def _calls(node: Node) -> Iterator[tuple[Node, Look]]:
+    """Yield functions of the time, or what they are at an instant, and this."""
+    for inside in walk(node):
+        for a, b in pairwise(inside.factors) if isinstance(inside, Product) else ():
+            found = seen(b.body) if isinstance(b, Group) and b.open == "(" else None
+            if found is not None and found.look.name == "t" and not found.dots:
+                yield a, found.look

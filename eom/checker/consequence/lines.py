@@ -117,6 +117,8 @@ def followed(
         read = note.letters.read(one.formula)
         whole |= {number} if read.whole else set()
         display = number in displays
+        if number and understood[number - 1].headings != one.headings:
+            _begin_part(note)
         if display:
             note.used &= {n for n in note.used if understood[n].headings == one.headings}
             last = max((d for d in displays if d < number), default=-1)
@@ -124,6 +126,14 @@ def followed(
         for q in read.equations:
             _take(note, number, q, display=display, judged=number in wanted)
     return _settled(note, wanted, whole, verdicts)
+
+
+def _begin_part(note: _Note) -> None:
+    """Forget how what the last part was about moves; what letters were said to be is kept."""
+    for name in [n for n, r in note.rules.known.items() if r.order or not r.given]:
+        del note.rules.known[name]
+    note.rules = note.rules.copy()
+    note.weak = []
 
 
 def _settled(
@@ -202,7 +212,7 @@ def _learn(note: _Note, number: int, q: Equal, new: frozenset[str]) -> None:
     if rule.name not in new:
         note.weak.append((number, q))
         return
-    note.rules.add(rule)
+    note.rules.add(replace(rule, given=rule.name in set(lone(q))))
     if rule.name in LAGRANGIANS and any(
         k and k.order for k in map(letter, rule.value.free_symbols)
     ):

@@ -35,6 +35,8 @@ class Rule:
     sources: frozenset[int]
     squared: bool = False
     """Whether it is a root that was taken."""
+    given: bool = False
+    """Whether the letter stands alone on a side of its equation."""
 
 
 @dataclass
