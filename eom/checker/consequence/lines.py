@@ -235,7 +235,8 @@ def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Follo
     for k, (view, rules) in enumerate(product(views, sets)):
         with suppress(*FAILS):
             asked = view(q)
-            if k >= len(sets) and agrees(asked, points(rules)):
+            at = points(rules)
+            if k >= len(sets) and agrees(asked, at) and not _empties(note, asked, at):
                 if not _says_when(q, new):
                     return None
                 return Followed(_sources(rules, asked), how=RATE)
@@ -294,12 +295,12 @@ FREQUENCY = re.compile(r"frequenc|period|eigen|oscillat|mode\b|modes\b|nutation|
 
 
 def _empties(note: _Note, q: Equal, at: Sequence[Point]) -> bool:
-    """Return whether a term vanishes at points of a special case that does not elsewhere."""
+    """Return whether all terms vanish, or one at points of a special case that does not elsewhere."""
     terms = [t for side in (q.left, q.right) for t in sp.Add.make_args(side) if t != 0]
     general = points(note.rules)
-    return any(
-        all(abs(p.of(t)) < SMALL for p in at) and any(abs(p.of(t)) > SMALL for p in general)
-        for t in terms
+    empty = [all(abs(p.of(t)) < SMALL for p in at) for t in terms]
+    return all(empty) or any(
+        e and any(abs(p.of(t)) > SMALL for p in general) for e, t in zip(empty, terms, strict=True)
     )
 
 
