@@ -20,6 +20,7 @@ from itertools import groupby, product
 import sympy as sp
 
 from eom.checker.consequence.letters import (
+    MAY,
     TIME,
     Equal,
     Expr,
@@ -33,6 +34,7 @@ from eom.checker.consequence.letters import (
 from eom.checker.consequence.modes import mode, modes
 from eom.checker.consequence.rules import (
     Point,
+    Rule,
     Rules,
     agrees,
     agrees_but_for_signs,
@@ -91,7 +93,7 @@ class _Note:
     found: dict[int, list[Followed | None]] = field(default_factory=dict)
     brought: set[int] = field(default_factory=set)
     used: set[int] = field(default_factory=set)
-    of_line: dict[int, frozenset[Expr]] = field(default_factory=dict)
+    all_letters: frozenset[Expr] = frozenset()
     weak: list[tuple[int, Equal]] = field(default_factory=list)
     lagrangian: tuple[Expr, int] | None = None
     sets: tuple[tuple[object, ...], list[Rules]] | None = None
@@ -108,13 +110,15 @@ def followed(
 
     ``words``: what stands before each formula.
     """
-    note = _Note(letters, words)
+    reads = [letters.read(u.formula) for u in understood]
+    all_letters = frozenset(s for r in reads for q in r.equations for s in q.letters)
+    note = _Note(letters, words, all_letters=all_letters)
     wanted, whole = frozenset(open_), set()
     displays = [k for k, u in enumerate(understood) if u.formula.piece.kind == "display"]
     for number, (one, verdict) in enumerate(zip(understood, verdicts, strict=True)):
         if verdict in GRAVE:
             continue
-        read = note.letters.read(one.formula)
+        read = reads[number]
         whole |= {number} if read.whole else set()
         display = number in displays
         if number and understood[number - 1].headings != one.headings:
@@ -179,11 +183,13 @@ def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) ->
     names = {known.name for s in q.letters if (known := letter(s)) is not None}
     new = frozenset(names - note.seen)
     note.seen |= names
-    note.of_line[number] = note.of_line.get(number, frozenset()) | q.letters
+    for rule in (*_alike(note, q), *_speeds(note, q)):
+        note.rules.add(rule)
     brings = bool(new & set(lone(q)))
     if brings:
         note.brought.add(number)
     if not display and not brings:
+        note.aside = [(n, o) for n, o in note.aside if n == number or o.letters != q.letters]
         note.aside.append((number, q))
         return
     found = _as_mode(note, number, q, new)
@@ -195,6 +201,45 @@ def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) ->
         _learn(note, number, q, new)
     elif found.how == RATE and found.slip is None:
         _learn(note, number, q, frozenset(lone(q)))
+
+
+def _alike(note: _Note, q: Equal) -> list[Rule]:
+    r"""Return what letters stand for by the pattern of others: c_{12}, where c_1 = \cos q_1."""
+    known = [r for r in note.rules.known.values() if isinstance(r.value, sp.sin | sp.cos)]
+    patterns = {}
+    for rule in known:
+        one = _NUMBERED.fullmatch(rule.name)
+        angles = [_NUMBERED.fullmatch(k.name) for k in map(letter, rule.value.free_symbols) if k]
+        if one and all(angles) and {a[2] for a in angles if a} == set(one[2]):
+            patterns[one[1]] = rule
+    found = []
+    for s in q.letters:
+        own = _NUMBERED.fullmatch(letter(s).name)
+        like = patterns.get(own[1]) if own and own[0] not in note.rules.known else None
+        if own and like:
+            (angle, *_) = like.value.free_symbols
+            base = letter(angle).name[: -len(_NUMBERED.fullmatch(letter(angle).name)[2])]
+            terms = [jet(base + n, 0, letter(angle).kind) for n in own[2]]
+            found.append(Rule(own[0], 0, like.value.func(sp.Add(*terms)), like.sources))
+    return found
+
+
+_NUMBERED = re.compile(r"(.+_)(\d+|[ijk])")
+
+
+def _speeds(note: _Note, q: Equal) -> list[Rule]:
+    """Return that a new v_2 is the speed of what has the coordinates x_2, y_2."""
+    found = []
+    for s in q.letters:
+        known = letter(s)
+        label = known.name[1:] if known and known.name[0] == "v" and known.kind == MAY else None
+        names = [n + label for n in "xyz" if n + label in note.rules.known] if label else []
+        if len(names) > 1 and known.name not in note.rules.known:
+            rates = [jet(n, 1) for n in names]
+            sources = frozenset().union(*(note.rules.normal(r)[1] for r in rates))
+            squares = sp.Add(*(r**2 for r in rates))
+            found.append(Rule(known.name, 0, sp.sqrt(squares), sources, squared=True))
+    return found
 
 
 def _is_slope(q: Equal) -> bool:
@@ -242,7 +287,7 @@ def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Follo
                 return Followed(_sources(rules, asked), how=RATE)
     for view, rules in product(views, sets) if judged else ():
         with suppress(*FAILS):
-            found = slip(q, points(rules), _around(note, rules, view(q)), view)
+            found = slip(q, points(rules), note.all_letters, view)
             sources = frozenset() if found is None else _sources(rules, view(found.mended))
             if sources:
                 return Followed(sources, found)
@@ -305,12 +350,6 @@ def _empties(note: _Note, q: Equal, at: Sequence[Point]) -> bool:
 
 
 SMALL = 1e-25
-
-
-def _around(note: _Note, rules: Rules, q: Equal) -> frozenset[Expr]:
-    """Return the letters of the formulas that an equation may rest on."""
-    own = note.of_line
-    return frozenset().union(*(own.get(n, frozenset()) for n in _sources(rules, q)))
 
 
 def _sets(note: _Note) -> list[Rules]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import permutations
 
 import sympy as sp
 
@@ -147,11 +146,21 @@ def _factors(
         return
     atoms = [sp.S.One, *sorted(set(atoms), key=str)]
     values = {a: [p.of(a) for p in at] for a in atoms}
-    for a, b in permutations(atoms, 2):
-        rest = [n * y / x for n, x, y in zip(needed, values[a], values[b], strict=True)]
-        number = _number(rest, most=2)
-        if number is not None:
-            yield number * a / b
+    alike: dict[tuple[float, ...], list[Expr]] = {}
+    for a, v in values.items():
+        alike.setdefault(_direction(v), []).append(a)
+    for b, v in values.items():
+        product = [n * y for n, y in zip(needed, v, strict=True)]
+        for a in alike.get(_direction(product), ()):
+            number = _number([x / y for x, y in zip(product, values[a], strict=True)], most=2)
+            if number is not None and a != b:
+                yield number * a / b
+
+
+def _direction(values: Sequence[Number]) -> tuple[float, ...]:
+    """Return what rows of values have in common that are multiples of one another, to a few digits."""
+    first = values[0] or MP.one
+    return tuple(float(f"{float(MP.re(v / first)):.9e}") for v in values)
 
 
 def _atoms(q: Equal) -> frozenset[Expr]:
