@@ -145,7 +145,8 @@ def _factors(
         yield number
         return
     atoms = [sp.S.One, *sorted(set(atoms), key=str)]
-    values = {a: [p.of(a) for p in at] for a in atoms}
+    drawn = {a: [p.of(a) for p in at] for a in atoms}
+    values = {a: v for a, v in drawn.items() if all(v)}
     alike: dict[tuple[float, ...], list[Expr]] = {}
     for a, v in values.items():
         alike.setdefault(_direction(v), []).append(a)
@@ -159,7 +160,7 @@ def _factors(
 
 def _direction(values: Sequence[Number]) -> tuple[float, ...]:
     """Return what rows of values have in common that are multiples of one another, to a few digits."""
-    first = values[0] or MP.one
+    first = values[0]
     return tuple(float(f"{float(MP.re(v / first)):.9e}") for v in values)
 
 
