@@ -149,7 +149,7 @@ def _settled(
     right = {n: f for n, f in joined.items() if f is not None and f.slip is None}
     each = [f for found in note.found.values() for f in found if f is not None]
     supports = Counter(s for f in each if f.slip is None for s in f.sources)
-    supports.update(n for n in note.brought for f in note.found[n] if f and f.slip is None)
+    supports.update(n for n in note.brought for f in note.found.get(n, ()) if f and f.slip is None)
     against = Counter(s for f in each if f.slip is not None for s in f.sources)
     kept: dict[int, Followed] = {}
     for n, f in {**right, **wrong}.items():

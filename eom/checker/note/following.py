@@ -34,7 +34,7 @@ def decided(
     if not open_:
         yield from found
         return
-    text, words = prose(document), _words(document)
+    text, words = prose(document), _words(document, understood)
     told: dict[int, Finding] = {}
     for numbers in _ranges(understood):
         part = [understood[n] for n in numbers]
@@ -51,17 +51,17 @@ def decided(
     yield from (told.get(n, f) for n, f in enumerate(found))
 
 
-def _words(document: Document) -> list[str]:
+def _words(document: Document, understood: Sequence[Understood]) -> list[str]:
     """Return for each formula the words that stand before it, from the display before on."""
-    words: list[str] = []
+    words: dict[int, str] = {}
     last: list[str] = []
     for piece in document.pieces:
         if piece.is_formula:
-            words.append(" ".join(last))
+            words[piece.span.start] = " ".join(last)
             last = last if piece.kind == "inline" else []
         else:
             last.append(piece.body)
-    return words
+    return [words.get(u.formula.piece.span.start, "") for u in understood]
 
 
 def _ranges(understood: Sequence[Understood]) -> Iterator[list[int]]:
