@@ -21,7 +21,7 @@ from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
 from eom.checker.mean.model import model_of
 from eom.checker.read.statements import Formula, Statement
 from eom.checker.read.symbol_shape import Look, Seen, seen
-from eom.checker.read.syntax import Derivative, Group, Node, Number, Product, children, walk
+from eom.checker.read.syntax import Derivative, Group, Marks, Node, Number, Product, children, walk
 from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.system import System
@@ -223,7 +223,7 @@ def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Le
     members = [m for f in formulas for s in f.statements if s.relational for m in s.members]
     shown = [one for m in members for one in _looks(m)]
     dotted = {s.look for s in shown if s.dots} | {k for m in members for k in _below(m)}
-    looks = dict.fromkeys(s.look for s in shown)
+    looks = dict.fromkeys(k for s in shown for k in (s.look, _primed(s)) if k is not None)
     numbers = NUMBERS | {s.look for s in shown if s.look == _EULER and s.raised}
     named = {m.look for s in said(text) if _CONSTANT.search(s.words) for m in s.of}
     usual = {k for k in looks if k.name in USUAL and not k.style and not k.accents}
@@ -243,6 +243,11 @@ def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Le
 def name_of(look: Look) -> str:
     r"""Return the name of a letter; ``\mathcal{L}`` and L are two."""
     return f"{look.style} {look.text}" if look.style else look.text
+
+
+def _primed(one: Seen) -> Look | None:
+    """Return the look of a letter with primes, which is another letter."""
+    return one.with_label() if one.raised and isinstance(one.raised[0], Marks) else None
 
 
 def _fixed(looks: Iterable[Look]) -> set[Look]:

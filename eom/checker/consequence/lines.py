@@ -25,6 +25,7 @@ from eom.checker.consequence.letters import (
     Equal,
     Expr,
     Letters,
+    derived,
     jet,
     letter,
     partial,
@@ -62,7 +63,7 @@ class Followed:
     """What is found of a line: the formulas that it follows from, and its slip, if it has one.
 
     ``sure``: whether no line that it rests on is likelier to have the slip; ``under``: those of the
-    formulas that nothing decides.
+    formulas that nothing decides; ``held``: letters that are taken not to change.
     """
 
     sources: frozenset[int]
@@ -70,6 +71,7 @@ class Followed:
     sure: bool = True
     under: frozenset[int] = frozenset()
     how: str = ""
+    held: frozenset[Expr] = frozenset()
 
 
 RATE = "rate"
@@ -176,7 +178,11 @@ def _joined(found: Sequence[Followed | None]) -> Followed | None:
     if len(known) < len(found) or not found:
         return None
     how = max((f.how for f in known), key=len)
-    return Followed(frozenset().union(*(f.sources for f in known)), how=how)
+    sources, held = (
+        frozenset().union(*sets)
+        for sets in ([f.sources for f in known], [f.held for f in known])
+    )
+    return Followed(sources, how=how, held=held)
 
 
 def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) -> None:
@@ -276,7 +282,7 @@ def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Follo
             if (exact or agrees_but_for_signs(q, at)) and not _empties(note, q, at):
                 note.used |= {n for n, _ in note.aside} & _sources(rules, q)
                 note.rules.signs += [] if exact else [q]
-                return Followed(_sources(rules, q))
+                return Followed(_sources(rules, q), held=_held(rules, q))
     views = [_itself, *_rates(q, note.rules)]
     for k, (view, rules) in enumerate(product(views, sets)):
         with suppress(*FAILS):
@@ -285,8 +291,13 @@ def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Follo
             if k >= len(sets) and agrees(asked, at) and not _empties(note, asked, at):
                 if not _says_when(q, new):
                     return None
-                return Followed(_sources(rules, asked), how=RATE)
-    for view, rules in product(views, sets) if judged else ():
+                return Followed(_sources(rules, asked), how=RATE, held=_held(rules, asked))
+    for rules in sets:
+        with suppress(*FAILS):
+            sources = _solves(rules, q)
+            if sources:
+                return Followed(sources, how=RATE)
+    for view, rules in product([*views, *_squares(q)], sets) if judged else ():
         with suppress(*FAILS):
             found = slip(q, points(rules), note.all_letters, view)
             sources = frozenset() if found is None else _sources(rules, view(found.mended))
@@ -304,6 +315,27 @@ def _rates(q: Equal, rules: Rules) -> list[View]:
 
 def _itself(q: Equal) -> Equal:
     return q
+
+
+def _squares(q: Equal) -> list[View]:
+    """Return the squares of both sides where one has a root: what is below it is linear there."""
+    rooted = any(p.exp == sp.S.Half for e in (q.left, q.right) for p in e.atoms(sp.Pow))
+    return [lambda q: Equal(q.left**2, q.right**2)] if rooted else []
+
+
+def _solves(rules: Rules, q: Equal) -> frozenset[int]:
+    """Return the formulas of the equation of motion that a motion in closed form solves; none if none."""
+    for name in lone(q):
+        old = rules.known.get(name)
+        sides = (q.left, q.right) if getattr(letter(q.left), "name", "") == name else (q.right, q.left)
+        if old is None or not old.order or not sides[1].has(TIME):
+            continue
+        put_in = rules.copy()
+        put_in.add(Rule(name, 0, sides[1], frozenset()))
+        asked = Equal(derived(sides[0], old.order), old.value)
+        if agrees(asked, points(put_in)):
+            return old.sources | _sources(put_in, asked)
+    return frozenset()
 
 
 def _rate(q: Equal) -> Equal:
@@ -330,7 +362,8 @@ def _as_mode(note: _Note, number: int, q: Equal, new: frozenset[str]) -> Followe
     for rules in sets if FREQUENCY.search(note.words[number]) else ():
         for one in modes(rules, unknown[0]):
             with suppress(*FAILS):
-                found = slip(q, one.points)
+                views = [_itself, *_squares(q)]
+                found = next(filter(None, (slip(q, one.points, view=v) for v in views)), None)
                 if found is not None:
                     return Followed(one.sources | _sources(rules, q), found, how=one.form)
     return None
@@ -398,6 +431,13 @@ def _lagrange(note: _Note, function: Expr, number: int) -> Iterator[tuple[int, E
     for name in sorted({k.name for k in known if k.order == 1}):
         q, v = jet(name), jet(name, 1)
         yield number, Equal(timed(partial(function, v)), partial(function, q))
+
+
+def _held(rules: Rules, q: Equal) -> frozenset[Expr]:
+    """Return the letters without dots of which an equation has derivatives once rules are put in."""
+    full = [rules.normal(e)[0] for e in (q.left, q.right)]
+    known = [(s, letter(s)) for e in full for s in e.free_symbols]
+    return frozenset(derived(s, 0) for s, k in known if k and k.kind == MAY and k.order)
 
 
 def _sources(rules: Rules, q: Equal) -> frozenset[int]:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from eom.checker.consequence.letters import Letters, letters_of
-from eom.checker.consequence.lines import Followed, followed
+from eom.checker.consequence.lines import RATE, Followed, followed
 from eom.checker.consequence.slips import Slip
 from eom.checker.infer.sayings import prose
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG
@@ -34,7 +34,7 @@ def decided(
     if not open_:
         yield from found
         return
-    text, words = prose(document), _words(document, understood)
+    text, words = prose(document), words_before(document, understood)
     told: dict[int, Finding] = {}
     for numbers in _ranges(understood):
         part = [understood[n] for n in numbers]
@@ -51,7 +51,7 @@ def decided(
     yield from (told.get(n, f) for n, f in enumerate(found))
 
 
-def _words(document: Document, understood: Sequence[Understood]) -> list[str]:
+def words_before(document: Document, understood: Sequence[Understood]) -> list[str]:
     """Return for each formula the words that stand before it, from the display before on."""
     words: dict[int, str] = {}
     last: list[str] = []
@@ -85,18 +85,28 @@ def _told(
         _lines(found[n].line for n in ns - {number}) for ns in (what.sources, what.under)
     )
     if what.slip is None:
-        reason = FOLLOWS.format(rests) if rests else CALCULATED
+        reason = _reason(what, rests)
+        if what.held:
+            held = ", ".join(sorted(f"${letters.latex(s)}$" for s in what.held))
+            reason = f"if {held} do{'es' * (len(what.held) == 1)} not change, {reason}"
         if open_:
-            return replace(
-                finding, verdict=UNDER, reason=f"what stands in {open_} is true: {reason}"
-            )
-        return replace(finding, verdict=HOLDS, reason=reason)
+            reason = f"what stands in {open_} is true: {reason}"
+        verdict = UNDER if open_ or what.held or what.how == RATE else HOLDS
+        return replace(finding, verdict=verdict, reason=reason)
     said = _slip(what.slip, letters)
     if what.sure:
         return replace(finding, verdict=WRONG, reason=f"{said}, by {rests}" if rests else said)
     return replace(
         finding, verdict=UNSURE, reason=f"if what stands in {rests} is true, then: {said}"
     )
+
+
+def _reason(what: Followed, rests: str) -> str:
+    if what.how == RATE:
+        return f"its derivative by the time follows from {rests}; what it is at one time is as it says"
+    if what.how:
+        return f"it is the {what.how} of what moves as {rests} say{'s' * (' and ' not in rests)}"
+    return FOLLOWS.format(rests) if rests else CALCULATED
 
 
 def _lines(numbers: Iterable[int]) -> str:
