@@ -195,6 +195,8 @@ def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) ->
     brings = bool(new & set(lone(q)))
     if brings:
         note.brought.add(number)
+    if not display and not brings and INITIAL.search(note.words[number]):
+        return
     if not display and not brings:
         note.aside = [(n, o) for n, o in note.aside if n == number or o.letters != q.letters]
         note.aside.append((number, q))
@@ -294,7 +296,7 @@ def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Follo
                 return Followed(_sources(rules, asked), how=RATE, held=_held(rules, asked))
     for rules in sets:
         with suppress(*FAILS):
-            sources = _solves(rules, q)
+            sources = _solves(note, rules, q)
             if sources:
                 return Followed(sources, how=RATE)
     for view, rules in product([*views, *_squares(q)], sets) if judged else ():
@@ -323,7 +325,7 @@ def _squares(q: Equal) -> list[View]:
     return [lambda q: Equal(q.left**2, q.right**2)] if rooted else []
 
 
-def _solves(rules: Rules, q: Equal) -> frozenset[int]:
+def _solves(note: _Note, rules: Rules, q: Equal) -> frozenset[int]:
     """Return the formulas of the equation of motion that a motion in closed form solves; none if none."""
     for name in lone(q):
         old = rules.known.get(name)
@@ -333,7 +335,8 @@ def _solves(rules: Rules, q: Equal) -> frozenset[int]:
         put_in = rules.copy()
         put_in.add(Rule(name, 0, sides[1], frozenset()))
         asked = Equal(derived(sides[0], old.order), old.value)
-        if agrees(asked, points(put_in)):
+        at = points(put_in)
+        if agrees(asked, at) and not _empties(note, asked, at):
             return old.sources | _sources(put_in, asked)
     return frozenset()
 
@@ -369,6 +372,8 @@ def _as_mode(note: _Note, number: int, q: Equal, new: frozenset[str]) -> Followe
     return None
 
 
+INITIAL = re.compile(r"release|initial|\brest\b|\bstart|\bbeg[ia]n|at time|at the time", re.IGNORECASE)
+"""Words before equations that hold at one time alone."""
 FREQUENCY = re.compile(r"frequenc|period|eigen|oscillat|mode\b|modes\b|nutation|libration", re.IGNORECASE)
 """Words before a line that says how fast something oscillates."""
 
