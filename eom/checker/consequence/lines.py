@@ -54,6 +54,8 @@ from eom.errors import InputError
 FAILS = (InputError, ZeroDivisionError, ValueError, TypeError, OverflowError)
 SETTLED = frozenset({HOLDS, UNDER, DEFINITION, ASSUMPTION})
 LAGRANGIANS = ("L", "cal L", "calligraphic L", "script L")
+KINETIC = ("T", "K", "E_kin", "E_k", "E_K", "T_kin", "E_c", "W_kin")
+POTENTIAL = ("V", "U", "P", "E_pot", "E_p", "E_P", "V_pot", "W_pot", "Pi")
 FIRM = 1
 """Equations that follow from one by which it is likelier to be right than one that does not."""
 
@@ -195,7 +197,7 @@ def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) ->
     brings = bool(new & set(lone(q)))
     if brings:
         note.brought.add(number)
-    if not display and not brings and INITIAL.search(note.words[number]):
+    if not display and not brings and _begins(q, note.words[number]):
         return
     if not display and not brings:
         note.aside = [(n, o) for n, o in note.aside if n == number or o.letters != q.letters]
@@ -251,6 +253,12 @@ def _speeds(note: _Note, q: Equal) -> list[Rule]:
     return found
 
 
+def _begins(q: Equal, words: str) -> bool:
+    """Return whether an equation in a sentence says what a letter is at the start alone."""
+    plain = all(e.is_Symbol or e.is_number for e in (q.left, q.right))
+    return plain and bool(INITIAL.search(words))
+
+
 def _is_slope(q: Equal) -> bool:
     """Return whether a letter is brought in as a derivative of another."""
     return bool(q.left.has(partial) or q.right.has(partial))
@@ -267,9 +275,7 @@ def _learn(note: _Note, number: int, q: Equal, new: frozenset[str]) -> None:
         note.weak.append((number, q))
         return
     note.rules.add(replace(rule, given=rule.name in set(lone(q))))
-    if rule.name in LAGRANGIANS and any(
-        k and k.order for k in map(letter, rule.value.free_symbols)
-    ):
+    if rule.name in LAGRANGIANS and _is_moving(rule):
         own = next(s for s in q.letters if letter(s).name == rule.name)
         note.lagrangian = (own, number)
 
@@ -402,7 +408,8 @@ def _sets(note: _Note) -> list[Rules]:
 
 def _made(note: _Note) -> Iterator[Rules]:
     yield note.rules
-    laws = [] if note.lagrangian is None else list(_lagrange(note, *note.lagrangian))
+    function = note.lagrangian or _energies(note)
+    laws = [] if function is None else list(_lagrange(note, *function))
     weak = [list(ws) for _, ws in groupby(note.weak, lambda w: w[0])][-MAX_WEAK:]
     last = [w for ws in weak[::-1] for w in ws[::-1]]
     more = [
@@ -424,6 +431,20 @@ def _made(note: _Note) -> Iterator[Rules]:
 
 MAX_WEAK = 3
 """Lines on letters that stand before which are tried as premises, the last ones first."""
+
+
+def _energies(note: _Note) -> tuple[Expr, int] | None:
+    """Return the kinetic less the potential energy, where a note gives both and no Lagrangian."""
+    known = note.rules.known
+    kinetic = next((n for n in KINETIC if n in known and _is_moving(known[n])), None)
+    potential = next((n for n in POTENTIAL if n in known), None)
+    if kinetic is None or potential is None:
+        return None
+    return known[kinetic].value - known[potential].value, max(known[kinetic].sources)
+
+
+def _is_moving(rule: Rule) -> bool:
+    return any(k and k.order for k in map(letter, rule.value.free_symbols))
 
 
 def _lagrange(note: _Note, function: Expr, number: int) -> Iterator[tuple[int, Equal]]:

@@ -220,3 +220,19 @@ def test_a_later_condition_on_the_same_letters_takes_the_place_of_the_earlier_on
 def test_what_moves_in_one_part_says_nothing_of_another():
     first = "# One\n\n$$\n\\dot v = -b\n$$\n\n# Two\n\n$$\n\\dot v = c\\sin w\n$$\n\n$$\nv\\dot v = -bv\n$$"
     assert 3 not in shown(first)
+
+
+def test_lagrange_equations_follow_from_two_energies():
+    energies = [
+        "#The mass is $m$, the length $l$.",
+        r"T = \frac12 ml^2(\dot\theta^2 + \Omega^2\sin^2\theta)",
+        r"V = -mgl\cos\theta",
+    ]
+    motion = r"\ddot\theta - \Omega^2\sin\theta\cos\theta + \frac gl\sin\theta = 0"
+    assert found(*energies, motion) == {3: "follows"}
+    assert found(*energies, motion.replace("- ", "+ ")) == {3: "unsure"}
+
+
+def test_what_holds_at_the_start_is_no_rule():
+    lines = [r"m\ddot x = -kx", "#It starts with $x = b$.", r"Q = \ddot x + \frac km x"]
+    assert found(*lines, r"\ddot x = 0") == {}
