@@ -19,10 +19,10 @@ DIGITS = 40
 MP = MPContext()
 MP.dps = DIGITS
 POINTS, MAX_SEEDS = 3, 24
-MAX_OPERATIONS = 4000
+MAX_OPERATIONS = 8000
 MAX_ROUNDS = 60
-MAX_SOLVED, MAX_TOGETHER = 600, 150
-"""Operations of equations that are solved, and of those that are brought to one denominator."""
+MAX_SOLVED, MAX_TOGETHER = 1200, 300
+"""Parts of equations that are solved, and of those that are brought to one denominator."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Rules:
     drawn: dict[int, list[Point]] = field(default_factory=dict)
     """Points, by how many equations say which root is meant there."""
 
-    kept: dict[str, Any] = field(default_factory=dict)
+    kept: dict[Any, Any] = field(default_factory=dict)
     """What else was found of these rules."""
 
     def copy(self) -> Rules:
@@ -76,9 +76,15 @@ class Rules:
                 return e, used
             e = e.xreplace({s: v for s, (v, _) in found.items()})
             used = used.union(*(u for _, u in found.values()))
-            if e.count_ops() > MAX_OPERATIONS:
+            if size(e, MAX_OPERATIONS) > MAX_OPERATIONS:
                 break
         raise InputError("too long a formula")
+
+    def full(self, s: Expr) -> Expr:
+        """Return a letter in letters that are free. Raises `InputError` where it gets too long."""
+        if s not in self.kept:
+            self.kept[s] = self.normal(s)[0]
+        return self.kept[s]
 
     def _is_known(self, s: Expr) -> bool:
         known = letter(s)
@@ -113,6 +119,15 @@ def _worked_out(e: Expr, rules: Rules) -> tuple[Expr, frozenset[int]]:
     return e, used
 
 
+def size(e: Expr, most: int) -> int:
+    """Return how many parts an expression has, counted up to a number."""
+    todo, found = [e], 0
+    while todo and found <= most:
+        found += 1
+        todo += todo.pop().args
+    return found
+
+
 # -- values ------------------------------------------------------------------------------------------
 
 
@@ -135,7 +150,7 @@ class Point:
 
     def _letter(self, s: Expr) -> Number:
         if s not in self.values:
-            full = self.rules.normal(s)[0]
+            full = self.rules.full(s)
             self.values[s] = self._drawn(s) if full == s else self.of_free(full)
         return self.values[s]
 
@@ -233,10 +248,10 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
     A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
     """
     whole, used = rules.normal(q.left - q.right)
-    size = whole.count_ops()
-    if size > MAX_SOLVED:
+    length = size(whole, MAX_SOLVED)
+    if length > MAX_SOLVED:
         return None
-    zero = sp.numer(sp.together(whole)) if size <= MAX_TOGETHER else whole
+    zero = sp.numer(sp.together(whole)) if length <= MAX_TOGETHER else whole
     for s in sorted(filter(letter, whole.free_symbols), key=lambda s: _rank(s, q, new)):
         known = letter(s)
         assert known is not None

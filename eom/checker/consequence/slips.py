@@ -53,12 +53,10 @@ def slip(
     found = []
     for side, path, part in _parts(q):
         try:
-            needed = [_needed(q, side, path, p, view) for p in at]
+            needed = _needed(view(_put(q, side, path, part * FACTOR)), at)
         except (InputError, ZeroDivisionError, ValueError, TypeError):
             continue
-        if None in needed:
-            continue
-        for factor in _factors([n for n in needed if n is not None], [*_atoms(q), *letters], at):
+        for factor in _factors(needed, [*_atoms(q), *letters], at) if needed else ():
             mended = _put(q, side, path, part * factor)
             if agrees(view(mended), at) and not agrees(view(mended), loose):
                 found.append(Slip(part, factor, mended))
@@ -101,16 +99,22 @@ def _put(q: Equal, side: str, path: Path, new: Expr) -> Equal:
     return replace(q, **{side: put(getattr(q, side), path)})
 
 
-def _needed(q: Equal, side: str, path: Path, at: Point, view: View) -> Number | None:
-    """Return by what a part has to be multiplied at a point; None where the line is not linear in it."""
-    part = getattr(q, side)
-    for k in path:
-        part = part.args[k]
-    values = []
-    for k in TRIED:
-        changed = view(_put(q, side, path, part * k))
-        values.append(at.of(changed.left) - at.of(changed.right))
-    return _root(values)
+FACTOR = sp.Dummy("factor")
+
+
+def _needed(q: Equal, at: Sequence[Point]) -> list[Number]:
+    """Return what a factor has to be at points; nothing where an equation is not linear in it."""
+    found = []
+    for p in at:
+        values = []
+        for k in TRIED:
+            p.values[FACTOR] = MP.mpf(k)
+            values.append(p.of(q.left) - p.of(q.right))
+        root = _root(values)
+        if root is None:
+            return []
+        found.append(root)
+    return found
 
 
 TRIED = (2, 3, 5, 7)
