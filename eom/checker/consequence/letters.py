@@ -7,7 +7,7 @@ A function and its derivatives are symbols of their own, `jet`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -34,8 +34,8 @@ from eom.checker.mean.claims import CONSTANT, EQUALITIES, Claim, claims
 from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
 from eom.checker.mean.model import model_of
 from eom.checker.read.statements import Formula, Statement
-from eom.checker.read.symbol_shape import Look, seen
-from eom.checker.read.syntax import Derivative, Node, Number, children, walk
+from eom.checker.read.symbol_shape import Look, Seen, seen
+from eom.checker.read.syntax import Derivative, Group, Marks, Node, Number, Product, children, walk
 from eom.checker.read.writing import latex_of
 from eom.errors import InputError
 from eom.system import System
@@ -53,27 +53,43 @@ IMAGINARY = Look("i")
 
 @dataclass(frozen=True)
 class Letter:
-    """A letter of a note, or one of its derivatives by the time."""
+    """A letter of a note, or one of its derivatives by the time; ``kind``: `STAYS`, `CHANGES`, `MAY`."""
 
     name: str
     order: int
-    moving: bool
+    kind: str
+
+    @property
+    def moving(self) -> bool:
+        """Whether it has derivatives."""
+        return self.kind != STAYS
+
+
+STAYS, CHANGES, MAY = "", "t", "q"
+"""Letters of constants, letters with dots, and those that change only where they are given by such."""
 
 
 _BETWEEN = "|"
 
 
 @lru_cache(maxsize=4096)
-def jet(name: str, order: int = 0, *, moving: bool = True) -> Expr:
+def jet(name: str, order: int = 0, kind: str = CHANGES) -> Expr:
     """Return the symbol of a letter, or of its derivative; constants have none."""
-    return sp.Symbol(_BETWEEN.join((name, "'" * order, "t" if moving else "")), real=True)
+    return sp.Symbol(_BETWEEN.join((name, "'" * order, kind)), real=True)
+
+
+def derived(symbol: Expr, order: int) -> Expr:
+    """Return the symbol of a derivative of a letter, of which any symbol is given."""
+    known = letter(symbol)
+    assert known is not None
+    return jet(known.name, order, known.kind)
 
 
 @lru_cache(maxsize=4096)
 def letter(symbol: Expr) -> Letter | None:
     """Return what a symbol stands for, None for all but letters of a note."""
     parts = symbol.name.rsplit(_BETWEEN, 2) if symbol.is_Symbol else []
-    return Letter(parts[0], len(parts[1]), bool(parts[2])) if len(parts) == 3 else None
+    return Letter(parts[0], len(parts[1]), parts[2]) if len(parts) == 3 else None
 
 
 def is_component(symbol: Expr) -> bool:
@@ -93,7 +109,7 @@ def rate(e: Expr) -> Expr:
     for s in e.free_symbols:
         known = letter(s)
         if known is not None and known.moving:
-            parts.append(e.diff(s) * jet(known.name, known.order + 1))
+            parts.append(e.diff(s) * derived(s, known.order + 1))
     return sp.Add(*parts)
 
 
@@ -126,6 +142,7 @@ class Letters:
 
     lexicon: Lexicon
     still: frozenset[str]
+    quiet: frozenset[str]
     spellings: Mapping[str, str]
     arrays: Arrays = field(default_factory=Arrays)
 
@@ -139,6 +156,9 @@ class Letters:
         plain = self.spellings.get(one.name, one.name)
         return rf"\{'d' * one.order}ot{{{plain}}}" if one.order else plain
 
+    def _kind(self, name: str) -> str:
+        return STAYS if name in self.still else MAY if name in self.quiet else CHANGES
+
     def read(self, formula: Formula) -> Read:
         """Return what a formula says is equal, and whether that is all it says."""
         if formula.reading is None:
@@ -147,6 +167,8 @@ class Letters:
         return Read(tuple(q for p in parts for q in p.equations), whole=all(p.whole for p in parts))
 
     def _said(self, statement: Statement) -> Read:
+        if any(when != Look("t") for m in statement.members for _, when in _calls(m)):
+            return Read((), whole=False)
         parts = [self._pairs(c, Whole(self, statement, k)) for k, c in self._claims(statement)]
         whole = all(p.whole for p in parts) and len(parts) > 0 and not statement.conditions
         return Read(tuple(q for p in parts for q in p.equations), whole=whole)
@@ -195,7 +217,9 @@ class Letters:
             )
         if term.head == "atom" and term.data[0] in {MOVING, STILL}:
             name = str(term.data[1])
-            return sp.I if name == IMAGINARY.text else jet(name, moving=name not in self.still)
+            return sp.I if name == IMAGINARY.text else jet(name, 0, self._kind(name))
+        if term.head == "since" and term.args[0].data == (sp.S.One,):
+            return TIME
         found = self._components(scalars).of(term)
         if size(found) != (1, 1):
             raise InputError("this is no scalar", got=described(term))
@@ -239,10 +263,10 @@ class Letters:
         if quantity not in {"vector", "dyadic"}:
             return None
         name = f"{labels[0]}^{frame}" if frame else str(labels[0])
-        moving = name not in self.arrays.still
+        kind = STAYS if name in self.arrays.still else CHANGES
 
         def one(label: str) -> Expr:
-            return jet(f"{name} {label}", moving=moving)
+            return jet(f"{name} {label}", 0, kind)
 
         if name in self.arrays.triads and not frame:
             triad, axis = self.arrays.triads[name]
@@ -289,6 +313,9 @@ _CONSTANT = re.compile(
     re.IGNORECASE,
 )
 """Words for what does not change with time."""
+NUMBERS = frozenset({Look("t"), Look("pi"), Look("infty")})
+"""Letters that no note uses for anything else: the time, numbers."""
+_EULER = Look("e")
 USUAL = frozenset("g m M l ell R I J Theta k mu rho varrho".split())
 """Letters of which everybody means constants, where they have no dots."""
 
@@ -300,24 +327,28 @@ def letters_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Le
     change with time.
     """
     members = [m for f in formulas for s in f.statements if s.relational for m in s.members]
-    pairs = [pair for m in members for pair in _looks(m)]
-    dotted = {look for look, dots in pairs if dots} | {k for m in members for k in _below(m)}
-    looks = dict.fromkeys(look for look, _ in pairs)
+    shown = [one for m in members for one in _looks(m)]
+    dotted = {s.look for s in shown if s.dots} | {k for m in members for k in _below(m)}
+    looks = dict.fromkeys(k for s in shown for k in (s.look, _primed(s)) if k is not None)
+    numbers = NUMBERS | {s.look for s in shown if s.look == _EULER and s.raised}
     named = {m.look for s in said(text) if _CONSTANT.search(s.words) for m in s.of}
     usual = {k for k in looks if k.name in USUAL and not k.style and not k.accents}
-    still = frozenset(k.text for k in (named | usual) - dotted)
-    plain = [k for k in looks if k.style in PLAIN and k != Look("t") and not _decorated(k)]
+    still = frozenset(name_of(k) for k in (named | usual | _fixed(looks)) - dotted)
+    plain = [k for k in looks if k.style in PLAIN and k not in numbers and not _decorated(k)]
     nothing = model_of(System.from_rates("nothing", {sp.Symbol("nothing_", real=True): sp.S.Zero}))
+    quiet = frozenset(name_of(k) for k in plain if k not in dotted and not k.called)
+    spelt = {name_of(k): latex_of(k) for k in plain}
 
     def dressed(dress: Dress) -> Letters:
         arrays = dress.arrays
         layer = tuple(
-            Entry(k, Meaning(STILL if k.text in still else MOVING, (k.text,)), k.text)
+            Entry(k, Meaning(STILL if name_of(k) in still else MOVING, (name_of(k),)), k.text)
             for k in plain
             if k not in arrays.looks
         )
+        layer += (Entry(Look("t"), Meaning("time", ()), "t"),)
         own = replace(lexicon, layers=(layer,), scopes=(), system=nothing)
-        found = Letters(own, still, {k.text: latex_of(k) for k in plain}, arrays)
+        found = Letters(own, still, quiet, spelt, arrays)
         return _with_arrays(found, lexicon) if arrays.entries else found
 
     return dressed(dress_of(formulas, text, lexicon).settled(lambda d: dressed(d).reads))
@@ -340,24 +371,51 @@ def _with_arrays(letters: Letters, lexicon: Lexicon) -> Letters:
     return replace(letters, lexicon=own, still=still, spellings={**letters.spellings, **spelt})
 
 
+def name_of(look: Look) -> str:
+    r"""Return the name of a letter; ``\mathcal{L}`` and L are two."""
+    return f"{look.style} {look.text}" if look.style else look.text
+
+
+def _primed(one: Seen) -> Look | None:
+    """Return the look of a letter with primes, which is another letter."""
+    return one.with_label() if one.raised and isinstance(one.raised[0], Marks) else None
+
+
+def _fixed(looks: Iterable[Look]) -> set[Look]:
+    """Return letters of what is as it begins, v_0."""
+    return {k for k in looks if k.sub == ("0",)}
+
+
 def _decorated(look: Look) -> bool:
     """Return whether a letter has marks or labels that scalars have not."""
     return bool(look.accents or look.presub or look.presup)
 
 
-def _looks(node: Node) -> Iterator[tuple[Look, int]]:
+def _looks(node: Node) -> Iterator[Seen]:
     found = None if isinstance(node, Number) else seen(node)
     if found is not None:
-        yield found.look, found.dots
+        yield found
+        for above in found.raised:
+            yield from _looks(above)
         return
     for inside in children(node):
         yield from _looks(inside)
 
 
 def _below(node: Node) -> Iterator[Look]:
-    """Yield the letters of which a derivative by the time is written as a fraction."""
+    """Yield the letters of which a derivative is written as a fraction, and functions of the time."""
     for inside in walk(node):
-        if isinstance(inside, Derivative) and inside.operand is not None:
-            found = seen(inside.operand)
-            if found is not None:
-                yield found.look
+        given: list[Node | None] = []
+        if isinstance(inside, Derivative):
+            given = [inside.operand]
+        yield from (found.look for n in given if n is not None and (found := seen(n)))
+    yield from (found.look for n, _ in _calls(node) if (found := seen(n)))
+
+
+def _calls(node: Node) -> Iterator[tuple[Node, Look]]:
+    """Yield functions of the time, or what they are at an instant, and this."""
+    for inside in walk(node):
+        for a, b in pairwise(inside.factors) if isinstance(inside, Product) else ():
+            found = seen(b.body) if isinstance(b, Group) and b.open == "(" else None
+            if found is not None and found.look.name == "t" and not found.dots:
+                yield a, found.look

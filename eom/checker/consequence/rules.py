@@ -11,7 +11,16 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from eom.checker.consequence.letters import Equal, Expr, is_component, letter, partial, rate, timed
+from eom.checker.consequence.letters import (
+    MAY,
+    Equal,
+    Expr,
+    is_component,
+    letter,
+    partial,
+    rate,
+    timed,
+)
 from eom.errors import InputError
 
 Number = Any
@@ -19,8 +28,10 @@ DIGITS = 40
 MP = MPContext()
 MP.dps = DIGITS
 POINTS, MAX_SEEDS = 3, 24
-MAX_NODES, MAX_NODES_OF_COMPONENT = 8000, 300
+MAX_OPERATIONS = 8000
 MAX_ROUNDS = 60
+MAX_SOLVED, MAX_TOGETHER = 1200, 300
+"""Parts of equations that are solved, and of those that are brought to one denominator."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +44,8 @@ class Rule:
     sources: frozenset[int]
     squared: bool = False
     """Whether it is a root that was taken."""
+    given: bool = False
+    """Whether the letter stands alone on a side of its equation."""
 
 
 @dataclass
@@ -43,6 +56,11 @@ class Rules:
     signs: list[Equal] = field(default_factory=list)
     """Equations that say which root of a square is meant."""
     memo: dict[Expr, tuple[Expr, frozenset[int]]] = field(default_factory=dict)
+    drawn: dict[int, list[Point]] = field(default_factory=dict)
+    """Points, by how many equations say which root is meant there."""
+
+    kept: dict[Any, Any] = field(default_factory=dict)
+    """What else was found of these rules."""
 
     def copy(self) -> Rules:
         """Return the same rules, to which others may be added."""
@@ -51,7 +69,7 @@ class Rules:
     def add(self, rule: Rule) -> None:
         """Take in a rule for a letter that has none."""
         self.known[rule.name] = rule
-        self.memo = {}
+        self.memo, self.drawn, self.kept = {}, {}, {}
 
     def normal(self, e: Expr) -> tuple[Expr, frozenset[int]]:
         """Return an expression in letters that are free, and the formulas that this rests on.
@@ -67,9 +85,15 @@ class Rules:
                 return e, used
             e = e.xreplace({s: v for s, (v, _) in found.items()})
             used = used.union(*(u for _, u in found.values()))
-            if _is_longer(e, MAX_NODES):
+            if size(e, MAX_OPERATIONS) > MAX_OPERATIONS:
                 break
         raise InputError("too long a formula")
+
+    def full(self, s: Expr) -> Expr:
+        """Return a letter in letters that are free. Raises `InputError` where it gets too long."""
+        if s not in self.kept:
+            self.kept[s] = self.normal(s)[0]
+        return self.kept[s]
 
     def _is_known(self, s: Expr) -> bool:
         known = letter(s)
@@ -88,11 +112,6 @@ class Rules:
         return self.memo[s]
 
 
-def _is_longer(e: Expr, most: int) -> bool:
-    """Return whether an expression has more nodes than this when it is written out."""
-    return next(islice(sp.preorder_traversal(e), most, None), None) is not None
-
-
 def _worked_out(e: Expr, rules: Rules) -> tuple[Expr, frozenset[int]]:
     """Return an expression with its partial derivatives, each of what is written in free letters."""
     used: frozenset[int] = frozenset()
@@ -107,6 +126,15 @@ def _worked_out(e: Expr, rules: Rules) -> tuple[Expr, frozenset[int]]:
         else:
             raise InputError("a derivative by what is no letter")
     return e, used
+
+
+def size(e: Expr, most: int) -> int:
+    """Return how many parts an expression has, counted up to a number."""
+    todo, found = [e], 0
+    while todo and found <= most:
+        found += 1
+        todo += todo.pop().args
+    return found
 
 
 # -- values ------------------------------------------------------------------------------------------
@@ -131,7 +159,7 @@ class Point:
 
     def _letter(self, s: Expr) -> Number:
         if s not in self.values:
-            full = self.rules.normal(s)[0]
+            full = self.rules.full(s)
             self.values[s] = self._drawn(s) if full == s else self.of_free(full)
         return self.values[s]
 
@@ -148,6 +176,8 @@ class Point:
 
     def _drawn(self, s: Expr) -> Number:
         known = letter(s)
+        if known is not None and known.kind == MAY and known.order:
+            return MP.zero
         name = (
             f"{self.seed} {known.name} {known.order}" if known is not None else f"{self.seed} {s}"
         )
@@ -183,13 +213,26 @@ def evaluated(e: Expr, values: Mapping[Expr, Number]) -> Number:
 
 def points(rules: Rules) -> list[Point]:
     """Return points in general position, at which roots of squares have their signs."""
-    drawn = (Point(rules, seed) for seed in range(MAX_SEEDS))
-    return list(islice((p for p in drawn if all(_same(*p.sides(q)) for q in rules.signs)), POINTS))
+    key = len(rules.signs)
+    if key not in rules.drawn:
+        all_ = (Point(rules, seed) for seed in range(MAX_SEEDS))
+        fit = (p for p in all_ if all(_equal(q, p) for q in rules.signs))
+        rules.drawn[key] = list(islice(fit, POINTS))
+    return rules.drawn[key]
 
 
 def agrees(q: Equal, at: Sequence[Point]) -> bool:
     """Return whether two sides are equal at all points. Raises `InputError` where they have no values."""
-    return len(at) == POINTS and all(_same(*p.sides(q)) for p in at)
+    return len(at) == POINTS and all(_equal(q, p) for p in at)
+
+
+def _equal(q: Equal, at: Point) -> bool:
+    terms = [at.of(t) for e in (q.left, -q.right) for t in sp.Add.make_args(e)]
+    return bool(abs(MP.fsum(terms)) <= MP.mpf(10) ** -25 * (sum(map(abs, terms)) + FLOOR))
+
+
+FLOOR = 1e-6
+"""What counts as nothing beside values that are of the order of one."""
 
 
 def agrees_but_for_signs(q: Equal, at: Sequence[Point]) -> bool:
@@ -211,21 +254,22 @@ def _same(a: Number, b: Number) -> bool:
 def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | None:
     """Return the rule that an equation makes, for the letter that it says most of; None for none.
 
-    What is said of a vector alone is said of it. A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
+    A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
     """
     whole, used = rules.normal(q.left - q.right)
-    if q.whole is not None and _is_longer(whole, MAX_NODES_OF_COMPONENT):
+    length = size(whole, MAX_SOLVED)
+    if length > MAX_SOLVED:
         return None
-    zero = sp.numer(sp.together(whole))
+    zero = sp.numer(sp.together(whole)) if length <= MAX_TOGETHER else whole
     for s in sorted(filter(letter, whole.free_symbols), key=lambda s: _rank(s, q, new)):
         known = letter(s)
         assert known is not None
         others = {letter(o) for o in whole.free_symbols - {s}}
         if any(o and o.name == known.name and o.order >= known.order for o in others):
             continue
-        value = _alone(zero, s)
-        if value is not None:
-            squared = zero.diff(s).has(s)
+        found = _alone(zero, s)
+        if found is not None:
+            value, squared = found
             return Rule(known.name, known.order, value, used | {number}, squared=squared)
     return None
 
@@ -244,19 +288,26 @@ def _rank(s: Expr, q: Equal, new: frozenset[str]) -> tuple[bool, bool, bool, boo
     )
 
 
-def _alone(zero: Expr, s: Expr) -> Expr | None:
-    """Return what a symbol is where an expression vanishes that is linear in it, or in its square."""
-    slope = zero.diff(s)
-    if slope == 0:
+def _alone(zero: Expr, s: Expr) -> tuple[Expr, bool] | None:
+    """Return what a symbol is where an expression vanishes that is linear in it, or in its square: which.
+
+    Whether it is, is asked at a point.
+    """
+    if sp.S.Zero in (zero.diff(s), zero):
         return None
-    if not slope.has(s):
-        return -zero.xreplace({s: sp.S.Zero}) / slope
-    if slope.diff(s).has(s):
+    others = Point(Rules(), 0)
+    try:
+        low, zeroth, one, two = (others.of(zero.xreplace({s: sp.Integer(k)})) for k in (-1, 0, 1, 2))
+    except (InputError, ZeroDivisionError):
         return None
-    half = sp.expand(slope / (2 * s)) if sp.expand(slope).xreplace({s: sp.S.Zero}) == 0 else s
-    if half.has(s) or half == 0:
+    slope = one - zeroth
+    linear = _same(two - zeroth, 2 * slope) and _same(low - zeroth, -slope)
+    squared = _same(two - zeroth, 4 * slope) and _same(low, one)
+    if slope == 0 or not (linear or squared):
         return None
-    return sp.sqrt(-zero.xreplace({s: sp.S.Zero}) / half)
+    first = zero.xreplace({s: sp.S.Zero})
+    value = -first / (zero.xreplace({s: sp.S.One}) - first)
+    return (sp.sqrt(value) if squared else value), squared
 
 
 def lone(q: Equal) -> Iterator[str]:

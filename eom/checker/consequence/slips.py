@@ -7,17 +7,17 @@ line has a slip there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import permutations
 
 import sympy as sp
 
-from eom.checker.consequence.letters import Equal, Expr, is_component, jet, letter
+from eom.checker.consequence.letters import STAYS, Equal, Expr, is_component, jet, letter
 from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
-from eom.checker.consequence.whole import FACTOR, Whole
+from eom.checker.consequence.whole import FACTOR as WRITTEN
+from eom.checker.consequence.whole import Whole
 from eom.errors import InputError
 
 MAX_NUMBER = 12
@@ -39,72 +39,75 @@ class Slip:
         return bool(self.factor.is_number)
 
 
-def slip(q: Equal, rules: Rules, letters: frozenset[Expr] = frozenset()) -> Slip | None:
-    """Return the simplest slip without which an equation would follow by rules; None for none.
+View = Callable[[Equal], Equal]
+"""What is asked of an equation in the place of itself: itself, or its derivative by the time."""
+
+
+def slip(
+    q: Equal, at: Sequence[Point], letters: frozenset[Expr] = frozenset(), view: View = lambda q: q
+) -> Slip | None:
+    """Return the simplest slip without which an equation would hold at points; None for none.
 
     ``letters``: what may stand in the place of one of its own.
     """
-    at, loose = points(rules), points(Rules())
+    loose = points(Rules())
+    if len(at) < POINTS:
+        return None
     if q.whole is not None:
-        return _of_whole(q, q.whole, at, letters)
+        return _of_whole(q, q.whole, at, letters) if view(q) is q else None
     found = []
     for side, path, part in _parts(q):
         try:
-            needed = [_needed(q, side, path, p) for p in at]
+            needed = _needed(view(_put(q, side, path, part * FACTOR)), at)
         except (InputError, ZeroDivisionError, ValueError, TypeError):
             continue
-        if None in needed:
-            continue
-        for factor in _factors([n for n in needed if n is not None], [*_atoms(q), *letters], at):
+        for factor in _factors(needed, [*_atoms(q), *letters], at) if needed else ():
             mended = _put(q, side, path, part * factor)
-            if agrees(mended, at) and not agrees(mended, loose):
+            if agrees(view(mended), at) and not agrees(view(mended), loose):
                 found.append(Slip(part, factor, mended))
                 break
     return min(found, key=_simplicity, default=None)
 
 
-def _of_whole(q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Expr]) -> Slip | None:
-    """Return the simplest slip in what is written of an equation with vectors, the same for all components."""
-    if len(at) < POINTS:
-        return None
-    rules = at[0].rules
+def _of_whole(
+    q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Expr]
+) -> Slip | None:
+    """Return the simplest slip in what is written of an equation with vectors, one for all components."""
     sides = (s for e in whole.equations for s in (e.left, e.right))
-    key = ("slip", whole.link, tuple(rules.normal(s)[0] for s in sides))
+    key = ("slip", whole.link, tuple(at[0].rules.normal(s)[0] for s in sides))
     if key not in whole.memo:
-        whole.memo[key] = _slip_of(whole, [*_atoms(q), *letters], at)
+        atoms = [a for a in (*_atoms(q), *letters) if not any(map(is_component, a.free_symbols))]
+        whole.memo[key] = min(_written(whole, atoms, at), key=_simplicity, default=None)
     known: Slip | None = whole.memo[key]
     return known
 
 
-def _slip_of(whole: Whole, atoms: Sequence[Expr], at: Sequence[Point]) -> Slip | None:
-    found: list[Slip] = []
-    atoms = [a for a in atoms if not any(map(is_component, a.free_symbols))]
-    for written, equations in whole.scaled():
-        factors: Iterator[Expr] = iter(())
+def _written(whole: Whole, atoms: Sequence[Expr], at: Sequence[Point]) -> Iterator[Slip]:
+    """Yield slips in the parts of what is written."""
+    for latex, read in whole.scaled():
+        equations = [_put_in(e, FACTOR) for e in read]
+        needed: list[Number] = []
         with suppress(InputError, ZeroDivisionError, ValueError, TypeError):
-            needed = [n for p in at if (n := _factor(equations, p)) is not None]
-            if len(needed) == len(at):
-                factors = _factors(needed, atoms, at)
-        for factor in factors:
-            mended = tuple(
-                replace(e, left=_scaled(e.left, factor), right=_scaled(e.right, factor))
-                for e in equations
-            )
+            fixed = [e for e in equations if not {FACTOR} & (e.left - e.right).free_symbols]
+            if len(fixed) < len(equations) and all(agrees(e, at) for e in fixed):
+                needed = next((n for e in equations if e not in fixed if (n := _needed(e, at))), [])
+        for factor in _factors(needed, atoms, at) if needed else ():
+            mended = [_put_in(e, factor) for e in read]
             if _mends(mended, at):
-                part = jet(written, moving=False)
-                found.append(Slip(part, factor, _summed(mended)))
+                yield Slip(jet(latex, 0, STAYS), factor, _summed(mended))
                 break
-    return min(found, key=_simplicity, default=None)
 
 
-def _scaled(e: Expr, factor: Expr) -> Expr:
-    return e.xreplace({SCALE: factor})
+def _put_in(e: Equal, factor: Expr) -> Equal:
+    return Equal(e.left.xreplace({SCALE: factor}), e.right.xreplace({SCALE: factor}))
 
 
 def _mends(equations: Sequence[Equal], at: Sequence[Point]) -> bool:
     """Return whether all components agree at points, and not by themselves."""
     loose = points(Rules())
-    return all(agrees(e, at) for e in equations) and not all(agrees(e, loose) for e in equations)
+    with suppress(InputError, ZeroDivisionError, ValueError, TypeError):
+        return all(agrees(e, at) for e in equations) and not all(agrees(e, loose) for e in equations)
+    return False
 
 
 def _summed(equations: Sequence[Equal]) -> Equal:
@@ -115,27 +118,7 @@ def _summed(equations: Sequence[Equal]) -> Equal:
     )
 
 
-def _factor(equations: Sequence[Equal], at: Point) -> Number | None:
-    """Return by what a part of components has to be multiplied at a point; None for no such."""
-    for e in equations:
-        if SCALE in e.letters:
-            values = []
-            for k in TRIED:
-                put = {SCALE: sp.Integer(k)}
-                values.append(at.of(e.left.xreplace(put)) - at.of(e.right.xreplace(put)))
-            if any(abs(v) > TINY for v in values):
-                return _root(values)
-        elif not _agrees_at(e, at):
-            return None
-    return None
-
-
-def _agrees_at(e: Equal, at: Point) -> bool:
-    a, b = at.sides(e)
-    return bool(abs(a - b) <= TINY * (abs(a) + abs(b)))
-
-
-SCALE = jet(FACTOR.text, moving=False)
+SCALE = jet(WRITTEN.text, 0, STAYS)
 """The factor at a part of what is written."""
 
 
@@ -174,16 +157,22 @@ def _put(q: Equal, side: str, path: Path, new: Expr) -> Equal:
     return replace(q, **{side: put(getattr(q, side), path)})
 
 
-def _needed(q: Equal, side: str, path: Path, at: Point) -> Number | None:
-    """Return by what a part has to be multiplied at a point; None where the line is not linear in it."""
-    part = getattr(q, side)
-    for k in path:
-        part = part.args[k]
-    values = []
-    for k in TRIED:
-        changed = _put(q, side, path, part * k)
-        values.append(at.of(changed.left) - at.of(changed.right))
-    return _root(values)
+FACTOR = sp.Dummy("factor")
+
+
+def _needed(q: Equal, at: Sequence[Point]) -> list[Number]:
+    """Return what a factor has to be at points; nothing where an equation is not linear in it."""
+    found = []
+    for p in at:
+        values = []
+        for k in TRIED:
+            p.values[FACTOR] = MP.mpf(k)
+            values.append(p.of(q.left) - p.of(q.right))
+        root = _root(values)
+        if root is None:
+            return []
+        found.append(root)
+    return found
 
 
 TRIED = (2, 3, 5, 7)
@@ -207,8 +196,6 @@ def _root(values: Sequence[Number]) -> Number | None:
 
 
 TINY = MP.mpf(10) ** -20
-ROUGH = 1e-9
-"""Relative error of plain numbers, by which quotients are told apart before all digits are asked."""
 
 
 def _factors(
@@ -220,17 +207,23 @@ def _factors(
         yield number
         return
     atoms = [sp.S.One, *sorted(set(atoms), key=str)]
-    values = {a: [p.of(a) for p in at] for a in atoms}
-    first, second = ({a: complex(v[k]) for a, v in values.items()} for k in (0, 1))
-    steps = complex(needed[0]), complex(needed[1])
-    for a, b in permutations(atoms, 2):
-        near = steps[0] * first[b] * second[a], steps[1] * second[b] * first[a]
-        if abs(near[0] - near[1]) > ROUGH * abs(near[0]):
-            continue
-        rest = [n * y / x for n, x, y in zip(needed, values[a], values[b], strict=True)]
-        number = _number(rest, most=2)
-        if number is not None:
-            yield number * a / b
+    drawn = {a: [p.of(a) for p in at] for a in atoms}
+    values = {a: v for a, v in drawn.items() if all(v)}
+    alike: dict[tuple[float, ...], list[Expr]] = {}
+    for a, v in values.items():
+        alike.setdefault(_direction(v), []).append(a)
+    for b, v in values.items():
+        product = [n * y for n, y in zip(needed, v, strict=True)]
+        for a in alike.get(_direction(product), ()):
+            number = _number([x / y for x, y in zip(product, values[a], strict=True)], most=2)
+            if number is not None and a != b:
+                yield number * a / b
+
+
+def _direction(values: Sequence[Number]) -> tuple[float, ...]:
+    """Return what rows of values have in common that are multiples of one another, to a few digits."""
+    first = values[0]
+    return tuple(float(f"{float(MP.re(v / first)):.9e}") for v in values)
 
 
 def _atoms(q: Equal) -> frozenset[Expr]:

@@ -65,7 +65,7 @@ def key(e: Elaborator, node: Node) -> str:
     if isinstance(node, Addition):
         return "".join(labels(node)) if key(e, node.terms[0]) and not node.signs[0] else ""
     found = seen(node)
-    if found is None or found.dots or found.look.accents:
+    if found is None or found.dots or found.look.accents or not _unraised(found):
         return ""
     bare = _letter(found)
     if bare == e.running and not found.look.sub:
@@ -75,6 +75,11 @@ def key(e: Elaborator, node: Node) -> str:
     if found.look.name != "t" or found.look.style or not timely:
         return ""
     return "".join(found.look.sub) or bare
+
+
+def _unraised(found: Seen) -> bool:
+    """Return whether nothing but primes is raised: the square of a time is no instant."""
+    return all(isinstance(n, Marks) for n in found.raised)
 
 
 def _letter(found: Seen) -> str:

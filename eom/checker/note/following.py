@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from eom.checker.consequence.letters import Letters, letters_of
-from eom.checker.consequence.lines import Followed, followed
+from eom.checker.consequence.lines import RATE, Followed, followed
 from eom.checker.consequence.slips import Slip
 from eom.checker.infer.sayings import prose
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG
@@ -34,14 +34,47 @@ def decided(
     if not open_:
         yield from found
         return
-    letters = letters_of([u.formula for u in understood], prose(document), lexicon)
-    known = followed(letters, understood, verdicts, open_)
-    for number, finding in enumerate(found):
-        what = known.get(number)
-        if what is None or (what.slip is not None and not what.sure and finding.verdict == UNSURE):
-            yield finding
+    text, words = prose(document), words_before(document, understood)
+    told: dict[int, Finding] = {}
+    for numbers in _ranges(understood):
+        part = [understood[n] for n in numbers]
+        letters = letters_of([u.formula for u in part], text, lexicon)
+        wanted = [k for k, n in enumerate(numbers) if n in open_ and n not in told]
+        known = followed(
+            letters, part, [verdicts[n] for n in numbers], wanted, [words[n] for n in numbers]
+        )
+        there = [found[n] for n in numbers]
+        for k, what in known.items():
+            one = found[numbers[k]]
+            if what.slip is None or what.sure or one.verdict != UNSURE:
+                told[numbers[k]] = _told(one, what, k, there, letters)
+    yield from (told.get(n, f) for n, f in enumerate(found))
+
+
+def words_before(document: Document, understood: Sequence[Understood]) -> list[str]:
+    """Return for each formula the words that stand before it, from the display before on."""
+    words: dict[int, str] = {}
+    last: list[str] = []
+    for piece in document.pieces:
+        if piece.is_formula:
+            words[piece.span.start] = " ".join(last)
+            last = last if piece.kind == "inline" else []
         else:
-            yield _told(finding, what, number, found, letters)
+            last.append(piece.body)
+    return [words.get(u.formula.piece.span.start, "") for u in understood]
+
+
+def _ranges(understood: Sequence[Understood]) -> Iterator[list[int]]:
+    """Yield the numbers of the formulas of each part of a note, then of the whole note.
+
+    A letter may be something else in another part: what follows within one goes first.
+    """
+    parts: dict[tuple[str, ...], list[int]] = {}
+    for n, u in enumerate(understood):
+        parts.setdefault(u.headings, []).append(n)
+    if len(parts) > 1:
+        yield from parts.values()
+    yield list(range(len(understood)))
 
 
 def _told(
@@ -52,18 +85,28 @@ def _told(
         _lines(found[n].line for n in ns - {number}) for ns in (what.sources, what.under)
     )
     if what.slip is None:
-        reason = FOLLOWS.format(rests) if rests else CALCULATED
+        reason = _reason(what, rests)
+        if what.held:
+            held = ", ".join(sorted(f"${letters.latex(s)}$" for s in what.held))
+            reason = f"if {held} do{'es' * (len(what.held) == 1)} not change, {reason}"
         if open_:
-            return replace(
-                finding, verdict=UNDER, reason=f"what stands in {open_} is true: {reason}"
-            )
-        return replace(finding, verdict=HOLDS, reason=reason)
+            reason = f"what stands in {open_} is true: {reason}"
+        verdict = UNDER if open_ or what.held or what.how == RATE else HOLDS
+        return replace(finding, verdict=verdict, reason=reason)
     said = _slip(what.slip, letters)
     if what.sure:
         return replace(finding, verdict=WRONG, reason=f"{said}, by {rests}" if rests else said)
     return replace(
         finding, verdict=UNSURE, reason=f"if what stands in {rests} is true, then: {said}"
     )
+
+
+def _reason(what: Followed, rests: str) -> str:
+    if what.how == RATE:
+        return f"its derivative by the time follows from {rests}; what it is at one time is as it says"
+    if what.how:
+        return f"it is the {what.how} of what moves as {rests} say{'s' * (' and ' not in rests)}"
+    return FOLLOWS.format(rests) if rests else CALCULATED
 
 
 def _lines(numbers: Iterable[int]) -> str:

@@ -8,6 +8,7 @@ from eom.checker.infer.draft import meanings
 from eom.checker.infer.sayings import prose
 from eom.checker.judge.judge import UNDECIDED
 from eom.checker.judge.notes import understand
+from eom.checker.note.following import words_before
 from eom.checker.read.documents import Text, document_of
 
 
@@ -18,14 +19,15 @@ def shown(note):
     understood = understand(document, lexicon)
     letters = letters_of([u.formula for u in understood], prose(document), lexicon)
     displays = [k for k, u in enumerate(understood) if u.formula.piece.kind == "display"]
-    known = followed(letters, understood, [UNDECIDED] * len(understood), displays)
+    verdicts, words = [UNDECIDED] * len(understood), words_before(document, understood)
+    known = followed(letters, understood, verdicts, displays, words)
     return {displays.index(n) + 1: word(f, letters) for n, f in known.items()}
 
 
 def word(f, letters):
     if f.slip is not None:
         return "wrong" if f.sure else "unsure", letters.latex(f.slip.factor)
-    return ("under" if f.under else "follows"), ""
+    return ("under" if f.under or f.held else "follows"), ""
 
 
 def note(*parts):
@@ -82,7 +84,8 @@ def test_letters_without_words_may_change_with_time():
     assert found(r"E = J w^2", r"\frac{dE}{dt} = 0") == {}
     assert found(r"E = J w^2", r"\dot E = 2Jw\dot w") == {2: "follows"}
     words = "#The moment of inertia is $q$."
-    assert found(r"E = q w^2", r"\dot E = 2qw\dot w") == {}
+    assert found(r"E = q w^2", r"\dot E = 2qw\dot w") == {2: "under"}
+    assert found(r"E = q w^2", r"\dot q = 3, \dot E = 2qw\dot w") == {}
     assert found(words, r"E = q w^2", r"\dot E = 2qw\dot w") == {2: "follows"}
 
 
@@ -111,15 +114,15 @@ def test_lines_follow_from_a_lagrangian(line, expected):
 def test_two_real_equations_become_a_complex_one():
     real = r"\ddot x = 2\Omega\dot y - kx, \quad \ddot y = -2\Omega\dot x - ky"
     complex_ = r"\ddot\zeta + 2i\Omega\dot\zeta + k\zeta = 0"
-    assert found(real, "#With $\\zeta = x + iy$", complex_) == {2: "follows"}
+    assert found(real, "#With $\\zeta = x + iy$", complex_) == {2: "under"}
     wrong = complex_.replace("+ 2i", "- 2i")
     assert found(real, "#With $\\zeta = x + iy$", wrong).get(2) in {"unsure", None}
 
 
 def test_the_root_of_a_square_may_have_either_sign():
     square = r"\lambda^2 = \frac{((J - K)\Omega + h)^2}{K^2}"
-    assert found(square, r"\lambda = \frac{J - K}{K}\Omega + \frac hK") == {2: "follows"}
-    assert found(square, r"\lambda = \frac{K - J}{K}\Omega - \frac hK") == {2: "follows"}
+    assert found(square, r"\lambda = \frac{J - K}{K}\Omega + \frac hK") == {2: "under"}
+    assert found(square, r"\lambda = \frac{K - J}{K}\Omega - \frac hK") == {2: "under"}
 
 
 def test_a_line_that_is_read_in_part_is_not_said_to_follow():
@@ -130,3 +133,106 @@ def test_special_cases_are_no_slips():
     """The general line holds with other letters: what is special is not wrong."""
     general = [r"Q = \frac{G}{m + J}", "#A hoop has"]
     assert found(*general, "Q = \\frac{G}{2m}") in ({}, {2: "unsure"})
+
+
+DRIVEN = [r"m\ddot x = -kx", r"\ddot y = -a y", r"#With the constant $x_0$:"]
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (r"x(t) = x_0\cos\left(\sqrt{k/m}\,t\right)", "under"),
+        (r"x(t) = x_0\cos\left(\sqrt{m/k}\,t\right)", None),
+        (r"\frac12 m\dot x^2 + \frac12 kx^2 = \mathrm{const}", "under"),
+        (r"\frac12 m\dot x^2 + kx^2 = \mathrm{const}", "unsure"),
+        (r"\frac12 m\dot x^2 - \frac12 kx^2 = \frac12 kx_0^2", "unsure"),
+    ],
+)
+def test_integrals_follow_but_for_a_constant(line, expected):
+    assert found(*DRIVEN, line).get(3) == expected
+
+
+def test_a_law_whose_terms_all_vanish_proves_nothing():
+    """Letters without dots do not change by themselves: that their sum is constant is no finding."""
+    assert found("E = b w^2 + u", r"\frac{dE}{dt} = 0") == {}
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (r"\omega_0^2 = \frac{k}{m}", "under"),
+        (r"\omega_0 = \sqrt{\frac{k}{m}}", "under"),
+        (r"\omega_0 = \sqrt{\frac{2k}{m}}", "unsure"),
+        (r"T_0 = 2\pi\sqrt{\frac{m}{k}}", "under"),
+        (r"T_0 = \pi\sqrt{\frac{m}{k}}", "unsure"),
+    ],
+)
+def test_frequencies_are_those_of_what_moves(line, expected):
+    words = "#The frequency, and the period, follow:"
+    known = found(r"m\ddot x = -kx", words, line)
+    assert known.get(2) == expected
+
+
+def test_frequencies_of_coupled_letters():
+    coupled = [
+        r"a\ddot x + cx + s(x - y) = 0, \quad a\ddot y + cy + s(y - x) = 0",
+        "#Both swing together or against one another.",
+    ]
+    assert found(*coupled, r"\lambda^2 = \frac{c + 2s}{a}") == {2: "under"}
+    assert found(*coupled, r"\lambda^2 = \frac{c + s}{a}") == {}
+
+
+def test_a_number_that_is_no_frequency_is_one_only_where_words_say_so():
+    assert found(r"m\ddot x = -kx", r"u = \sqrt{\frac{2k}{m}}") == {}
+
+
+ARM = ["#Here $c_1 = \\cos q_1$, $s_{12} = \\sin(q_1 + q_2)$ and so on.", "#The lengths are $l$, $h$."]
+PLACE = r"x_2 = lc_1 + hc_{12}, \quad y_2 = ls_1 + hs_{12}"
+
+
+def test_shorthands_are_used_by_their_pattern():
+    rates = r"\dot x_2 = -ls_1\dot q_1 - hs_{12}(\dot q_1 + \dot q_2)"
+    assert found(*ARM, PLACE, rates) == {2: "follows"}
+    assert found(*ARM, PLACE, rates.replace("-ls_1", "-lc_1")) == {2: "unsure"}
+
+
+def test_a_speed_is_that_of_the_coordinates_with_its_label():
+    square = r"v_2^2 = l^2\dot q_1^2 + h^2(\dot q_1+\dot q_2)^2 + 2lhc_2\dot q_1(\dot q_1+\dot q_2)"
+    assert found(*ARM, PLACE, square) == {2: "follows"}
+    assert found(*ARM, PLACE, square.replace("c_2", "c_{12}") + ", \\quad b = c_2") != {2: "follows"}
+
+
+def test_primes_make_other_letters():
+    assert found("mv_1' = mv_1 - J", "J = m(v_1 - v_1')") == {2: "under"}
+    assert found("mv_1' = mv_1 - J", "J = m(v_1 + v_1')") == {2: "unsure"}
+
+
+def test_a_value_at_an_instant_is_no_function():
+    assert found(r"\dot v = -b", "v(t_1) = c - b t_1") == {}
+
+
+def test_a_later_condition_on_the_same_letters_takes_the_place_of_the_earlier_one():
+    lines = ["Q = a\\ddot x + b\\ddot y", "#For $x = y$", "Q = (a + b)\\ddot y", "#and for $x = -y$"]
+    assert found(*lines, "Q = (b - a)\\ddot y").get(3) in {"follows", "under"}
+    assert found(*lines, "Q = (b + a)\\ddot y").get(3) in {"unsure", "wrong", None}
+
+
+def test_what_moves_in_one_part_says_nothing_of_another():
+    first = "# One\n\n$$\n\\dot v = -b\n$$\n\n# Two\n\n$$\n\\dot v = c\\sin w\n$$\n\n$$\nv\\dot v = -bv\n$$"
+    assert 3 not in shown(first)
+
+
+def test_lagrange_equations_follow_from_two_energies():
+    energies = [
+        "#The mass is $m$, the length $l$.",
+        r"T = \frac12 ml^2(\dot\theta^2 + \Omega^2\sin^2\theta)",
+        r"V = -mgl\cos\theta",
+    ]
+    motion = r"\ddot\theta - \Omega^2\sin\theta\cos\theta + \frac gl\sin\theta = 0"
+    assert found(*energies, motion) == {3: "follows"}
+    assert found(*energies, motion.replace("- ", "+ ")) == {3: "unsure"}
+
+
+def test_what_holds_at_the_start_is_no_rule():
+    lines = [r"m\ddot x = -kx", "#It starts with $x = b$.", r"Q = \ddot x + \frac km x"]
+    assert found(*lines, r"\ddot x = 0") == {}
