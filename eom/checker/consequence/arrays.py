@@ -15,7 +15,7 @@ import sympy as sp
 
 from eom.checker.mean.values import inverse_of
 from eom.errors import InputError
-from eom.terms.terms import COLUMN, DYADIC, MATRIX, VECTOR, Term
+from eom.terms.terms import COLUMN, DYADIC, MATRIX, SCALAR, TABLE, VECTOR, Term
 from eom.terms.vocabulary import described
 
 Expr = Any
@@ -131,7 +131,8 @@ class Components:
     """How terms become arrays: what scalars and letters are, rates, the frame of components, that of dots.
 
     ``expression``: of a scalar; ``letter``: of an atom that is no scalar, with the frame of a derivative
-    other than that of dots behind it, None for what is no letter.
+    other than that of dots behind it, None for what is no letter; ``turn``: the angular velocity of the axes
+    of the components, where these turn.
     """
 
     expression: Callable[[Term], Expr]
@@ -140,6 +141,7 @@ class Components:
     partial: Callable[[Expr, Expr], Expr]
     frame: str
     dot: str
+    turn: Array | None = None
 
     def of(self, term: Term) -> Array:
         """Return a term by components. Raises `InputError` for what is nothing in letters."""
@@ -172,10 +174,22 @@ class Components:
     def _rate(self, term: Term) -> Array:
         inside, (frame,) = term.args[0], term.data or ("",)
         if frame in {"", self.dot}:
-            return each(self.rate, self.of(inside))
+            plain = each(self.rate, self.of(inside))
+            return plain if self.turn is None else self._turned(inside, plain, self.turn)
         if inside.head == "atom":
             return self._atom(inside, frame)
         raise InputError("a derivative in another frame", got=frame)
+
+    def _turned(self, inside: Term, plain: Array, turn: Array) -> Array:
+        """Return a derivative with what the turning of the axes adds: of vectors, and of dyadics."""
+        if inside.kind in {SCALAR, TABLE} or inside.head == "entries":
+            return plain
+        if inside.kind == VECTOR:
+            return added(plain, crossed(turn, self.of(inside)))
+        if inside.kind != DYADIC:
+            raise InputError("a derivative of components in axes that turn")
+        left, right = times(skew(turn), self.of(inside)), times(self.of(inside), skew(turn))
+        return added(plain, left, each(lambda c: -c, right))
 
     def _atom(self, term: Term, frame: str) -> Array:
         found = self.letter(term, frame)

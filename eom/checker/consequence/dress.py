@@ -68,7 +68,8 @@ class Arrays:
     """Letters that are no scalars: their entries, and by name which are what.
 
     ``units``: vectors of unit length; ``turns``: rotation matrices; ``symmetric``: matrices;
-    ``triads``: of unit vectors that turn, with their axes; ``still``: what does not change; ``spellings``: LaTeX; ``frame``: that of all components.
+    ``triads``: of unit vectors that turn, with their axes; ``turning``: whether that of the components does;
+    ``still``: what does not change; ``spellings``: LaTeX; ``frame``: that of all components.
     """
 
     entries: tuple[Entry, ...] = ()
@@ -76,6 +77,7 @@ class Arrays:
     turns: frozenset[str] = frozenset()
     symmetric: frozenset[str] = frozenset()
     triads: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    turning: bool = False
     still: frozenset[str] = frozenset()
     spellings: Mapping[str, str] = field(default_factory=dict)
     frame: str = FRAME
@@ -259,10 +261,17 @@ def _note_sides(found: _Shown, chain: Sequence[Node]) -> None:
         look = found.look(given)
         if given.raised and look == given.look:
             continue
-        if len(chain) > 1:
+        if len(chain) > 1 and not _within_triad(look, chain):
             found.alone.add(look)
         if sizes:
             found.sizes.setdefault(look, sizes[0])
+
+
+def _within_triad(look: Look, chain: Sequence[Node]) -> bool:
+    """Return whether a line is about the unit vectors of one triad alone."""
+    axis = _axis(look)
+    every = [_axis(s.look) for node in chain for s in _letters(node)]
+    return axis is not None and all(a is not None and a[0] == axis[0] for a in every)
 
 
 def _size(node: Node) -> tuple[int, int] | None:
@@ -379,11 +388,12 @@ def _triads(kinds: Mapping[Look, Kind], shown: _Shown) -> dict[Look, tuple[str, 
 
 def _basis(
     triads: Mapping[Look, tuple[str, str]], shown: _Shown, *, moving: bool
-) -> dict[Look, str]:
-    """Return the unit vectors of the one triad that nothing moves, with the numbers of their axes."""
-    still = len({t for t, _ in triads.values()}) == 1 and not triads.keys() & shown.dotted
+) -> tuple[dict[Look, str], bool]:
+    """Return the unit vectors of the one triad of a note, with their axes, and whether it turns."""
+    one = len({t for t, _ in triads.values()}) == 1
     named = all(k.name in TRIADS[0] or t.endswith("e x") for k, (t, _) in triads.items())
-    return {k: a for k, (_, a) in triads.items()} if still and (named or not moving) else {}
+    turning = bool(triads.keys() & shown.dotted) or (moving and not named)
+    return ({k: a for k, (_, a) in triads.items()} if one else {}), one and turning
 
 
 def _axis(look: Look) -> tuple[str, str] | None:
@@ -432,6 +442,7 @@ class Dress:
     turns: frozenset[Look]
     triads: Mapping[Look, tuple[str, str]]
     basis: Mapping[Look, str]
+    turning: bool
     body: bool
 
     def settled(self, reads: Callable[[Dress], Reads]) -> Dress:
@@ -478,12 +489,14 @@ class Dress:
         entries += [Entry(k, Meaning("identity_matrix"), k.text) for k in unit]
         vectors = {k for k, kind in kinds.items() if kind.what == VECTORS}
         given = shown.alone | shown.dotted | self.triads.keys()
+        still = set() if self.turning else self.still | self._steady()
         return Arrays(
             tuple(entries),
             units=_names(k for k in vectors if "hat" in k.accents and k not in given),
             turns=_names((self.turns & kinds.keys()) - vectors - shown.alone),
             symmetric=_names((self.inertias & kinds.keys()) - vectors),
-            still=_names((self.still | self._steady()) & kinds.keys() - shown.dotted),
+            turning=self.turning,
+            still=_names(still & kinds.keys() - shown.dotted),
             triads={name_of(k): t for k, t in self.triads.items() if k not in self.basis},
             spellings={name_of(k): latex_of(k) for k in kinds},
             frame=frame,
@@ -528,6 +541,7 @@ def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dres
     }
     body = any(_BODY.search(s) for s in text.sentences)
     triads = _triads(kinds, shown)
+    basis, turning = _basis(triads, shown, moving=body)
     gravity = {k for k in kinds if k.name == "g" and not body}
     meant = {k: found.meaning.quantity for k in kinds if (found := lexicon.find(k)) is not None}
     return Dress(
@@ -539,7 +553,8 @@ def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dres
         inertias=_of_words(text, _SYMMETRIC) | {k for k in kinds if meant.get(k) == "inertia"},
         turns=_of_words(text, _TURN) | {k for k in kinds if meant.get(k) == "rotation"},
         triads=triads,
-        basis=_basis(triads, shown, moving=body),
+        basis=basis,
+        turning=turning,
         body=body,
     )
 

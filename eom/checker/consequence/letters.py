@@ -92,6 +92,10 @@ def letter(symbol: Expr) -> Letter | None:
     return Letter(parts[0], len(parts[1]), parts[2]) if len(parts) == 3 else None
 
 
+AXIS = "turn"
+"""Name of the angular velocity of axes that turn."""
+
+
 def is_component(symbol: Expr) -> bool:
     """Return whether a letter is a component of a vector or matrix."""
     known = letter(symbol)
@@ -251,6 +255,7 @@ class Letters:
             partial,
             self.arrays.frame,
             self.lexicon.notation.dot,
+            column(jet(f"{AXIS} {k}") for k in AXES) if self.arrays.turning else None,
         )
 
     def _array(self, term: Term, frame: str) -> Array | None:
