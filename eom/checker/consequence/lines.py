@@ -97,6 +97,7 @@ class _Note:
     aside: list[tuple[int, Equal]] = field(default_factory=list)
     found: dict[int, list[Followed | None]] = field(default_factory=dict)
     brought: set[int] = field(default_factory=set)
+    vectors: set[int] = field(default_factory=set)
     used: set[int] = field(default_factory=set)
     all_letters: frozenset[Expr] = frozenset()
     weak: list[tuple[int, Equal]] = field(default_factory=list)
@@ -152,7 +153,7 @@ def _settled(
     joined = {n: _joined(found) for n, found in note.found.items()}
     wrong = {n: f for n, f in joined.items() if f is not None and f.slip is not None}
     right = {n: f for n, f in joined.items() if f is not None and f.slip is None}
-    each = [f for found in note.found.values() for f in found if f is not None]
+    each = [f for n, found in note.found.items() for f in _counted(found, n in note.vectors)]
     supports = Counter(s for f in each if f.slip is None for s in f.sources)
     supports.update(n for n in note.brought for f in note.found.get(n, ()) if f and f.slip is None)
     against = Counter(s for f in each if f.slip is not None for s in f.sources)
@@ -170,6 +171,13 @@ def _settled(
             open_ = (s for s in others if verdicts[s] not in SETTLED and s not in note.brought)
             kept[n] = replace(f, under=frozenset(open_))
     return kept
+
+
+def _counted(found: Sequence[Followed | None], vectors: bool) -> list[Followed]:
+    """Return what counts for or against other lines: of a line with vectors no component by itself."""
+    known = [f for f in found if f is not None]
+    slips = [f for f in known if f.slip is not None]
+    return list(dict.fromkeys(slips or known)) if vectors else known
 
 
 def _joined(found: Sequence[Followed | None]) -> Followed | None:
@@ -193,6 +201,7 @@ def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) ->
     names = {known.name for s in q.letters if (known := letter(s)) is not None}
     new = frozenset(names - note.seen)
     note.seen |= names
+    note.vectors |= {number} if q.whole is not None else set()
     for rule in (*_alike(note, q), *_speeds(note, q)):
         note.rules.add(rule)
     brings = bool(new & set(lone(q)))
