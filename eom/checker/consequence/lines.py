@@ -455,7 +455,8 @@ def _energies(note: _Note) -> tuple[Expr, int] | None:
     potential = next((n for n in POTENTIAL if n in known), None)
     if kinetic is None or potential is None:
         return None
-    return known[kinetic].value - known[potential].value, max(known[kinetic].sources)
+    of = {letter(s).name: derived(s, 0) for s in note.all_letters}
+    return of[kinetic] - of[potential], max(known[kinetic].sources)
 
 
 def _is_moving(rule: Rule) -> bool:

@@ -1,7 +1,8 @@
 """Frequencies: numbers by which the solutions of linear equations of motion go.
 
-Letters whose rules are linear in them, with constants before them, make a linear system; a letter that is
-one of its eigenvalues s, or i s, s^2 or the period of it, whatever the constants are, is that.
+Letters whose rules are linear in them, with constants before them, make a linear system, and others one
+for small motions about a state of rest; a letter that is one of its eigenvalues s, or i s, s^2 or the period
+of it, whatever the constants are, is that.
 """
 
 from __future__ import annotations
@@ -11,26 +12,33 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eom.checker.consequence.letters import CHANGES, Equal, Expr, jet, letter
+from eom.checker.consequence.letters import CHANGES, MAY, STAYS, Equal, Expr, jet, letter
 from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
 from eom.errors import InputError
 
 MAX_STATES = 8
+TINY = MP.mpf(10) ** -20
 FORMS: Mapping[str, Callable[[Number], Number]] = {
-    "frequency": lambda s: abs(MP.im(s)),
+    "frequency": lambda s: abs(MP.im(s)) if abs(MP.re(s)) < TINY else MP.mpc(0, 1) * s,
     "square of a frequency": lambda s: -s * s,
     "exponent": lambda s: s,
     "period": lambda s: 2 * MP.pi / abs(MP.im(s)),
 }
-TINY = MP.mpf(10) ** -20
+SMALL = "{} of small motions"
+RESTS = (("_0", STAYS), ("_e", MAY), ("_star", MAY))
+"""Labels, with kinds, of letters for what an angle is where it rests."""
 
 
 @dataclass(frozen=True)
 class Linear:
-    """A linear system: how fast its states change with each of them, and the formulas of its rules."""
+    """A linear system: how fast its states change with each of them, and the formulas of its rules.
+
+    ``rest``: what vanishes where it is one of small motions about a state of rest, None where it is linear.
+    """
 
     matrix: sp.Matrix
     sources: frozenset[int]
+    rest: tuple[Expr, ...] | None = None
 
 
 def systems(rules: Rules) -> list[Linear]:
@@ -84,6 +92,14 @@ def _linear(rules: Rules, names: Sequence[str]) -> Iterator[Linear]:
     matrix = sp.Matrix(rows)
     if not matrix.free_symbols & set(states):
         yield Linear(matrix, used)
+        return
+    values = [rules.normal(jet(n, order))[0] for n, order in zip(names, orders, strict=True)]
+    zero = dict.fromkeys(states, sp.S.Zero)
+    for there in ({}, *({jet(n): jet(n + end, 0, kind) for n in names} for end, kind in RESTS)):
+        at_rest = zero | there
+        rest = tuple(v.xreplace(at_rest) for v in values)
+        if sp.nan not in rest:
+            yield Linear(matrix.xreplace(at_rest), used, rest)
 
 
 def _eigenvalues(system: Linear, at: Point) -> list[Number]:
@@ -112,6 +128,8 @@ def modes(rules: Rules, unknown: Expr) -> Iterator[Mode]:
     at = points(rules)
     for system in systems(rules) if len(at) == POINTS else ():
         try:
+            if any(abs(p.of(v)) > TINY for p in at for v in system.rest or ()):
+                continue
             spectra = [_eigenvalues(system, p) for p in at]
         except (InputError, ZeroDivisionError, ValueError):
             continue
@@ -121,14 +139,12 @@ def modes(rules: Rules, unknown: Expr) -> Iterator[Mode]:
                     values = [of(s[k]) for s in spectra]
                 except ZeroDivisionError:
                     continue
-                if all(abs(MP.im(v)) < TINY for v in values):
-                    yield Mode(form, _put_in(at, unknown, values), system.sources)
+                told = form if system.rest is None else SMALL.format(form)
+                yield Mode(told, _put_in(at, unknown, values), system.sources)
 
 
 def _put_in(at: Sequence[Point], unknown: Expr, values: Sequence[Number]) -> tuple[Point, ...]:
-    return tuple(
-        Point(p.rules, p.seed, {unknown: MP.re(v)}) for p, v in zip(at, values, strict=True)
-    )
+    return tuple(Point(p.rules, p.seed, {unknown: v}) for p, v in zip(at, values, strict=True))
 
 
 def mode(q: Equal, rules: Rules, unknown: Expr) -> Mode | None:

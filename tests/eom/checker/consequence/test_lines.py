@@ -236,3 +236,20 @@ def test_lagrange_equations_follow_from_two_energies():
 def test_what_holds_at_the_start_is_no_rule():
     lines = [r"m\ddot x = -kx", "#It starts with $x = b$.", r"Q = \ddot x + \frac km x"]
     assert found(*lines, r"\ddot x = 0") == {}
+
+
+HOOP = r"\ddot\theta = (\Omega^2\cos\theta - \frac gR)\sin\theta"
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (r"\nu^2 = \frac gR - \Omega^2", "under"),
+        (r"\nu^2 = \frac gR + \Omega^2", "unsure"),
+        (r"\nu = \Omega\sin\theta_0", "under"),
+        (r"\nu = \Omega\cos\theta_0", "unsure"),
+    ],
+)
+def test_frequencies_of_small_motions_about_a_state_of_rest(line, expected):
+    words = ["#It rests where", r"\cos\theta_0 = \frac{g}{R\Omega^2}", "#and swings at the frequency"]
+    assert found(HOOP, *words, line).get(3) == expected
