@@ -257,8 +257,9 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
     A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
     """
     whole, used = rules.normal(q.left - q.right)
-    length = size(whole, MAX_SOLVED)
-    if length > MAX_SOLVED:
+    most = MAX_SOLVED if q.whole is None else MAX_TOGETHER
+    length = size(whole, most)
+    if length > most:
         return None
     zero = sp.numer(sp.together(whole)) if length <= MAX_TOGETHER else whole
     for s in sorted(filter(letter, whole.free_symbols), key=lambda s: _rank(s, q, new)):
