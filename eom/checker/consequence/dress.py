@@ -177,9 +177,11 @@ def _with_names(factors: Sequence[Node]) -> Iterator[Node | Seen]:
         given = seen(one)
         if given is not None and dressed(given.look) and isinstance(following, Group):
             named = named_in(following) if following.open == "(" else ()
-        yield replace(given, look=replace(given.look, sub=(*given.look.sub, *named))) if (
-            named and given is not None
-        ) else one
+        yield (
+            replace(given, look=replace(given.look, sub=(*given.look.sub, *named)))
+            if (named and given is not None)
+            else one
+        )
 
 
 def _is_transpose(node: Node) -> bool:
@@ -234,7 +236,8 @@ def _is_called(node: Node) -> bool:
     body = node.body
     items = body.items if isinstance(body, Items) else (body,)
     return all(
-        (s := seen(i)) is not None or (isinstance(i, Relation) and seen(i.members[0])) for i in items
+        (s := seen(i)) is not None or (isinstance(i, Relation) and seen(i.members[0]))
+        for i in items
     ) and (len(items) > 1 or not isinstance(body, Number))
 
 
@@ -364,7 +367,9 @@ _STILL = re.compile(
     r"|acceleration (?:of|due to) gravity",
     re.IGNORECASE,
 )
-_TURN = re.compile(r"\brotation matri|direction[- ]cosine|\borthogonal\b|attitude matri", re.IGNORECASE)
+_TURN = re.compile(
+    r"\brotation matri|direction[- ]cosine|\borthogonal\b|attitude matri", re.IGNORECASE
+)
 _SYMMETRIC = re.compile(r"\binertia\b|\bsymmetric\b", re.IGNORECASE)
 _BODY = re.compile(
     r"\bbody(?:[- ]fixed)?[- ](?:axes|frame|coordinates|components|axis)|\b(?:co)?-?rotating (?:frame|axes)"
@@ -413,11 +418,18 @@ def _is_euler(node: Node, tensor: Look) -> bool:
     if not isinstance(node, Addition):
         return False
     acts = [
-        [n for n in walk(t) if isinstance(n, Product) and any((s := seen(f)) and s.look == tensor for f in n.factors)]
+        [
+            n
+            for n in walk(t)
+            if isinstance(n, Product)
+            and any((s := seen(f)) and s.look == tensor for f in n.factors)
+        ]
         for t in node.terms
     ]
     dots = [any((s := seen(f)) and s.dots for p in ps for f in p.factors) for ps in acts]
-    cross = [any(isinstance(n, Product) and n.operator == "cross" for n in walk(t)) for t in node.terms]
+    cross = [
+        any(isinstance(n, Product) and n.operator == "cross" for n in walk(t)) for t in node.terms
+    ]
     return any(d and not c for d, c in zip(dots, cross, strict=True)) and any(
         bool(ps) and c for ps, c in zip(acts, cross, strict=True)
     )

@@ -257,6 +257,12 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
     A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
     """
     whole, used = rules.normal(q.left - q.right)
+    if q.whole is not None and is_component(q.left) and q.left not in q.right.free_symbols:
+        known = letter(q.left)
+        value, sources = rules.normal(q.right)
+        names = {k.name for k in map(letter, value.free_symbols) if k is not None}
+        if known is not None and known.name not in names | rules.known.keys():
+            return Rule(known.name, known.order, value, sources | {number})
     most = MAX_SOLVED if q.whole is None else MAX_TOGETHER
     length = size(whole, most)
     if length > most:

@@ -103,7 +103,9 @@ class Whole:
                 if not isinstance(node, Group):
                     yield member, node
                 if isinstance(node, _OPEN) and seen(node) is None:
-                    todo += children(node.operand) if isinstance(node, Derivative) else children(node)
+                    todo += (
+                        children(node.operand) if isinstance(node, Derivative) else children(node)
+                    )
 
     def _read(self, statement: Statement) -> tuple[Equal, ...]:
         return self.letters.linked(statement, self.claim, self.link)

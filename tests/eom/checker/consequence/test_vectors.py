@@ -1,3 +1,4 @@
+# ruff: noqa: E501
 """Lines with vectors, columns and matrices: what follows by components, what would but for a slip."""
 
 import pytest
@@ -135,5 +136,10 @@ def test_unit_vectors_of_a_triad():
 
 def test_points_in_brackets_are_no_factors():
     """The velocities of a point in two frames are two letters."""
-    assert found(r"\vec V(M/R_0) = \vec V(M/R_1) + \vec u", r"\vec V(M/R_1) = \vec V(M/R_0) - \vec u").get(2) == "follows"
+    assert (
+        found(
+            r"\vec V(M/R_0) = \vec V(M/R_1) + \vec u", r"\vec V(M/R_1) = \vec V(M/R_0) - \vec u"
+        ).get(2)
+        == "follows"
+    )
     assert found(r"\vec V(M/R_0) = \vec a", r"\vec V(M/R_1) R_1 = \vec a R_0").get(2) is None
