@@ -128,11 +128,11 @@ RULES: Mapping[str, Callable[..., Array]] = {
 
 @dataclass(frozen=True)
 class Components:
-    """How terms become arrays: what scalars and letters are, rates, the frame of components, that of dots.
+    """How terms become arrays: what scalars and letters are, rates, the frames of components and of dots.
 
     ``expression``: of a scalar; ``letter``: of an atom that is no scalar, with the frame of a derivative
-    other than that of dots behind it, None for what is no letter; ``turn``: the angular velocity of the axes
-    of the components, where these turn.
+    other than that of dots behind it, None for what is no letter; ``turn``: the angular velocity of the
+    axes of the components, where these turn.
     """
 
     expression: Callable[[Term], Expr]

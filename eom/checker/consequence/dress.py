@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 
 from eom.checker.infer.sayings import Prose, said
 from eom.checker.mean.elaborator import FUNCTIONS, TRANSPOSED
@@ -37,12 +37,14 @@ from eom.checker.read.syntax import (
 )
 from eom.checker.read.syntax import Sequence as Items
 from eom.checker.read.writing import latex_of
-from eom.terms.terms import DYADIC, MATRIX, VECTOR
+from eom.terms.terms import DYADIC, MATRIX
 
 STYLES = frozenset({"bold", "sans"})
 ARROWS = frozenset({"vec", "underline", "harpoon", "underarrow", "undertilde"})
 TRANSPOSES = frozenset({"T", "top", "intercal"})
 NO_LABELS = TRANSPOSES | {"times", "-", "1", "2", "n", "bullet", "circ"}
+VARIABLES = frozenset({"q", "x", "theta", "vartheta", "Theta"})
+"""Columns that others are functions of."""
 NO_LETTERS = frozenset({"nabla", "partial", "delta", "Delta", "d"})
 FRAME = "B"
 """Name of the frame of all components, where the note's notation has none."""
@@ -68,8 +70,8 @@ class Arrays:
     """Letters that are no scalars: their entries, and by name which are what.
 
     ``units``: vectors of unit length; ``turns``: rotation matrices; ``symmetric``: matrices;
-    ``triads``: of unit vectors that turn, with their axes; ``turning``: whether that of the components does;
-    ``still``: what does not change; ``spellings``: LaTeX; ``frame``: that of all components.
+    ``triads``: of unit vectors that turn, with their axes; ``turning``: whether that of the components
+    does; ``still``: what does not change; ``spellings``: LaTeX; ``frame``: that of all components.
     """
 
     entries: tuple[Entry, ...] = ()
@@ -157,9 +159,11 @@ def _letters(node: Node) -> Iterator[Seen]:
     if one is not None:
         yield one
         return
-    inner = (node.base,) if _is_transpose(node) else children(node)
+    inner: Iterable[Node | Seen] = children(node)
+    if isinstance(node, Scripts) and TRANSPOSES & set(labels(node.sup)):
+        inner = (node.base,)
     if isinstance(node, Product) and not node.operator:
-        inner = tuple(_with_names(node.factors))
+        inner = _with_names(node.factors)
     for inside in inner:
         if isinstance(inside, Seen):
             yield inside
@@ -182,10 +186,6 @@ def _with_names(factors: Sequence[Node]) -> Iterator[Node | Seen]:
             if (named and given is not None)
             else one
         )
-
-
-def _is_transpose(node: Node) -> bool:
-    return isinstance(node, Scripts) and bool(TRANSPOSES & set(labels(node.sup)))
 
 
 def _note_raised(found: _Shown, one: Seen, look: Look) -> None:
@@ -212,7 +212,7 @@ def _note(found: _Shown, node: Node) -> None:
 
 
 def _note_factors(found: _Shown, factors: Sequence[Node]) -> None:
-    for one, following in zip(factors, factors[1:], strict=False):
+    for one, following in pairwise(factors):
         given = seen(one)
         if given is None:
             continue
@@ -235,10 +235,8 @@ def _is_called(node: Node) -> bool:
         return False
     body = node.body
     items = body.items if isinstance(body, Items) else (body,)
-    return all(
-        (s := seen(i)) is not None or (isinstance(i, Relation) and seen(i.members[0]))
-        for i in items
-    ) and (len(items) > 1 or not isinstance(body, Number))
+    inside = [seen(i.members[0] if isinstance(i, Relation) else i) for i in items]
+    return all(s is not None and (not dressed(s.look) or s.look.name in VARIABLES) for s in inside)
 
 
 def _bare(node: Node) -> Node:
@@ -435,6 +433,21 @@ def _is_euler(node: Node, tensor: Look) -> bool:
     )
 
 
+def _is_in_space(chain: Sequence[Node], tensor: Look, chains: Sequence[Sequence[Node]]) -> bool:
+    r"""Return whether H = J \omega is differentiated in a line without a cross product, as in space."""
+    if any(isinstance(n, Product) and n.operator == "cross" for m in chain for n in walk(m)):
+        return False
+    if any("times" in _words(n) for m in chain for s in _letters(m) for n in s.raised):
+        return False
+    dotted = {s.look for m in chain for s in _letters(m) if s.dots}
+    made = (
+        seen(c[0])
+        for c in chains
+        if any(s.look == tensor for m in c[1:] for s in _letters(m)) and seen(c[0]) is not None
+    )
+    return any(m is not None and m.look in dotted for m in made)
+
+
 # -- all together --------------------------------------------------------------------------------------
 
 
@@ -519,7 +532,8 @@ class Dress:
         tensors = self.inertias & self.kinds.keys()
         chains = [s.members for s in self.statements]
         sums = [n for c in chains for n in (*c, _zeroed(c)) if n is not None] if tensors else []
-        return {k for k in tensors if self.body or any(_is_euler(n, k) for n in sums)}
+        told = {k for k in tensors if self.body or any(_is_euler(n, k) for n in sums)}
+        return {k for k in told if not any(_is_in_space(c, k, chains) for c in chains)}
 
 
 MAX_OPEN = 5

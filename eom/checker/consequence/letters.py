@@ -234,7 +234,7 @@ class Letters:
         return self._said(statement).whole
 
     def members(self, claim: Claim) -> list[Array]:
-        """Return the members of a claim by components. Raises `InputError` for what is nothing in letters."""
+        """Return the members of a claim by components. Raises `InputError` for what is none in letters."""
         found = [self._components(claim.scalars).of(m.term) for m in claim.members]
         if len({size(a) for a in found}) > 1:
             raise InputError("members of different sizes", got=[size(a) for a in found])

@@ -328,8 +328,6 @@ def _rates(q: Equal, rules: Rules) -> list[View]:
     """Return the derivatives of an equation by the time that may follow where it does not."""
     if q.whole is not None:
         return []
-    if q.whole is not None:
-        return []
     known = {k.name for k in map(letter, q.letters) if k is not None and k.moving}
     orders = [rules.known[n].order for n in known if n in rules.known]
     return [_rate, lambda q: _rate(_rate(q))][: min(filter(None, orders), default=0)]

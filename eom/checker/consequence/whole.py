@@ -73,18 +73,6 @@ class Whole:
             if found:
                 yield latex(part), found
 
-    def exchanged(self, letters: Mapping_) -> Iterator[tuple[str, str, tuple[Equal, ...]]]:
-        """Yield letters and others in LaTeX, and the components with these in the place of those."""
-        for member, part in islice(self._parts(), MAX_PARTS):
-            given = seen(part)
-            if given is None or given.look not in letters:
-                continue
-            for look, other in letters.items():
-                if look != given.look and not given.raised:
-                    found = self._read(self._put(member, part, other))
-                    if found:
-                        yield latex(part), latex(other), found
-
     def _put(self, member: int, part: Node, new: Node) -> Statement:
         members = list(self.statement.members)
         members[member] = transform(members[member], lambda n: new if n is part else n)
@@ -103,12 +91,8 @@ class Whole:
                 if not isinstance(node, Group):
                     yield member, node
                 if isinstance(node, _OPEN) and seen(node) is None:
-                    todo += (
-                        children(node.operand) if isinstance(node, Derivative) else children(node)
-                    )
+                    inner = node.operand if isinstance(node, Derivative) else node
+                    todo += children(inner) if inner is not None else ()
 
     def _read(self, statement: Statement) -> tuple[Equal, ...]:
         return self.letters.linked(statement, self.claim, self.link)
-
-
-Mapping_ = Any

@@ -2,11 +2,15 @@
 """Lines with vectors, columns and matrices: what follows by components, what would but for a slip."""
 
 import pytest
+
 from tests.eom.checker.consequence.test_lines import found, note, shown
 
+ROLLS = (
+    r"#A ball of mass $m$ and radius $a$ rolls on a table that turns with constant rate $\Omega$;"
+    r" $\mathbf v = \dot{\mathbf r}$."
+)
 TURNTABLE = [
-    "#A ball of mass $m$ and radius $a$ rolls on a table that turns with constant rate $\\Omega$;"
-    " $\\mathbf v = \\dot{\\mathbf r}$.",
+    ROLLS,
     r"\mathbf v - a\,\boldsymbol\omega\times\hat{\mathbf z} = \Omega\,\hat{\mathbf z}\times\mathbf r",
     r"m\dot{\mathbf v} = \mathbf F, \quad \kappa m a^2\,\dot{\boldsymbol\omega} = -a\,\hat{\mathbf z}\times\mathbf F",
     r"\dot{\mathbf v} - a\,\dot{\boldsymbol\omega}\times\hat{\mathbf z} = \Omega\,\hat{\mathbf z}\times\mathbf v",
