@@ -30,6 +30,7 @@ from eom.terms.vocabulary import described
 
 Expr = Any
 
+NEAR = "approx"
 TIME = sp.Symbol("t", real=True)
 MOVING, STILL = "coordinate", "scalar"
 PLAIN = frozenset({"", "cal", "calligraphic", "roman", "script"})
@@ -96,6 +97,8 @@ class Equal:
 
     left: Expr
     right: Expr
+    near: bool = False
+    """Whether they are so for small motions alone."""
 
     @property
     def letters(self) -> frozenset[Expr]:
@@ -162,7 +165,8 @@ class Letters:
         if claim.kind == CONSTANT:
             return Read((Equal(members[0], sp.S.Zero),), whole=True)
         links = zip(claim.relations, pairwise(members), strict=False)
-        found = tuple(Equal(a, b) for relation, (a, b) in links if relation in EQUALITIES)
+        related = [(r, a, b) for r, (a, b) in links if r in EQUALITIES or r == NEAR]
+        found = tuple(Equal(a, b, r == NEAR) for r, a, b in related)
         return Read(found, whole=len(found) == len(members) - 1 > 0 and not claim.numbers)
 
     def expression(self, term: Term, scalars: Mapping[Any, Term]) -> Expr:
