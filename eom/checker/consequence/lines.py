@@ -51,6 +51,7 @@ from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import DEFINITION
 from eom.checker.mean.roles import ASSUMPTION
 from eom.errors import InputError
+from eom.limits import check
 
 FAILS = (InputError, ZeroDivisionError, ValueError, TypeError, OverflowError)
 SETTLED = frozenset({HOLDS, UNDER, DEFINITION, ASSUMPTION})
@@ -191,6 +192,7 @@ def _joined(found: Sequence[Followed | None]) -> Followed | None:
 
 def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) -> None:
     """Judge an equation by what is known, or take it in."""
+    check()
     names = {known.name for s in q.letters if (known := letter(s)) is not None}
     new = frozenset(names - note.seen)
     note.seen |= names

@@ -16,6 +16,7 @@ import sympy as sp
 from eom.checker.consequence.letters import Equal, Expr, letter
 from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
 from eom.errors import InputError
+from eom.limits import check
 
 MAX_NUMBER = 12
 """Numerator and denominator of a number that a slip may change."""
@@ -52,6 +53,7 @@ def slip(
         return None
     found = []
     for side, path, part in _parts(q):
+        check()
         try:
             needed = _needed(view(_put(q, side, path, part * FACTOR)), at)
         except (InputError, ZeroDivisionError, ValueError, TypeError):
