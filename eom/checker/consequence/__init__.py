@@ -2,5 +2,5 @@
 
 In: formulas with verdicts. Out: which of them follow from earlier ones, and which do but for a slip.
 Imports: `eom.checker.infer`, `eom.checker.judge`, `eom.checker.mean`, `eom.checker.read`, `eom.errors`,
-`eom.system`, `eom.terms`.
+`eom.limits`, `eom.system`, `eom.terms`.
 """

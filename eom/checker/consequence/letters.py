@@ -44,6 +44,7 @@ from eom.terms.vocabulary import described
 
 Expr = Any
 
+NEAR = "approx"
 TIME = sp.Symbol("t", real=True)
 MOVING, STILL = "coordinate", "scalar"
 PLAIN = frozenset({"", "cal", "calligraphic", "roman", "script"})
@@ -123,6 +124,8 @@ class Equal:
 
     left: Expr
     right: Expr
+    near: bool = False
+    """Whether they are so for small motions alone."""
     whole: Whole | None = field(default=None, compare=False, repr=False)
     """The statement that this is a part of, where vectors stand in it."""
 
@@ -196,17 +199,17 @@ class Letters:
             return Read((), whole=False)
         vectors = whole if self.arrays.entries and self.arrays.stand_in(whole.statement) else None
         if claim.kind == CONSTANT:
-            zeros = tuple(Equal(c, sp.S.Zero, vectors) for c in cells(members[0]))
+            zeros = tuple(Equal(c, sp.S.Zero, whole=vectors) for c in cells(members[0]))
             return Read(zeros, whole=True)
         links = list(zip(claim.relations, pairwise(members), strict=False))
         found = tuple(
-            Equal(x, y, None if vectors is None else replace(vectors, link=k, cell=c))
+            Equal(x, y, relation == NEAR, vectors and replace(vectors, link=k, cell=c))
             for k, (relation, (a, b)) in enumerate(links)
-            if relation in EQUALITIES
+            if relation in EQUALITIES or relation == NEAR
             for c, (x, y) in enumerate(zip(cells(a), cells(b), strict=True))
             if x != 0 or y != 0
         )
-        equal = [r for r in claim.relations if r in EQUALITIES]
+        equal = [r for r in claim.relations if r in EQUALITIES or r == NEAR]
         return Read(found, whole=len(equal) == len(members) - 1 > 0 and not claim.numbers)
 
     def expression(self, term: Term, scalars: Mapping[Any, Term]) -> Expr:

@@ -40,6 +40,7 @@ from eom.checker.consequence.rules import (
     Rules,
     agrees,
     agrees_but_for_signs,
+    agrees_nearly,
     lone,
     points,
     solved,
@@ -51,6 +52,7 @@ from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import DEFINITION
 from eom.checker.mean.roles import ASSUMPTION
 from eom.errors import InputError
+from eom.limits import check
 
 FAILS = (InputError, ZeroDivisionError, ValueError, TypeError, OverflowError)
 SETTLED = frozenset({HOLDS, UNDER, DEFINITION, ASSUMPTION})
@@ -77,6 +79,7 @@ class Followed:
     held: frozenset[Expr] = frozenset()
 
 
+FIRST_ORDER = "first order"
 RATE = "rate"
 """How a line follows of which only the derivative does: but for what it is at one time."""
 
@@ -198,13 +201,14 @@ def _joined(found: Sequence[Followed | None]) -> Followed | None:
 
 def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) -> None:
     """Judge an equation by what is known, or take it in."""
+    check()
     names = {known.name for s in q.letters if (known := letter(s)) is not None}
     new = frozenset(names - note.seen)
     note.seen |= names
     note.vectors |= {number} if q.whole is not None else set()
     for rule in (*_alike(note, q), *_speeds(note, q)):
         note.rules.add(rule)
-    brings = bool(new & set(lone(q)))
+    brings = bool(new & set(lone(q))) and (display or not _is_value(q))
     if brings:
         note.brought.add(number)
     if not display and not brings and _begins(q, note.words[number]):
@@ -215,13 +219,15 @@ def _take(note: _Note, number: int, q: Equal, *, display: bool, judged: bool) ->
         return
     found = _as_mode(note, number, q, new)
     if not brings:
-        found = found or _found(note, q, new, judged=judged)
+        found = found or _found(note, number, q, new, judged=judged)
     if found or not brings or not _is_slope(q):
         note.found.setdefault(number, []).append(found)
-    if found is None:
+    if found is None and not q.near:
         _learn(note, number, q, new)
-    elif found.how == RATE and found.slip is None:
+    elif found is not None and found.slip is None and found.how == RATE:
         _learn(note, number, q, frozenset(lone(q)))
+    elif found is not None and found.how == FIRST_ORDER:
+        note.weak.append((number, q))
 
 
 def _alike(note: _Note, q: Equal) -> list[Rule]:
@@ -263,6 +269,11 @@ def _speeds(note: _Note, q: Equal) -> list[Rule]:
     return found
 
 
+def _is_value(q: Equal) -> bool:
+    """Return whether an equation gives a number: in a sentence that is a case, nothing that a letter means."""
+    return bool(q.left.is_number or q.right.is_number)
+
+
 def _begins(q: Equal, words: str) -> bool:
     """Return whether an equation in a sentence says what a letter is at the start alone."""
     plain = all(e.is_Symbol or e.is_number for e in (q.left, q.right))
@@ -290,7 +301,9 @@ def _learn(note: _Note, number: int, q: Equal, new: frozenset[str]) -> None:
         note.lagrangian = (own, number)
 
 
-def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Followed | None:
+def _found(
+    note: _Note, number: int, q: Equal, new: frozenset[str], *, judged: bool
+) -> Followed | None:
     """Return that an equation follows, or would but for a slip; None for neither."""
     sets = _sets(note)
     for rules in sets:
@@ -302,6 +315,13 @@ def _found(note: _Note, q: Equal, new: frozenset[str], *, judged: bool) -> Follo
                 note.rules.signs += [] if exact else [q]
                 return Followed(_sources(rules, q), held=_held(rules, q))
     views = [_itself, *_rates(q, note.rules)]
+    small = q.near or SMALLNESS.search(note.words[number])
+    for rules in sets if small and any(letter(s).order > 1 for s in q.letters) else ():
+        with suppress(*FAILS):
+            if agrees_nearly(q, rules):
+                return Followed(_sources(rules, q), how=FIRST_ORDER)
+    if q.near:
+        return None
     for k, (view, rules) in enumerate(product(views, sets)):
         with suppress(*FAILS):
             asked = view(q)
@@ -390,6 +410,8 @@ def _as_mode(note: _Note, number: int, q: Equal, new: frozenset[str]) -> Followe
     return None
 
 
+SMALLNESS = re.compile(r"\bsmall|lineari[sz]|to first order|approximat", re.IGNORECASE)
+"""Words before equations of motion that hold for small motions."""
 INITIAL = re.compile(r"release|initial|\brest\b|\bstart|\bbeg[ia]n|at time|at the time", re.IGNORECASE)
 """Words before equations that hold at one time alone."""
 FREQUENCY = re.compile(r"frequenc|period|eigen|oscillat|mode\b|modes\b|nutation|libration", re.IGNORECASE)

@@ -12,6 +12,7 @@ import sympy as sp
 from mpmath import MPContext
 
 from eom.checker.consequence.letters import (
+    CHANGES,
     MAY,
     Equal,
     Expr,
@@ -147,6 +148,8 @@ class Point:
     rules: Rules
     seed: int
     values: dict[Expr, Number] = field(default_factory=dict)
+    scale: Number = 1
+    """By how much letters with dots are smaller than others."""
 
     def sides(self, q: Equal) -> tuple[Number, Number]:
         """Return the values of both sides."""
@@ -182,7 +185,8 @@ class Point:
             f"{self.seed} {known.name} {known.order}" if known is not None else f"{self.seed} {s}"
         )
         generator = random.Random(name)  # noqa: S311 - reproducible, no secret
-        return MP.mpf(generator.randrange(10**6, 10**7)) / (7 * 10**6 + 3)
+        value = MP.mpf(generator.randrange(10**6, 10**7)) / (7 * 10**6 + 3)
+        return value * self.scale if known is not None and known.kind == CHANGES else value
 
 
 _FUNCTIONS: Mapping[Any, Callable[..., Number]] = {
@@ -235,6 +239,21 @@ FLOOR = 1e-6
 """What counts as nothing beside values that are of the order of one."""
 
 
+def agrees_nearly(q: Equal, rules: Rules) -> bool:
+    """Return whether two sides differ by less than the first order of small motions, and not in all."""
+    at = [Point(rules, seed, scale=LITTLE) for seed in range(POINTS)]
+    for p in at:
+        terms = [p.of(t) for e in (q.left, -q.right) for t in sp.Add.make_args(e)]
+        largest = max(map(abs, terms))
+        if largest == 0 or abs(MP.fsum(terms)) > ROUGH * min(LITTLE, largest):
+            return False
+    return True
+
+
+LITTLE, ROUGH = MP.mpf(10) ** -8, 1e-4
+"""How small motions are, and which part of them is nothing."""
+
+
 def agrees_but_for_signs(q: Equal, at: Sequence[Point]) -> bool:
     """Return whether a side that is a letter, known by its square, is equal to the other up to its sign."""
     known = letter(q.left) or letter(q.right)
@@ -255,6 +274,7 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
     """Return the rule that an equation makes, for the letter that it says most of; None for none.
 
     A letter that stands alone and is ``new`` goes first, then other new ones, highest derivatives, others.
+    None where it would have to vanish and the equation does not say so: what is known contradicts it.
     """
     whole, used = rules.normal(q.left - q.right)
     if q.whole is not None and is_component(q.left) and q.left not in q.right.free_symbols:
@@ -277,6 +297,8 @@ def solved(q: Equal, rules: Rules, number: int, new: frozenset[str]) -> Rule | N
         found = _alone(zero, s)
         if found is not None:
             value, squared = found
+            if not (q.left == 0 or q.right == 0) and abs(Point(Rules(), 0).of(value)) < FLOOR**2:
+                return None
             return Rule(known.name, known.order, value, used | {number}, squared=squared)
     return None
 

@@ -19,6 +19,7 @@ from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agre
 from eom.checker.consequence.whole import FACTOR as WRITTEN
 from eom.checker.consequence.whole import Whole
 from eom.errors import InputError
+from eom.limits import check
 
 MAX_NUMBER = 12
 """Numerator and denominator of a number that a slip may change."""
@@ -57,6 +58,7 @@ def slip(
         return _of_whole(q, q.whole, at, letters) if view(q) is q else None
     found = []
     for side, path, part in _parts(q):
+        check()
         try:
             needed = _needed(view(_put(q, side, path, part * FACTOR)), at)
         except (InputError, ZeroDivisionError, ValueError, TypeError):

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from eom.checker.consequence.letters import Letters, letters_of
-from eom.checker.consequence.lines import RATE, Followed, followed
+from eom.checker.consequence.lines import FIRST_ORDER, RATE, Followed, followed
 from eom.checker.consequence.slips import Slip
 from eom.checker.infer.sayings import prose
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG
@@ -91,7 +91,7 @@ def _told(
             reason = f"if {held} do{'es' * (len(what.held) == 1)} not change, {reason}"
         if open_:
             reason = f"what stands in {open_} is true: {reason}"
-        verdict = UNDER if open_ or what.held or what.how == RATE else HOLDS
+        verdict = UNDER if open_ or what.held or what.how in {RATE, FIRST_ORDER} else HOLDS
         return replace(finding, verdict=verdict, reason=reason)
     said = _slip(what.slip, letters)
     if what.sure:
@@ -102,6 +102,8 @@ def _told(
 
 
 def _reason(what: Followed, rests: str) -> str:
+    if what.how == FIRST_ORDER:
+        return f"it follows from {rests} for small motions"
     if what.how == RATE:
         return f"its derivative by the time follows from {rests}; what it is at one time is as it says"
     if what.how:

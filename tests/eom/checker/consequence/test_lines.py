@@ -253,3 +253,17 @@ HOOP = r"\ddot\theta = (\Omega^2\cos\theta - \frac gR)\sin\theta"
 def test_frequencies_of_small_motions_about_a_state_of_rest(line, expected):
     words = ["#It rests where", r"\cos\theta_0 = \frac{g}{R\Omega^2}", "#and swings at the frequency"]
     assert found(HOOP, *words, line).get(3) == expected
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (r"\ddot\theta \approx -\frac gR\theta + \Omega^2\theta", "under"),
+        (r"\ddot\theta \approx -\frac gR\theta - \Omega^2\theta", None),
+        (r"\ddot\theta = (\Omega^2 - \frac gR)\theta", "under"),
+        (r"\ddot\theta = (\Omega^2 - \frac gR)\theta^2", None),
+        (r"\cos\theta \approx 1 + \theta", None),
+    ],
+)
+def test_lines_for_small_motions(line, expected):
+    assert found(HOOP, "#For small angles", line).get(2) == expected
