@@ -14,7 +14,7 @@ from itertools import combinations, pairwise, product
 
 from eom.checker.infer.sayings import Prose, said
 from eom.checker.mean.elaborator import FUNCTIONS, TRANSPOSED
-from eom.checker.mean.lexicon import MAX_ROWS, TABLED, Entry, Lexicon, Meaning
+from eom.checker.mean.lexicon import FREE, MAX_ROWS, TABLED, Entry, Lexicon, Meaning
 from eom.checker.read.statements import Formula, Statement
 from eom.checker.read.symbol_shape import Look, Seen, labels, named_in, seen
 from eom.checker.read.syntax import (
@@ -89,6 +89,11 @@ class Arrays:
         """Their looks."""
         return frozenset(e.look for e in self.entries)
 
+    def has_entry(self, name: str) -> bool:
+        """Return whether a letter is an entry of a column or matrix of any size."""
+        sized = {e.meaning.labels[0] for e in self.entries if e.meaning.quantity in FREE}
+        return name.rpartition("_")[0] in sized
+
     def stand_in(self, statement: Statement) -> bool:
         """Return whether vectors or matrices stand in a statement."""
         looks = self.looks
@@ -99,8 +104,9 @@ class Arrays:
 
 
 def name_of(look: Look) -> str:
-    """Return the name of a letter that is no scalar: that of its look and style."""
-    return f"{look.style} {look.text}".strip()
+    """Return the name of a letter that is no scalar: that of its look, style and corners."""
+    below = "".join(look.presub) + "," if look.presub else ""
+    return f"{look.style} {below}{look.text}".strip()
 
 
 # -- how letters stand in formulas ---------------------------------------------------------------------
@@ -602,9 +608,9 @@ def _entry(look: Look, kind: Kind, frame: str, basis: Mapping[Look, str], *, cal
     if look in basis:
         meaning = Meaning("unit", ("I", basis[look]))
     elif kind.what == "column":
-        meaning = Meaning("column", (look.text, str(kind.rows)))
+        meaning = Meaning("column", (name_of(look), str(kind.rows)))
     elif kind.what == "table":
-        meaning = Meaning("matrix", (look.text, str(kind.rows), str(kind.columns)))
+        meaning = Meaning("matrix", (name_of(look), str(kind.rows), str(kind.columns)))
     else:
         quantity = "vector" if kind.what == VECTORS else "dyadic"
         meaning = Meaning(quantity, (name,), frame=frame if kind.what == MATRICES else "")

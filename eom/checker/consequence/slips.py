@@ -78,7 +78,12 @@ def _of_whole(
     sides = (s for e in whole.equations for s in (e.left, e.right))
     key = ("slip", whole.link, tuple(at[0].rules.normal(s)[0] for s in sides))
     if key not in whole.memo:
-        atoms = [a for a in (*_atoms(q), *letters) if not any(map(is_component, a.free_symbols))]
+        has_entry = whole.letters.arrays.has_entry
+        atoms = [
+            a
+            for a in (*_atoms(q), *letters)
+            if not any(is_component(s) or has_entry(s.name.split("|")[0]) for s in a.free_symbols)
+        ]
         whole.memo[key] = min(_written(whole, atoms, at), key=_simplicity, default=None)
     known: Slip | None = whole.memo[key]
     return known

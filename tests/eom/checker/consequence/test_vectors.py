@@ -147,3 +147,10 @@ def test_points_in_brackets_are_no_factors():
         == "follows"
     )
     assert found(r"\vec V(M/R_0) = \vec a", r"\vec V(M/R_1) R_1 = \vec a R_0").get(2) is None
+
+
+def test_labels_on_the_left_tell_letters_apart():
+    turned = r"\begin{pmatrix} \cos a & -\sin a \\ \sin a & \cos a \end{pmatrix}"
+    lines = [rf"{{}}^{{0}}_{{1}}R = {turned}", rf"{{}}^{{0}}_{{2}}R = {turned.replace('a ', 'b ')}"]
+    assert found(*lines, r"\det {}^{0}_{2}R = 1").get(3) in {"follows", "under"}
+    assert found(*lines, r"{}^{0}_{2}R = {}^{0}_{1}R").get(3) not in {"follows", "under", "wrong"}
