@@ -470,11 +470,11 @@ class Dress:
     kinds: Mapping[Look, Kind]
     still: frozenset[Look]
     inertias: frozenset[Look]
+    steady: frozenset[Look]
     turns: frozenset[Look]
     triads: Mapping[Look, tuple[str, str]]
     basis: Mapping[Look, str]
     turning: bool
-    body: bool
 
     def settled(self, reads: Callable[[Dress], Reads]) -> Dress:
         """Return the letters with others as columns and matrices where only so a statement can be read."""
@@ -520,7 +520,7 @@ class Dress:
         entries += [Entry(k, Meaning("identity_matrix"), k.text) for k in unit]
         vectors = {k for k, kind in kinds.items() if kind.what == VECTORS}
         given = shown.alone | shown.dotted | self.triads.keys()
-        still = set() if self.turning else self.still | self._steady()
+        still = set() if self.turning else self.still | (self.steady & kinds.keys())
         return Arrays(
             tuple(entries),
             units=_names(k for k in vectors if "hat" in k.accents and k not in given),
@@ -533,13 +533,16 @@ class Dress:
             frame=frame,
         )
 
-    def _steady(self) -> set[Look]:
-        """Return tensors of inertia by components in axes of the body."""
-        tensors = self.inertias & self.kinds.keys()
-        chains = [s.members for s in self.statements]
-        sums = [n for c in chains for n in (*c, _zeroed(c)) if n is not None] if tensors else []
-        told = {k for k in tensors if self.body or any(_is_euler(n, k) for n in sums)}
-        return {k for k in told if not any(_is_in_space(c, k, chains) for c in chains)}
+
+def _steady(
+    tensors: Iterable[Look], statements: Iterable[Statement], *, body: bool
+) -> frozenset[Look]:
+    """Return tensors of inertia by components in axes of the body."""
+    chains = [s.members for s in statements]
+    wanted = list(tensors)
+    sums = [n for c in chains for n in (*c, _zeroed(c)) if n is not None] if wanted else []
+    told = {k for k in wanted if body or any(_is_euler(n, k) for n in sums)}
+    return frozenset(k for k in told if not any(_is_in_space(c, k, chains) for c in chains))
 
 
 MAX_OPEN = 5
@@ -576,18 +579,19 @@ def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dres
     basis, turning = _basis(triads, shown, moving=body)
     gravity = {k for k in kinds if k.name == "g" and not body}
     meant = {k: found.meaning.quantity for k in kinds if (found := lexicon.find(k)) is not None}
+    inertias = _of_words(text, _SYMMETRIC) | {k for k in kinds if meant.get(k) == "inertia"}
     return Dress(
         statements,
         lexicon,
         shown,
         kinds,
         still=frozenset(_of_words(text, _STILL) | gravity),
-        inertias=_of_words(text, _SYMMETRIC) | {k for k in kinds if meant.get(k) == "inertia"},
+        inertias=inertias,
+        steady=_steady(inertias & shown.looks.keys(), statements, body=body),
         turns=_of_words(text, _TURN) | {k for k in kinds if meant.get(k) == "rotation"},
         triads=triads,
         basis=basis,
         turning=turning,
-        body=body,
     )
 
 
