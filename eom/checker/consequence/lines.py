@@ -20,6 +20,7 @@ from itertools import groupby, product
 import sympy as sp
 
 from eom.checker.consequence.letters import (
+    CHANGES,
     MAY,
     TIME,
     Equal,
@@ -392,7 +393,8 @@ def _says_when(q: Equal, new: frozenset[str]) -> bool:
 def _as_mode(note: _Note, number: int, q: Equal, new: frozenset[str]) -> Followed | None:
     """Return that a letter is a frequency of what moves by the rules, or would be but for a slip."""
     unknown = [s for s in q.letters if letter(s).name in new]
-    if len(unknown) != 1 or letter(unknown[0]).order:
+    changing = any(letter(s).kind == CHANGES for s in q.letters - {*unknown})
+    if len(unknown) != 1 or letter(unknown[0]).order or changing or q.whole is not None:
         return None
     sets = _sets(note)
     for rules in sets:

@@ -7,7 +7,7 @@ line has a slip there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -57,13 +57,14 @@ def slip(
     if q.whole is not None:
         return _of_whole(q, q.whole, at, letters) if view(q) is q else None
     found = []
+    values = _values([*_atoms(q), *letters], at)
     for side, path, part in _parts(q):
         check()
         try:
             needed = _needed(view(_put(q, side, path, part * FACTOR)), at)
         except (InputError, ZeroDivisionError, ValueError, TypeError):
             continue
-        for factor in _factors(needed, [*_atoms(q), *letters], at) if needed else ():
+        for factor in _factors(needed, values) if needed else ():
             mended = _put(q, side, path, part * factor)
             if agrees(view(mended), at) and not agrees(view(mended), loose):
                 found.append(Slip(part, factor, mended))
@@ -91,6 +92,7 @@ def _of_whole(
 
 def _written(whole: Whole, atoms: Sequence[Expr], at: Sequence[Point]) -> Iterator[Slip]:
     """Yield slips in the parts of what is written."""
+    values = _values(atoms, at)
     for latex, read in whole.scaled():
         equations = [_put_in(e, FACTOR) for e in read]
         needed: list[Number] = []
@@ -98,7 +100,7 @@ def _written(whole: Whole, atoms: Sequence[Expr], at: Sequence[Point]) -> Iterat
             fixed = [e for e in equations if not {FACTOR} & (e.left - e.right).free_symbols]
             if len(fixed) < len(equations) and all(agrees(e, at) for e in fixed):
                 needed = next((n for e in equations if e not in fixed if (n := _needed(e, at))), [])
-        for factor in _factors(needed, atoms, at) if needed else ():
+        for factor in _factors(needed, values) if needed else ():
             mended = [_put_in(e, factor) for e in read]
             if _mends(mended, at):
                 yield Slip(jet(latex, 0, STAYS), factor, _summed(mended))
@@ -205,17 +207,24 @@ def _root(values: Sequence[Number]) -> Number | None:
 TINY = MP.mpf(10) ** -20
 
 
-def _factors(
-    needed: Sequence[Number], atoms: Sequence[Expr], at: Sequence[Point]
-) -> Iterator[Expr]:
+Values = Mapping[Expr, Sequence[Number]]
+"""What letters and functions are at points, none of them nothing there."""
+
+
+def _values(atoms: Iterable[Expr], at: Sequence[Point]) -> Values:
+    known = {}
+    for a in (sp.S.One, *sorted(set(atoms), key=str)):
+        with suppress(InputError, ZeroDivisionError, ValueError, TypeError):
+            known[a] = [p.of(a) for p in at]
+    return {a: v for a, v in known.items() if all(v)}
+
+
+def _factors(needed: Sequence[Number], values: Values) -> Iterator[Expr]:
     """Yield numbers, and numbers times quotients of letters and functions, that are what is needed."""
     number = _number(needed)
     if number is not None:
         yield number
         return
-    atoms = [sp.S.One, *sorted(set(atoms), key=str)]
-    drawn = {a: [p.of(a) for p in at] for a in atoms}
-    values = {a: v for a, v in drawn.items() if all(v)}
     alike: dict[tuple[float, ...], list[Expr]] = {}
     for a, v in values.items():
         alike.setdefault(_direction(v), []).append(a)

@@ -37,6 +37,8 @@ def decided(
     text, words = prose(document), words_before(document, understood)
     told: dict[int, Finding] = {}
     for numbers in _ranges(understood):
+        if not set(numbers) & set(open_) - told.keys():
+            continue
         part = [understood[n] for n in numbers]
         letters = letters_of([u.formula for u in part], text, lexicon)
         wanted = [k for k, n in enumerate(numbers) if n in open_ and n not in told]
