@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import sympy as sp
 
 from eom.checker.consequence.letters import CHANGES, MAY, STAYS, Equal, Expr, jet, letter
-from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
+from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points, size
 from eom.errors import InputError
 
-MAX_STATES = 8
+MAX_STATES, MAX_SIZE = 8, 300
+"""States of a system, and parts of a rate that is not linear."""
 TINY = MP.mpf(10) ** -20
 FORMS: Mapping[str, Callable[[Number], Number]] = {
     "frequency": lambda s: abs(MP.im(s)) if abs(MP.re(s)) < TINY else MP.mpc(0, 1) * s,
@@ -94,6 +95,8 @@ def _linear(rules: Rules, names: Sequence[str]) -> Iterator[Linear]:
         yield Linear(matrix, used)
         return
     values = [rules.normal(jet(n, order))[0] for n, order in zip(names, orders, strict=True)]
+    if any(size(v, MAX_SIZE) > MAX_SIZE for v in values):
+        return
     zero = dict.fromkeys(states, sp.S.Zero)
     for there in ({}, *({jet(n): jet(n + end, 0, kind) for n in names} for end, kind in RESTS)):
         at_rest = zero | there

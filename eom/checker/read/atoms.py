@@ -12,12 +12,13 @@ from eom.checker.read.scripts import (
     argument,
     braced,
     evaluated,
+    font_switch,
     is_tight,
     script_argument,
     stacked,
     styled,
+    with_font,
     with_left,
-    word_of,
 )
 from eom.checker.read.spans import Span
 from eom.checker.read.stream import Stream
@@ -143,11 +144,9 @@ def _rows_of(body: Node) -> tuple[tuple[Node, ...], ...] | None:
 def braces(p: Stream) -> Node:
     r"""Read braces of LaTeX, which show nothing; a font switch and ``\over`` act within them."""
     token = p.take()
-    style = ""
     with p.nested():
         p.integrals = 0
-        while p.token.is_command(*latex.SWITCHES):
-            style = latex.SWITCHES[p.take().text]
+        style = font_switch(p)
         if p.token.is_char("}"):
             p.take()
             if p.starts_atom():
@@ -160,8 +159,7 @@ def braces(p: Stream) -> Node:
                 raise p.error("an argument is empty")
             body = Fraction(body, p.statements(), span=p.since(token.span))
         p.expect("}", token)
-    if style:
-        body = word_of(body, style) or styled(body, style)
+    body = with_font(body, style)
     if is_tight(body):
         return body
     return Group(body, "", "", span=p.since(token.span))

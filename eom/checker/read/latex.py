@@ -34,7 +34,7 @@ SCRIPT_MARKS = _pairs(
     "times bullet circ=>circ ast=>ast star prime dagger ddagger cross=>times wedge=>wedge "
     "cdot=>cdot diamond=>diamond perp=>perp parallel=>parallel otimes=>otimes oplus=>oplus "
     "ominus=>ominus odot=>odot sim=>sim triangle=>triangle backprime=>prime degree=>circ "
-    "vee=>vee land=>wedge"
+    "vee=>vee land=>wedge pm=>pm mp=>mp"
 )
 """Commands that stand in a script as a mark: names of `Marks`."""
 SCRIPT_CHARACTERS = {

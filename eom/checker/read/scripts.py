@@ -75,9 +75,23 @@ def script_argument(p: Stream) -> Node:
             p.expect("}", token)
             return Marks(tuple(names), span=p.since(token.span))
         p.place = saved
+        style = font_switch(p)
         body = Missing(span=token.span) if p.token.is_char("}") else p.statements()
         p.expect("}", token)
-        return body
+        return with_font(body, style)
+
+
+def font_switch(p: Stream) -> str:
+    r"""Read commands such as ``\rm``, and return the font that holds to the end of the group."""
+    style = ""
+    while p.token.is_command(*latex.SWITCHES):
+        style = latex.SWITCHES[p.take().text]
+    return style
+
+
+def with_font(body: Node, style: str) -> Node:
+    """Return what stands in a group behind a font switch."""
+    return (word_of(body, style) or styled(body, style)) if style else body
 
 
 def _mark(p: Stream) -> str:
