@@ -202,7 +202,7 @@ def evidence(
     told = {t.latex for t in ties if t.words != USUAL}
     told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
-    used = tuple(_whole([dict(_used(f, lexicon)) for f in formulas], formulas, lexicon))
+    used = tuple(_whole([dict(entries_in(f, lexicon)) for f in formulas], formulas, lexicon))
     every = {p: f for u in used for p, f in u.items()}
     looks = (k for f in formulas for k in operands_of(f, lexicon))
     families = {p: p for p in every} | {
@@ -425,7 +425,7 @@ def _entry(look: Look, lexicon: Lexicon) -> Found | None:
     return found
 
 
-def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
+def entries_in(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield the entries that symbols of a formula have, by pattern: symbol and meaning; marks as well."""
     for node in symbols_in(formula):
         found_whole = seen(node) or Seen(Look(""))

@@ -39,11 +39,12 @@ IN_A_MOTION = re.compile(r" (?:at|before|after) |^impulse ")
 
 @dataclass(frozen=True)
 class Letter:
-    """A quantity of a system with the letters that are usual for it, and words beside it."""
+    """A quantity of a system with the letters that are usual for it, words beside it, and what it is called."""
 
     means: str
     usual: tuple[Look, ...]
     words: re.Pattern[str]
+    noun: str = ""
 
     @property
     def derived(self) -> bool:
@@ -141,6 +142,15 @@ class Guess:
         """Return the system."""
         return _model(_key(self.table))
 
+    def noun(self, means: str) -> str:
+        """Return what a quantity is called: "length"; its name in the system where that has no word for it."""
+        called = next((x.noun for x in self.letters if x.means == means), "")
+        moment = re.fullmatch(r"([pQ])_(\w+)", means)
+        if called or moment is None:
+            return called or means
+        kind = {"p": "generalised momentum", "Q": "generalised force"}[moment[1]]
+        return f"{kind} of {self.noun(moment[2])}"
+
     def added(self, lexicon: Lexicon) -> Lexicon:
         """Return a lexicon about this system; its letters go first."""
         return about(lexicon, self.model(), self.symbols, first=True, usual=False)
@@ -183,9 +193,29 @@ def _row(data: Mapping[str, Any], energies: Mapping[str, Any]) -> Row:
 
 def _letters(rows: Mapping[str, Sequence[str]]) -> tuple[Letter, ...]:
     return tuple(
-        Letter(k, tuple(_look(w) for w in usual.split()), re.compile(words, re.IGNORECASE))
-        for k, (usual, words) in rows.items()
+        Letter(
+            k,
+            tuple(_look(w) for w in usual.split()),
+            re.compile(words, re.IGNORECASE),
+            _noun(k, *noun or (words,)),
+        )
+        for k, (usual, words, *noun) in rows.items()
     )
+
+
+_PLAIN = re.compile(r"[a-z][a-z ]*[a-z](?=\||$)")
+"""Words at the beginning of a pattern that are no pattern."""
+_NUMBERED = re.compile(r"_([123])$|_([123])_dot")
+_ORDINALS = {"1": "first", "2": "second", "3": "third"}
+
+
+def _noun(means: str, words: str) -> str:
+    """Return what a quantity is called: the first of its words, or the name; with its number in front."""
+    plain = _PLAIN.match(words)
+    noun = words if re.fullmatch(r"[A-Za-z' -]+", words) else plain[0] if plain else ""
+    number = _NUMBERED.search(means)
+    told = not noun or any(w in noun.split() for w in _ORDINALS.values())
+    return noun if told or number is None else f"{_ORDINALS[number[1] or number[2]]} {noun}"
 
 
 def table_row(name: str, letters: Mapping[str, Sequence[str]], table: Mapping[str, Any]) -> Row:

@@ -269,14 +269,14 @@ def trial(
             new = claims(statement, lexicon, known)
             known |= defined(new)
             rows += [c for c in new if c.kind == STATEMENT]
-        found[_verdict(rows, deep)].add(number)
+        found[judged_rows(rows, deep)].add(number)
         misfits += any(c.findings and c.verdict in GRAVE for c in rows)
     held, failed = len(found["held"]), frozenset(found["failed"])
     return Trial(guess, held, failed, len(found["open"]), lines, misfits)
 
 
-def _verdict(rows: Sequence[Claim], deep: bool) -> str:
-    """Return what is to be said of the claims of a line about a system."""
+def judged_rows(rows: Sequence[Claim], deep: bool = False) -> str:
+    """Return what is to be said of the claims of a line about a system: held, failed or open."""
     about = [c for c in rows if covered(c)]
     if not about:
         return "open"

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eom.checker.infer.asking import questions
+from eom.checker.infer.asking import Open, questions
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
     UNFIT,
     Doubt,
     Evidence,
+    entries_in,
     evidence,
     is_amiss,
     is_turned,
@@ -30,7 +31,7 @@ from eom.checker.infer.lists import PRODUCT
 from eom.checker.infer.sayings import look_of
 from eom.checker.infer.shown import bare, operands_of, symbols_of
 from eom.checker.infer.slots import guessed_labels, labels_of
-from eom.checker.infer.systems import USUAL, is_claimed, led
+from eom.checker.infer.systems import is_claimed, led
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.models import equations
@@ -44,6 +45,7 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
+from eom.checker.note.told import taken
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
@@ -169,14 +171,17 @@ def check(
 class Whole:
     """A note with the meanings of its symbols, its formulas with verdicts, what its words claim.
 
-    ``questions``: what may be asked so that more lines are decided.
+    ``open``: lines that meanings of the draft leave undecided or unsure; ``held``: lines that hold, by the
+    patterns of the entries of their symbols; ``questions``: what may be asked so that more are decided.
     """
 
     document: Document
     known: Meanings
     found: tuple[Found, ...]
     words: tuple[Finding, ...]
-    questions: tuple[Question, ...]
+    open: tuple[Open, ...] = ()
+    held: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    questions: tuple[Question, ...] = ()
 
 
 def check_note(note: Note, settings: Settings) -> Report:
@@ -189,7 +194,7 @@ def check_document(document: Document, settings: Settings, path: Path | None = N
     """Return the report on a document; ``path``: where it stands, if it is a file."""
     whole = judged_document(document, settings, path)
     found = [*(f.finding for f in whole.found), *whole.words]
-    report = _report(whole.document, whole.known, settings, found)
+    report = _report(whole.document, whole.known, settings, found, whole.held)
     return replace(report, questions=whole.questions)
 
 
@@ -213,20 +218,19 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         found = tuple(_claimed(_doubted(found, known, settings), document, known, settings))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
-        open_ = _questions(found, known)
-    return Whole(document, known, found, words, open_)
+        if known.draft is None:
+            return Whole(document, known, found, words)
+        left, held = tuple(_open(found)), _held(found, known.lexicon)
+        asked = questions(left, known.draft, held)
+    return Whole(document, known, found, words, left, held, asked)
 
 
-def _questions(found: Sequence[Found], known: Meanings) -> tuple[Question, ...]:
-    """Return what may be asked so that more lines are decided; nothing where a lexicon was given."""
-    if known.draft is None:
-        return ()
-    lines = [
-        (f.understood.formula, f.understood.lexicon, f.finding.verdict == UNSURE)
-        for f in found
-        if f.finding.verdict in {UNDECIDED, UNSURE} and f.finding.kind == "display"
-    ]
-    return questions(lines, known.draft)
+def _open(found: Sequence[Found]) -> Iterator[Open]:
+    """Yield the displays that are undecided or unsure."""
+    for one in found:
+        if one.finding.verdict in {UNDECIDED, UNSURE} and one.finding.kind == "display":
+            unsure = one.finding.verdict == UNSURE
+            yield Open(one.understood.formula, one.understood.lexicon, unsure)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
@@ -658,24 +662,22 @@ def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
     return NOWHERE
 
 
-def _drafts(draft: Proposal) -> Iterator[str]:
-    """Yield the meanings that were taken, with the words or the custom that they come from."""
-    for one in draft.systems:
-        where = f", under {' and '.join(one.headings)}" if one.headings else ""
-        if one.lines:
-            first, last = min(one.lines), max(one.lines)
-            read = f"lines {first} to {last}" if last > first else f"line {first}"
-            yield f"system read from {read}{where}: {one.name} ({one.words})"
-        else:
-            yield f"the note is about {one.name}{where} ({one.words or USUAL})"
-        yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
-    tied = {t.latex for one in draft.systems for t in one.ties if not one.headings}
-    own = (d for d in draft.drafts if d.latex not in tied)
-    yield from (f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in own)
+def _held(found: Iterable[Found], lexicon: Lexicon) -> dict[str, list[int]]:
+    """Return the displays that hold, by the patterns of the entries that their symbols have."""
+    lines: dict[str, list[int]] = {}
+    for one in found:
+        if one.finding.verdict in {HOLDS, UNDER} and one.finding.kind == "display":
+            for pattern in dict(entries_in(one.understood.formula, lexicon)):
+                lines.setdefault(pattern, []).append(one.finding.line)
+    return lines
 
 
 def _report(
-    document: Document, known: Meanings, settings: Settings, found: Sequence[Finding]
+    document: Document,
+    known: Meanings,
+    settings: Settings,
+    found: Sequence[Finding],
+    held: Mapping[str, Sequence[int]],
 ) -> Report:
     draft = known.draft
     sources = list(dict.fromkeys(p.source for p in document.pieces))
@@ -686,7 +688,7 @@ def _report(
         document.name,
         tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),
         known.origin,
-        tuple(_drafts(draft)) if draft else (),
+        tuple(taken(draft, held)) if draft else (),
         tuple(latex for latex, _ in draft.unplaced) if draft else (),
         settings.given,
         tuple(Remark("not read", f.what, f.line) for f in document.findings),

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.read.spans import NOWHERE, Source, Span, printable
-from eom.checker.report.questions import Question
+from eom.checker.report.questions import Question, Taken
 from eom.worlds.worlds import ASSUMPTIONS
 
 if TYPE_CHECKING:
@@ -343,7 +343,7 @@ class Report:
     name: str
     findings: tuple[Finding, ...]
     lexicon: str = ""
-    drafts: tuple[str, ...] = ()
+    drafts: tuple[Taken, ...] = ()
     unplaced: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
     notices: tuple[Remark, ...] = ()
@@ -416,8 +416,8 @@ UNPLACED = 12
 INDENT = "    "
 
 UNCONFIRMED = (
-    "    Nobody has confirmed these meanings: what is called wrong may be misread. A preset is",
-    "    named by --notation; --propose prints the draft as a file for --lexicon.",
+    "    Nobody has confirmed these meanings: what is called wrong may be misread. --ask asks for",
+    "    what is open; --propose prints the draft as a file for --lexicon; --notation names a preset.",
 )
 
 
@@ -479,7 +479,7 @@ def _head(report: Report) -> Iterator[Line]:
     yield (("unsure" if draft else "faint", f"  meanings: {printable(report.lexicon)}"),)
     if draft:
         yield from map(_faint, UNCONFIRMED)
-        yield from (_faint(f"    {printable(d)}") for d in report.drafts)
+        yield from (_faint(f"    {printable(str(d))}") for d in report.drafts)
     if report.unplaced:
         names = ", ".join(report.unplaced[:UNPLACED])
         rest = len(report.unplaced) - UNPLACED
@@ -662,7 +662,7 @@ def note(graded: Graded) -> Data:
 def _report(report: Report) -> Data:
     return {
         "meanings": report.lexicon,
-        "drafts": list(report.drafts),
+        "drafts": list(map(str, report.drafts)),
         "unplaced": list(report.unplaced),
         "given": list(report.given),
         "notices": [{"text": n.text, "line": n.line} for n in report.notices],
