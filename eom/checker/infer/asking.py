@@ -23,7 +23,7 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import lexicon_of, slotted
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
-from eom.checker.read.symbol_shape import Look
+from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.writing import latex_of
 from eom.checker.report.questions import Candidate, Question
 from eom.errors import InputError
@@ -37,11 +37,15 @@ _SILENT = frozenset({"d", "t", "pi", "infty"})
 
 @dataclass(frozen=True)
 class Open:
-    """A formula that is open, with the lexicon that holds there; ``unsure``: whether because of guesses."""
+    """A formula that is open, with the lexicon that holds there, below some ``headings``.
+
+    ``unsure``: whether it is open because of guesses.
+    """
 
     formula: Formula
     lexicon: Lexicon
     unsure: bool
+    headings: tuple[str, ...] = ()
 
 
 def questions(
@@ -81,9 +85,7 @@ def _guess(look: Look, draft: Proposal) -> str:
     return next((d.meaning for d in own), "")
 
 
-def _question(
-    look: Look, lines: Sequence[Open], draft: Proposal, held: Sequence[int]
-) -> Question:
+def _question(look: Look, lines: Sequence[Open], draft: Proposal, held: Sequence[int]) -> Question:
     guess = _guess(look, draft)
     return Question(
         latex_of(look),
@@ -127,7 +129,9 @@ def _said(look: Look, draft: Proposal) -> Iterator[_Row]:
 def _by_note(look: Look, lines: Sequence[Open]) -> Iterator[_Row]:
     """Yield that the note itself says what a symbol is, where it stands alone on the left."""
     for one in lines:
-        if any(look_of(s.members[0]) == look for s in one.formula.statements if s.relational):
+        left = [s.members[0] for s in one.formula.statements if s.relational]
+        plain = [m for m in left if (found := seen(m)) is not None and not found.dots]
+        if any(look_of(m) == look for m in plain):
             yield "", "defined", f"line {one.formula.piece.line} then is its definition"
             return
 
@@ -143,15 +147,20 @@ def _of_books(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[_R
 
 def _of_systems(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[_Row]:
     """Yield the quantities of the note's systems that a symbol may be, those first with which lines hold."""
-    rows = [(one, m) for one in draft.systems for m in _free(one, look)]
+    above = {heading for line in lines for heading in line.headings}
+    here = [s for s in draft.systems if set(s.headings) <= above]
+    rows = [(one, m) for one in here for m in _free(one, look)]
     tried = [(_tried(one, means, look, lines, draft), one, means) for one, means in rows]
     least = min((row[0].misfits for row in tried), default=0)
     some = least < len(lines[:MAX_TRIED])
     fits = [row for row in tried if row[0].misfits == least and some]
     for trial, one, means in sorted(fits, key=lambda row: (-len(row[0].hold), row[0].failed)):
         numbers = " and ".join(map(str, trial.hold))
-        lead = f"line{'s' * (len(trial.hold) > 1)} {numbers} then hold{'s' * (len(trial.hold) == 1)}"
-        yield "", f"{SYSTEM}{means}", f"of {one.name}" + (f"; {lead}" if trial.hold else "")
+        lead = (
+            f"line{'s' * (len(trial.hold) > 1)} {numbers} then hold{'s' * (len(trial.hold) == 1)}"
+        )
+        of = f"of {one.name}" if len(here) > 1 else "of the system"
+        yield "", f"{SYSTEM}{means}", f"{of}; {lead}" if trial.hold else of
 
 
 def _free(one: Guess, look: Look) -> Iterator[str]:
@@ -181,9 +190,7 @@ class _Trial:
     misfits: int = 0
 
 
-def _tried(
-    one: Guess, means: str, look: Look, lines: Sequence[Open], draft: Proposal
-) -> _Trial:
+def _tried(one: Guess, means: str, look: Look, lines: Sequence[Open], draft: Proposal) -> _Trial:
     """Return what becomes of open lines where a symbol is a quantity of a system."""
     kept = tuple(t for t in one.ties if t.look != look)
     guess = replace(one, ties=(*kept, Tie(look, means, ANSWERED, 0)))

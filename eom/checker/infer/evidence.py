@@ -217,7 +217,11 @@ def evidence(
         families,
         frozenset(firm),
         guessed,
-        {t.latex: f"the {t.means} of the system" for t in ties},
+        {
+            t.latex: f"the {one.noun(t.means)} of the system"
+            for one in draft.systems
+            for t in one.ties
+        },
         dict(_bases(draft, lexicon, every)),
         draft.preset,
         tuple(fails),

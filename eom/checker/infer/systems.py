@@ -114,7 +114,7 @@ class Guess:
     """A system with the letters of a note: its description as a lexicon has it, and its evidence.
 
     ``words``: by which the note names it; ``headings``: the part that is about it, none for the whole
-    note; ``rivals``: others under which as many lines hold; ``letters``: what it has names for; ``lines``:
+    note; ``after``: the phrase of the note, or of that part, from which on it is about it, in line ``begins``; ``rivals``: others under which as many lines hold; ``letters``: what it has names for; ``lines``:
     where its parts were read, ``until``: from which line on the note changes it, 0 for none.
     """
 
@@ -127,6 +127,13 @@ class Guess:
     letters: tuple[Letter, ...] = ()
     lines: tuple[int, ...] = ()
     until: int = 0
+    after: str = ""
+    begins: int = 0
+
+    @property
+    def whole_note(self) -> bool:
+        """Whether the whole note is about it, and no part alone."""
+        return not self.headings and not self.after
 
     @property
     def symbols(self) -> Mapping[str, str]:
@@ -159,12 +166,12 @@ class Guess:
 def with_systems(lexicon: Lexicon, systems: Iterable[Guess]) -> Lexicon:
     """Return a lexicon about the systems of a note, each in its part."""
     for one in systems:
-        if not one.headings:
+        if one.whole_note:
             lexicon = one.added(lexicon)
             continue
         made = one.added(Lexicon(lexicon.notation))
-        for heading in one.headings:
-            scope = Scope(heading, "", (), {}, {}, made.system, made.layers)
+        for heading in one.headings or ("",):
+            scope = Scope(heading, one.after, (), {}, {}, made.system, made.layers)
             lexicon = replace(lexicon, scopes=(*lexicon.scopes, scope))
     return lexicon
 
@@ -203,16 +210,20 @@ def _letters(rows: Mapping[str, Sequence[str]]) -> tuple[Letter, ...]:
     )
 
 
-_PLAIN = re.compile(r"[a-z][a-z ]*[a-z](?=\||$)")
-"""Words at the beginning of a pattern that are no pattern."""
+_GROUPS = ((r"\(\?<?![^()]*\)", ""), (r"\((?:\?:)?([^|()]*)[^()]*\)", r"\1"), (r"s\?|\|.*", ""))
+"""What makes a pattern its first words: no lookarounds, first alternatives, the singular."""
+_STEMS = {"gravit": "acceleration of gravity", "frequenc": "angular frequency", "energ": "energy"}
 _NUMBERED = re.compile(r"_([123])$|_([123])_dot")
 _ORDINALS = {"1": "first", "2": "second", "3": "third"}
 
 
 def _noun(means: str, words: str) -> str:
     """Return what a quantity is called: the first of its words, or the name; with its number in front."""
-    plain = _PLAIN.match(words)
-    noun = words if re.fullmatch(r"[A-Za-z' -]+", words) else plain[0] if plain else ""
+    first = words
+    for pattern, put in _GROUPS:
+        first = re.sub(pattern, put, first)
+    plain = re.match(r"[A-Za-z][A-Za-z' -]*[A-Za-z]", first)
+    noun = _STEMS.get(plain[0], plain[0]) if plain else ""
     number = _NUMBERED.search(means)
     told = not noun or any(w in noun.split() for w in _ORDINALS.values())
     return noun if told or number is None else f"{_ORDINALS[number[1] or number[2]]} {noun}"

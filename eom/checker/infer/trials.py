@@ -6,11 +6,12 @@ taken only where lines of the note hold with it. No line that fails counts again
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import islice
+from itertools import islice, pairwise
 
 from eom.checker.infer.composed import rows as composed
 from eom.checker.infer.sayings import Prose, look_of, prose, said
@@ -25,6 +26,7 @@ from eom.checker.infer.systems import (
     choices,
     guesses,
     led,
+    rows,
     spoken,
     ties,
 )
@@ -331,7 +333,81 @@ def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
             known = own.trial(found[0]) if found else None
             if best is not None and _enough(best) and (known is None or best.cost < known.cost):
                 found.append(replace(best.guess, headings=part.headings))
-    return tuple(found)
+    return (*found, *_passages(document, lexicon, found))
+
+
+def _passages(document: Document, lexicon: Lexicon, found: Sequence[Guess]) -> Iterator[Guess]:
+    """Yield systems of single passages, of notes or sections that are about none as a whole."""
+    if any(one.whole_note for one in found):
+        return
+    for titles, pieces in _regions(document.pieces):
+        if any({*titles} & {*one.headings} for one in found):
+            continue
+        for phrase, line, own in passages(pieces):
+            best = Trials(Part((), replace(document, pieces=own)), lexicon).best()
+            if best is not None and _enough(best):
+                yield replace(best.guess, headings=titles[-1:], after=phrase, begins=line)
+
+
+def _regions(pieces: Sequence[Piece]) -> Iterator[tuple[tuple[str, ...], tuple[Piece, ...]]]:
+    """Yield what stands below each heading down to the next, with the headings above.
+
+    Only where nothing else stands below the heading, and no other is called so: a part of a lexicon is
+    found by its heading.
+    """
+    places = [k for k, p in enumerate(pieces) if p.kind == "heading"]
+    titles = [_title(pieces[k]) for k in places]
+    if not places or len(places) == 1 and places[0] == 0:
+        yield tuple(titles), tuple(pieces[len(places) :])
+        return
+    for n, (k, end) in enumerate(pairwise([*places, len(pieces)])):
+        leaf = end == len(pieces) or pieces[end].level <= pieces[k].level
+        above = [t for m, t in enumerate(titles[:n]) if pieces[places[m]].level < pieces[k].level]
+        if leaf and titles.count(titles[n]) == 1:
+            yield (*above, titles[n]), tuple(pieces[k + 1 : end])
+
+
+def passages(pieces: Sequence[Piece]) -> Iterator[tuple[str, int, tuple[Piece, ...]]]:
+    """Yield pieces from words that name a system to the next that do, with the phrase that begins them.
+
+    Its line stands between.
+    """
+    runs: list[list[Piece]] = []
+    for piece, before in zip(pieces, (None, *pieces), strict=False):
+        begins = before is None or (before.kind == "display" and piece.kind != "display")
+        runs += [[]] if begins else []
+        runs[-1].append(piece)
+    joined: list[list[Piece]] = []
+    for run in runs:
+        words = " ".join(p.body for p in run if p.kind == "prose")
+        named = any(row.named(words) for row in rows())
+        if named or not joined:
+            joined.append(run)
+        else:
+            joined[-1] += run
+    for run in joined:
+        phrase = _phrase(run)
+        if phrase:
+            yield phrase, run[0].line, tuple(run)
+
+
+PHRASE = 60
+"""Characters of a phrase that begins a passage."""
+
+
+def _phrase(run: Sequence[Piece]) -> str:
+    """Return the first words of a passage, before its first display, as they stand; "" where others are so."""
+    shown = next((p for p in run if p.kind == "display"), None)
+    if shown is None or run[0] is shown:
+        return ""
+    text, start = shown.source.text, run[0].span.start
+    words = text[start : min(start + PHRASE, shown.span.start)].split()
+    words = words if start + PHRASE > shown.span.start else words[:-1]
+    words = [w for w in words if w not in {"$$", r"\[", r"\begin{equation}", r"\begin{align}"}]
+    pattern = r"\s+".join(map(re.escape, words))
+    match = re.search(pattern, text, re.IGNORECASE) if len(words) > 1 else None
+    begins = match is not None and start <= match.start() and match.end() <= shown.span.start
+    return " ".join(words) if begins else ""
 
 
 def _enough(one: Trial) -> bool:

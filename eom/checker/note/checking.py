@@ -45,7 +45,7 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
-from eom.checker.note.told import taken
+from eom.checker.note.told import doubt_in_words, taken
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
@@ -220,7 +220,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         known = _confirmed(known, found, settings)
         if known.draft is None:
             return Whole(document, known, found, words)
-        left, held = tuple(_open(found)), _held(found, known.lexicon)
+        left, held = tuple(_open(found)), _held(found)
         asked = questions(left, known.draft, held)
     return Whole(document, known, found, words, left, held, asked)
 
@@ -229,8 +229,8 @@ def _open(found: Sequence[Found]) -> Iterator[Open]:
     """Yield the displays that are undecided or unsure."""
     for one in found:
         if one.finding.verdict in {UNDECIDED, UNSURE} and one.finding.kind == "display":
-            unsure = one.finding.verdict == UNSURE
-            yield Open(one.understood.formula, one.understood.lexicon, unsure)
+            here, unsure = one.understood, one.finding.verdict == UNSURE
+            yield Open(here.formula, here.lexicon, unsure, here.headings)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
@@ -339,7 +339,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     firmly = [_supports(f.finding, words=known.draft.words) for f in found]
     known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
     guessed = guessed_labels(known.draft.drafts)
-    lines = sum(h and a for h, a in zip(hold, about, strict=True))
+    of = tuple(_passage(f, known.draft) for f in found)
+    lines = Counter(k for k, h, a in zip(of, hold, about, strict=True) if h and a)
     named = settings.system is not None
     names = named_in(j.claim for f in found for j in f.verdict.claims)
     for number, (one, system) in enumerate(zip(found, about, strict=True)):
@@ -360,12 +361,25 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             amiss = is_amiss(one.understood, known.lexicon, known_by.doubted(number))
             doubts = () if amiss else known_by.doubts(number)
             placed = bool(guessed & labels_of(one.understood.formula))
-            taken = _taken(one, known.draft, doubts, system and not named, lines, labelled=placed)
+            taken = _taken(
+                one,
+                known.draft,
+                doubts,
+                system and not named,
+                lines[of[number]],
+                labelled=placed,
+            )
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
             why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
+
+
+def _passage(one: Found, draft: Proposal) -> int:
+    """Return the line from which on a passage has a system of its own that a formula is about; 0 for none."""
+    here = one.understood.lexicon.system
+    return next((s.begins for s in draft.systems if s.after and s.model() is here), 0)
 
 
 def _supports(finding: Finding, *, words: bool) -> bool:
@@ -470,7 +484,7 @@ def _taken(
     ``system``: whether it is about the system of the draft, with which so many ``lines`` hold;
     ``labelled``: whether it has frames or points that only the places of their labels suggest.
     """
-    taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
+    taken = [doubt_in_words(d, draft) for d in guessed[:SHOWN]]
     if system and (lines < CREDIBLE or guessed):
         taken = [f"the note is about {s.name}" for s in draft.systems[:1]] + taken
     if system:
@@ -534,7 +548,7 @@ def _excused(
                 if _saved(one, lexicon, given, names) and not _broken(
                     doubt, others, settings, names
                 ):
-                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+                    return doubt_in_words(doubt, draft, " not")
             rivals = (
                 r.added(here)
                 for s in draft.systems
@@ -662,12 +676,12 @@ def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
     return NOWHERE
 
 
-def _held(found: Iterable[Found], lexicon: Lexicon) -> dict[str, list[int]]:
+def _held(found: Iterable[Found]) -> dict[str, list[int]]:
     """Return the displays that hold, by the patterns of the entries that their symbols have."""
     lines: dict[str, list[int]] = {}
     for one in found:
         if one.finding.verdict in {HOLDS, UNDER} and one.finding.kind == "display":
-            for pattern in dict(entries_in(one.understood.formula, lexicon)):
+            for pattern in dict(entries_in(one.understood.formula, one.understood.lexicon)):
                 lines.setdefault(pattern, []).append(one.finding.line)
     return lines
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from eom.checker.infer.draft import Proposal
+from eom.checker.infer.evidence import Doubt
 from eom.checker.infer.plain import (
+    in_words,
     is_guess,
     names_of,
     pattern_in_words,
@@ -29,18 +31,39 @@ def taken(draft: Proposal, held: Mapping[str, Sequence[int]]) -> Iterator[Taken]
         yield _about(one)
         for t in one.ties:
             yield Taken(t.latex, one.noun(t.means), _why(t.words, t.line, held.get(t.latex, ())))
-    tied = {t.latex for one in draft.systems for t in one.ties if not one.headings}
-    for d in (d for d in draft.drafts if d.latex not in tied):
+    tied = {t.latex for one in draft.systems for t in one.ties}
+    whole = {t.latex for one in draft.systems for t in one.ties if one.whole_note}
+    for d in draft.drafts:
+        if d.latex in (tied if is_guess(d.words) else whole):
+            continue
         why = source_in_words(d.words, d.line)
         if d.table == "symbols":
             why = _why(d.words, d.line, held.get(d.latex, ()))
-        yield Taken(pattern_in_words(d.latex), row_in_words(d, names), why)
+        mark = d.table in {"marks", "notation"}
+        words = row_in_words(d, names)
+        name = "" if mark else pattern_in_words(d.latex)
+        yield Taken(name, f"{d.latex} as a mark: {words}" if mark else words, why)
+
+
+def doubt_in_words(doubt: Doubt, draft: Proposal, no: str = "") -> str:
+    """Return what a symbol was taken for, and why; ``no``: " not", where it is not to be that."""
+    means = in_words(doubt.meaning, names_of(draft.systems, draft.drafts))
+    means = means if means.startswith("the ") or means == doubt.meaning else f"the {means}"
+    return f"${doubt.latex}$ is{no} {means} ({_custom(doubt.why)})"
+
+
+def _custom(why: str) -> str:
+    """Return why a meaning was taken; a preset is a notation of books."""
+    name = why.removeprefix("preset ")
+    return why if name == why else f"as in the notation {name}"
 
 
 def _about(one: Guess) -> Taken:
     """Return which system a note, or a part of it, is about, and where it says so."""
     where = f", under {' and '.join(one.headings)}" if one.headings else ""
+    where = f", from line {one.begins} on" if one.after else where
     if one.lines:
+        where = "" if one.after else where
         first, last = min(one.lines), max(one.lines)
         read = f"lines {first} to {last}" if last > first else f"line {first}"
         return Taken("", f"system read from {read}{where}: {one.name}", one.words)

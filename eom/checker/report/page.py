@@ -206,12 +206,16 @@ ANSWER = (
 )
 
 
+PERHAPS = 3
+"""Meanings that a question shows on the page; at the terminal there are more."""
+
+
 def _question(one: Question) -> str:
     """Return an open meaning: the symbol, its lines, and what it may stand for."""
     taken = f", taken for {_worded(one.taken or one.guess)}" if one.guess else ""
     numbers = ", ".join(map(str, one.lines))
     lines = f"line{'s' * (len(one.lines) > 1)} {numbers}"
-    may = "; ".join(_worded(str(c)) for c in one.candidates)
+    may = "; ".join(_worded(str(c)) for c in one.candidates[:PERHAPS])
     perhaps = f"<br><small>perhaps {may}</small>" if may else ""
     return f"What is {mathml(one.latex)}{taken}? ({lines}){perhaps}"
 
