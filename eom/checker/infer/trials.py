@@ -97,7 +97,8 @@ class Part:
         for formula in read(self.document):
             if formula.piece.kind != "display":
                 continue
-            for look in _looks(m for s in formula.statements for m in s.members):
+            members = [m for s in formula.statements for m in s.members]
+            for look in (*_looks(members), *_instants(members)):
                 count[look] += 1
                 lines.setdefault(look, formula.piece.line)
         return count, lines
@@ -112,6 +113,16 @@ def _looks(nodes: Iterable[Node]) -> Iterator[Look]:
                 yield look
             continue
         yield from _looks(children(node))
+
+
+def _instants(members: Sequence[Node]) -> Iterator[Look]:
+    """Yield the letter of time where it stands for an instant: alone on one side, and nowhere else."""
+    alone = [m for m in members if look_of(m) == _TIME]
+    if len(alone) == 1 and all(look_of(n) != _TIME for m in members if m is not alone[0] for n in walk(m)):
+        yield _TIME
+
+
+_TIME = Look("t")
 
 
 def parts(document: Document) -> tuple[Part, ...]:
@@ -210,7 +221,7 @@ class Trials:
                     new = self.trial(guess, deep=True)
                     if new is not None and new.held == len(self.part.lines):
                         return new
-                    if new is not None and new.failed:
+                    if new is not None and (new.failed or new.misfits):
                         failed = min((t for t in (failed, new) if t), key=lambda t: t.misfits)
         return failed
 
