@@ -118,7 +118,9 @@ def _looks(nodes: Iterable[Node]) -> Iterator[Look]:
 def _instants(members: Sequence[Node]) -> Iterator[Look]:
     """Yield the letter of time where it stands for an instant: alone on one side, and nowhere else."""
     alone = [m for m in members if look_of(m) == _TIME]
-    if len(alone) == 1 and all(look_of(n) != _TIME for m in members if m is not alone[0] for n in walk(m)):
+    if len(alone) == 1 and all(
+        look_of(n) != _TIME for m in members if m is not alone[0] for n in walk(m)
+    ):
         yield _TIME
 
 
