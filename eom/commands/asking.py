@@ -25,8 +25,8 @@ MAX_QUESTIONS = 12
 END = "q"
 """The answer that ends the questions."""
 HOW = (
-    "Answer with a number; Enter leaves a symbol open, q ends. Other words are a meaning as a lexicon spells\n"
-    "it: scalar q (any number), velocity C, defined (by the line that has the symbol alone on the left)."
+    "Answer with a number; Enter leaves a symbol open, q ends. Other words are a meaning as a lexicon\n"
+    "spells it: scalar q (any number), defined (by the line that has the symbol alone on the left)."
 )
 
 
@@ -59,7 +59,11 @@ def lexicon_asked(notes: Sequence[Note], settings: Settings) -> Settings:
     if draft is first:
         click.echo("nothing was said: no lexicon is written", err=True)
     else:
-        write_files({target.name: draft.toml}, target.parent)
+        try:
+            write_files({target.name: draft.toml}, target.parent)
+        except OSError:
+            click.echo(draft.toml, err=True)  # what was said is not lost
+            raise
         click.echo(f"wrote {printable(target)}", err=True)
         settings = replace(settings, lexicon=str(target))
     if interrupted:
@@ -68,7 +72,7 @@ def lexicon_asked(notes: Sequence[Note], settings: Settings) -> Settings:
 
 
 def _target(note: Path) -> Path:
-    """Return where the lexicon of a note is to be. Raises `InputError` where it is, or cannot be written."""
+    """Return where the lexicon of a note goes. Raises `InputError` where it is, or cannot be written."""
     target = note.with_name(f"{note.stem}.lexicon.toml")
     if target.exists() or target.is_symlink():
         raise _known(str(target))
@@ -96,7 +100,7 @@ def _interview(whole: Whole, draft: Proposal) -> tuple[Proposal, bool]:
 
     silent = {q.latex: q for q in whole.questions}
     left = list(whole.questions[:MAX_QUESTIONS])
-    click.echo(f"{len(left)} symbol{'s' * (len(left) > 1)} to ask for.\n{HOW}")
+    click.echo(f"{len(left)} symbol{'s' * (len(left) > 1)} to ask for.\n{HOW}", err=True)
     said, passed, interrupted = draft, set[str](), False
     while left:
         question = left.pop(0)
@@ -123,16 +127,16 @@ def _asked(question: Question, draft: Proposal) -> Proposal | None:
 
     Raises `KeyboardInterrupt` where it is interrupted.
     """
-    click.echo(f"\n{printable(str(question))}")
+    click.echo(f"\n{printable(str(question))}", err=True)
     if not question.candidates:
-        click.echo("  (nothing that is known here fits)")
+        click.echo("  (nothing that is known here fits)", err=True)
     for number, candidate in enumerate(question.candidates, 1):
-        click.echo(f"  {number}  {printable(str(candidate))}")
+        click.echo(f"  {number}  {printable(str(candidate))}", err=True)
     while True:
         try:
-            said = click.prompt("  meaning", default="", show_default=False).strip()
+            said = click.prompt("  meaning", default="", show_default=False, err=True).strip()
         except click.Abort as end:
-            click.echo()
+            click.echo(err=True)
             if isinstance(end.__context__, KeyboardInterrupt):
                 raise KeyboardInterrupt from None
             return None
@@ -143,7 +147,7 @@ def _asked(question: Question, draft: Proposal) -> Proposal | None:
         try:
             return _answered(question, draft, said)
         except InputError as error:
-            click.echo(printable(str(error)))
+            click.echo(str(error), err=True)
 
 
 def _answered(question: Question, draft: Proposal, said: str) -> Proposal:

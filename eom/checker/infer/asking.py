@@ -1,7 +1,8 @@
 r"""Questions to the writer: the symbols on which most open lines hang, with what they may mean.
 
-An answer is an entry of the draft like any other, with the writer as its source. What a symbol may be of the
-note's system is tried on the open lines: what makes them hold comes first, what does not fit them is left out.
+An answer is an entry of the draft like any other, with the writer as its source. What a symbol may be of
+the note's system is tried on the open lines: what makes them hold comes first, what does not fit them is
+left out.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.writing import latex_of
-from eom.checker.report.questions import Candidate, Question
+from eom.checker.report.questions import CONFIRMED, Candidate, Question
 from eom.errors import InputError
 
 ANSWERED = "as the writer says"
@@ -53,7 +54,8 @@ def questions(
 ) -> tuple[Question, ...]:
     """Return what is open, most useful first: the symbol on which most ``lines`` hang.
 
-    ``held``: lines that hold, by the symbols in them; where one does a guess is not asked for undecided ones.
+    ``held``: lines that hold, by the symbols in them; a guess is not asked for where one does, for lines
+    that are unsure where so many do that it counts as confirmed.
     """
     found: dict[Look, list[Open]] = {}
     said = {d.latex for d in draft.drafts if d.words == ANSWERED}
@@ -62,7 +64,8 @@ def questions(
         for look in dict.fromkeys(operands_of(one.formula, one.lexicon)):
             guess = _guess(look, draft)
             entry = one.lexicon.find(look)
-            doubted = bool(guess) and (one.unsure or latex_of(look) not in held)
+            enough = CONFIRMED if one.unsure else 1
+            doubted = bool(guess) and len(held.get(latex_of(look), ())) < enough
             is_open = doubted or (entry is None and not one.unsure)
             if is_open and look.name not in _SILENT and latex_of(look) not in said:
                 found.setdefault(look, []).append(one)
@@ -98,7 +101,7 @@ def _question(look: Look, lines: Sequence[Open], draft: Proposal, held: Sequence
 
 
 def _candidates(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[Candidate]:
-    """Yield what a symbol may mean, each once: as it was taken, by words elsewhere, of the system, by books."""
+    """Yield what a symbol may mean: as it was taken, by words elsewhere, of the system, by the books."""
     latex, names = latex_of(look), _names(draft)
     done: set[str] = set()
     for pattern, means, why in (
@@ -146,7 +149,7 @@ def _of_books(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[_R
 
 
 def _of_systems(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[_Row]:
-    """Yield the quantities of the note's systems that a symbol may be, those first with which lines hold."""
+    """Yield the quantities of systems that a symbol may be, those first with which lines hold."""
     above = {heading for line in lines for heading in line.headings}
     here = [s for s in draft.systems if set(s.headings) <= above]
     rows = [(one, m) for one in here for m in _free(one, look)]
@@ -258,7 +261,7 @@ def left_open(draft: Proposal, question: Question) -> Proposal:
 
 
 def _tied(systems: Sequence[Guess], latex: str, meaning: str) -> Iterator[Guess]:
-    """Yield the systems; the first that has the quantity has a letter more. Raises `InputError` for none."""
+    """Yield the systems; the first with the quantity has a letter more. Raises `InputError` for none."""
     look, means = look_of(read_formula(latex).tree), meaning.removeprefix(SYSTEM)
     if not systems or look is None:
         raise InputError("the note's system is not known", got=meaning)

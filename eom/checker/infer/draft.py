@@ -155,7 +155,7 @@ def _inline(value: Any) -> str:
 
 
 def _text(value: str) -> str:
-    """Return a text as TOML: JSON, but for characters beyond 16 bits, which it has in two halves, and DEL."""
+    """Return a text as TOML: JSON without halves of characters beyond 16 bits, and without DEL."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", r"\u007f")
 
 

@@ -1,7 +1,7 @@
 r"""Meanings of a lexicon in plain words, for those who have a note and have never seen a lexicon.
 
-``angular_momentum body C`` is the "angular momentum of the body about the centre of mass", ``system l`` of a
-pendulum its "length"; what has no words here is told as the lexicon spells it.
+``angular_momentum body C`` is the "angular momentum of the body about the centre of mass", ``system l`` of
+a pendulum its "length"; what has no words here is told as the lexicon spells it.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ _EVERY = {
 
 @dataclass(frozen=True)
 class Names:
-    """What quantities are called: of the note's ``systems``, and its own ``labels`` of frames and points."""
+    """What quantities are called: of the note's ``systems``, and ``labels`` of frames and points."""
 
     systems: tuple[Guess, ...] = ()
     labels: Mapping[str, str] = field(default_factory=dict)
@@ -137,10 +137,10 @@ def row_in_words(draft: Draft, names: Names = _NONE) -> str:
 
 
 def pattern_in_words(latex: str) -> str:
-    """Return the pattern of an entry as a symbol: without angle brackets.
+    r"""Return the pattern of an entry as a symbol: without angle brackets.
 
-    >>> pattern_in_words(r"\\hat{n}_{<k>}")
-    '\\hat{n}_{k}'
+    >>> pattern_in_words("n_<k>")
+    'n_k'
     """
     return SLOT.sub(r"\1", latex)
 

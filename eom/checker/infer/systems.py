@@ -39,7 +39,7 @@ IN_A_MOTION = re.compile(r" (?:at|before|after) |^impulse ")
 
 @dataclass(frozen=True)
 class Letter:
-    """A quantity of a system with the letters that are usual for it, words beside it, and what it is called."""
+    """A quantity of a system with the letters that are usual for it, words beside it, and its noun."""
 
     means: str
     usual: tuple[Look, ...]
@@ -114,7 +114,8 @@ class Guess:
     """A system with the letters of a note: its description as a lexicon has it, and its evidence.
 
     ``words``: by which the note names it; ``headings``: the part that is about it, none for the whole
-    note; ``after``: the phrase of the note, or of that part, from which on it is about it, in line ``begins``; ``rivals``: others under which as many lines hold; ``letters``: what it has names for; ``lines``:
+    note; ``after``: the phrase from which on the note, or that part, is about it, in line ``begins``;
+    ``rivals``: others under which as many lines hold; ``letters``: what it has names for; ``lines``:
     where its parts were read, ``until``: from which line on the note changes it, 0 for none.
     """
 
@@ -150,7 +151,7 @@ class Guess:
         return _model(_key(self.table))
 
     def noun(self, means: str) -> str:
-        """Return what a quantity is called: "length"; its name in the system where that has no word for it."""
+        """Return what a quantity is called, such as "length"; else its name in the system."""
         called = next((x.noun for x in self.letters if x.means == means), "")
         moment = re.fullmatch(r"([pQ])_(\w+)", means)
         if called or moment is None:

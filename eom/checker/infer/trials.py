@@ -335,31 +335,47 @@ def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
     if not whole.part.words.strip() and len(whole.part.lines) < ENOUGH:
         alone = whole.alone()
         return (alone.guess,) if alone is not None else ()
-    found = [t.guess for t in (whole.best(),) if t is not None and _enough(t)]
-    if not found:
+    best = whole.best()
+    if best is None or not _enough(best):
         by_letters = whole.best(named=False)
-        found += [by_letters.guess] if by_letters and by_letters.held >= UNNAMED else []
+        best = by_letters if by_letters and by_letters.held >= UNNAMED else None
+    found = [best.guess] if best is not None else []
     for part in parts(document):
         if len(part.document.pieces) < len(document.pieces) - 1:
             own = Trials(part, lexicon)
-            best = own.best()
+            of_part = own.best()
             known = own.trial(found[0]) if found else None
-            if best is not None and _enough(best) and (known is None or best.cost < known.cost):
-                found.append(replace(best.guess, headings=part.headings))
-    return (*found, *_passages(document, lexicon, found))
+            if of_part and _enough(of_part) and (known is None or of_part.cost < known.cost):
+                found.append(replace(of_part.guess, headings=part.headings))
+    return _divided(whole, best, found)
 
 
-def _passages(document: Document, lexicon: Lexicon, found: Sequence[Guess]) -> Iterator[Guess]:
-    """Yield systems of single passages, of notes or sections that are about none as a whole."""
-    if any(one.whole_note for one in found):
-        return
+def _divided(whole: Trials, best: Trial | None, found: Sequence[Guess]) -> tuple[Guess, ...]:
+    """Return the systems, with those of passages where none is known, or where more lines hold with them.
+
+    ``best``: the trial of the whole note, whose system is the first of those ``found``, if there is one.
+    """
+    lines = len(whole.part.lines)
+    if best is not None and lines - best.held < ENOUGH:
+        return tuple(found)
+    of_parts = [one for one in found if not one.whole_note]
+    several = list(_passages(whole.part.document, whole.lexicon, of_parts))
+    if best is None:
+        return (*found, *(t.guess for t in several))
+    better = len(several) > 1 and sum(t.held for t in several) > best.held
+    return (*of_parts, *(t.guess for t in several)) if better else tuple(found)
+
+
+def _passages(document: Document, lexicon: Lexicon, found: Sequence[Guess]) -> Iterator[Trial]:
+    """Yield what holds with systems of single passages, in sections that are about none as a whole."""
     for titles, pieces in _regions(document.pieces):
         if any({*titles} & {*one.headings} for one in found):
             continue
         for phrase, line, own in passages(pieces):
             best = Trials(Part((), replace(document, pieces=own)), lexicon).best()
             if best is not None and _enough(best):
-                yield replace(best.guess, headings=titles[-1:], after=phrase, begins=line)
+                guess = replace(best.guess, headings=titles[-1:], after=phrase, begins=line)
+                yield replace(best, guess=guess)
 
 
 def _regions(pieces: Sequence[Piece]) -> Iterator[tuple[tuple[str, ...], tuple[Piece, ...]]]:
@@ -370,7 +386,7 @@ def _regions(pieces: Sequence[Piece]) -> Iterator[tuple[tuple[str, ...], tuple[P
     """
     places = [k for k, p in enumerate(pieces) if p.kind == "heading"]
     titles = [_title(pieces[k]) for k in places]
-    if not places or len(places) == 1 and places[0] == 0:
+    if not places or (len(places) == 1 and places[0] == 0):
         yield tuple(titles), tuple(pieces[len(places) :])
         return
     for n, (k, end) in enumerate(pairwise([*places, len(pieces)])):
@@ -409,7 +425,7 @@ PHRASE = 60
 
 
 def _phrase(run: Sequence[Piece]) -> str:
-    """Return the first words of a passage, before its first display, as they stand; "" where others are so."""
+    """Return the first words of a passage, as they stand; "" where the same stand before."""
     shown = next((p for p in run if p.kind == "display"), None)
     if shown is None or run[0] is shown:
         return ""

@@ -612,7 +612,7 @@ def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
     single = [("one_particle",)] if "P" in labels_in(terms) else []
     if single and any(_of_body(n) for t in terms for n in nodes(t)):
         raise InputError(
-            "no world has a body beside the single particle P",
+            "a body beside the single particle P",
             got="P",
             expected="a point of the body, such as O or C",
             hint="in [points] of the lexicon say which point of the body the note calls P: 'P' = \"O\"",

@@ -19,16 +19,7 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
-from eom.checker.mean.lexicon import (
-    FREE,
-    RATES,
-    SLOT,
-    TABLED,
-    Found,
-    Lexicon,
-    Meaning,
-    between_points,
-)
+from eom.checker.mean.lexicon import FREE, RATES, TABLED, Found, Lexicon, Meaning, between_points
 from eom.checker.mean.tables import (
     QUATERNION_MATRICES,
     SPATIAL_MATRICES,
@@ -407,18 +398,13 @@ def _between_points(e: Elaborator, look: Look, span: Span) -> Value | None:
     return Value(term, term.kind, LENGTH, ANY, span=span)
 
 
-KNOWN = 3
-"""Symbols of the same letter that are told beside one without a meaning."""
-
-
 def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
     """Return that a symbol has no meaning, with the entry of a lexicon that would give it one."""
     power = bool(look.sup) and all(word.isdecimal() for word in look.sup)
     latex = latex_of(replace(look, sup=()) if power else look)
-    known = ", ".join(SLOT.sub(r"\1", k) for k in e.lexicon.known(look.name)[:KNOWN])
+    known = ", ".join(e.lexicon.known(look.name)[:3]).replace("<", "").replace(">", "")
     wanted = f"words in the note, or a line of the lexicon: '{latex}' = ..."
-    if known:
-        wanted += f" (known is {known})"
+    wanted += f" (known is {known})" if known else ""
     return refuse(UNDECIDED, "symbol without a meaning", span, latex, wanted)
 
 

@@ -29,7 +29,7 @@ from eom.checker.infer.evidence import (
 from eom.checker.infer.letters import ANY
 from eom.checker.infer.lists import PRODUCT
 from eom.checker.infer.sayings import look_of
-from eom.checker.infer.shown import bare, operands_of, symbols_of
+from eom.checker.infer.shown import operands_of
 from eom.checker.infer.slots import guessed_labels, labels_of
 from eom.checker.infer.systems import is_claimed, led
 from eom.checker.judge.coordinates import covered
@@ -45,12 +45,10 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
-from eom.checker.note.told import doubt_in_words, taken
+from eom.checker.note.told import doubt_in_words, passage, sliced, taken
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
-from eom.checker.read.symbol_shape import labels
-from eom.checker.read.syntax import Integral, walk
 from eom.checker.read.writing import latex_of
 from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import (
@@ -332,14 +330,11 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     if known.draft is None:
         yield from found
         return
-    formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
-    fails = [misfit(f.understood, known.lexicon) for f in found]
-    firmly = [_supports(f.finding, words=known.draft.words) for f in found]
-    known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
+    known_by = _evidence(found, known, known.draft)
     guessed = guessed_labels(known.draft.drafts)
-    of = tuple(_passage(f, known.draft) for f in found)
+    of = [passage(f.understood.lexicon, known.draft) for f in found]
     lines = Counter(k for k, h, a in zip(of, hold, about, strict=True) if h and a)
     named = settings.system is not None
     names = named_in(j.claim for f in found for j in f.verdict.claims)
@@ -361,14 +356,8 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             amiss = is_amiss(one.understood, known.lexicon, known_by.doubted(number))
             doubts = () if amiss else known_by.doubts(number)
             placed = bool(guessed & labels_of(one.understood.formula))
-            taken = _taken(
-                one,
-                known.draft,
-                doubts,
-                system and not named,
-                lines[of[number]],
-                labelled=placed,
-            )
+            own, held = system and not named, lines[of[number]]
+            taken = _taken(one, known.draft, doubts, own, held, labelled=placed)
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
             why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"
@@ -376,10 +365,16 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             yield replace(one, finding=unsure) if why else one
 
 
-def _passage(one: Found, draft: Proposal) -> int:
-    """Return the line from which on a passage has a system of its own that a formula is about; 0 for none."""
-    here = one.understood.lexicon.system
-    return next((s.begins for s in draft.systems if s.after and s.model() is here), 0)
+def _evidence(found: Sequence[Found], known: Meanings, draft: Proposal) -> Evidence:
+    """Return what speaks for the meanings of the draft in formulas."""
+    return evidence(
+        [f.understood.formula for f in found],
+        [_supports(f.finding, words=draft.words) for f in found],
+        known.lexicon,
+        draft,
+        [misfit(f.understood, known.lexicon) for f in found],
+        [f.understood.lexicon for f in found],
+    )
 
 
 def _supports(finding: Finding, *, words: bool) -> bool:
@@ -491,26 +486,12 @@ def _taken(
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]
         taken += _changed(one, draft)
-    taken += [] if one.finding.reason.startswith(DECISIVE) else _sliced(one)
+    taken += [] if one.finding.reason.startswith(DECISIVE) else sliced(one.understood)
     if any(map(is_turned, (j.claim for j in one.verdict.claims))):
         taken += ["the axis of the wheel may be any"]
     if _PLACED.search(one.finding.special) or labelled:
         taken += ["points and frames are as drafted"]
     return taken
-
-
-def _sliced(one: Found) -> list[str]:
-    """Return that letters below an integral over the mass which have no meaning are as they were taken."""
-    reading, lexicon = one.understood.formula.reading, one.understood.lexicon
-    for node in walk(reading.tree) if reading is not None else ():
-        if not isinstance(node, Integral) or node.integrand is None:
-            continue
-        over_mass = ("m",) in {labels(v) for v in node.variables}
-        for symbol in symbols_of([node.integrand]) if over_mass else ():
-            look = bare(symbol, lexicon)
-            if look is not None and lexicon.find(look) is None:
-                return [f"${latex_of(look)}$ is of the element of mass"]
-    return []
 
 
 def _changed(one: Found, draft: Proposal) -> list[str]:

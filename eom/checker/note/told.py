@@ -14,7 +14,13 @@ from eom.checker.infer.plain import (
     row_in_words,
     source_in_words,
 )
+from eom.checker.infer.shown import bare, symbols_of
 from eom.checker.infer.systems import Guess
+from eom.checker.judge.notes import Understood
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.read.symbol_shape import labels
+from eom.checker.read.syntax import Integral, walk
+from eom.checker.read.writing import latex_of
 from eom.checker.report.questions import Taken
 
 SHOWN = 3
@@ -79,3 +85,25 @@ def _why(words: str, line: int, held: Sequence[int]) -> str:
     few = ", ".join(map(str, held[:SHOWN])) + ", ..." * (len(held) > SHOWN)
     some = f"line{'s' * (len(held) > 1)} {few} hold{'s' * (len(held) == 1)} with it"
     return f"{said}; {some if held else 'no line holds with it'}"
+
+
+def passage(here: Lexicon, draft: Proposal) -> int:
+    """Return the line from which on a passage is about a system of its own, 0 where none is.
+
+    ``here``: the lexicon that holds in the place that is asked about.
+    """
+    return next((s.begins for s in draft.systems if s.after and s.model() is here.system), 0)
+
+
+def sliced(one: Understood) -> list[str]:
+    """Return that letters below an integral over the mass which have no meaning are as they were taken."""
+    reading, lexicon = one.formula.reading, one.lexicon
+    for node in walk(reading.tree) if reading is not None else ():
+        if not isinstance(node, Integral) or node.integrand is None:
+            continue
+        over_mass = ("m",) in {labels(v) for v in node.variables}
+        for symbol in symbols_of([node.integrand]) if over_mass else ():
+            look = bare(symbol, lexicon)
+            if look is not None and lexicon.find(look) is None:
+                return [f"${latex_of(look)}$ is of the element of mass"]
+    return []

@@ -142,7 +142,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
     "": (  # says itself what would
         *("symbol without a meaning", "this mark has no meaning", "its condition", "unknown "),
         *("not a unit", "not read", "ill-formed if the draft", "a number that is given"),
-        *("not exactly true", "no world has a body"),
+        *("not exactly true", "a body beside the single"),
     ),
     "a meaning of it in the lexicon, or a line above that defines it": (
         *("this is not defined yet", "no meaning is known", "the meanings of these symbols go"),
