@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eom.checker.infer.books import candidates as by_books
-from eom.checker.infer.draft import DRAFT, Proposal
+from eom.checker.infer.draft import DRAFT, Meanings, Proposal
 from eom.checker.infer.letters import GUESSED, Draft
 from eom.checker.infer.plain import SYSTEM, Names, in_words, names_of, source_in_words
 from eom.checker.infer.sayings import look_of
@@ -21,7 +21,7 @@ from eom.checker.infer.trials import judged_rows
 from eom.checker.judge.verdicts import GRAVE
 from eom.checker.mean.claims import STATEMENT, claims
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.lexicon_files import lexicon_of, slotted
+from eom.checker.mean.lexicon_files import lexicon_of, parse_lexicon, slotted
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import Formula
 from eom.checker.read.symbol_shape import Look, seen
@@ -241,6 +241,30 @@ def answered(draft: Proposal, latex: str, meaning: str) -> Proposal:
     new = Draft("symbols", latex, meaning, ANSWERED, 0)
     kept = tuple(d for d in draft.drafts if (d.table, d.latex) != (new.table, new.latex))
     return replace(draft, drafts=(*kept, new), systems=systems, unplaced=unplaced)
+
+
+def as_entry(answer: tuple[str, str | Candidate]) -> tuple[str, str]:
+    """Return an answer to a question as an entry of a lexicon: pattern and meaning."""
+    latex, said = answer
+    return (said.latex, said.meaning) if isinstance(said, Candidate) else (latex, said)
+
+
+def with_said(known: Meanings, answers: Sequence[tuple[str, str]]) -> Meanings:
+    """Return meanings with what the writer says of symbols in front of a draft.
+
+    Raises `InputError` where there is no draft, and for what no lexicon takes.
+    """
+    if not answers:
+        return known
+    if known.draft is None:
+        raise InputError(
+            "answers go before a draft, and here is a lexicon", where="answers", got=known.origin,
+            hint="add them to the lexicon",
+        )  # fmt: skip
+    draft = known.draft
+    for latex, meaning in answers:
+        draft = answered(draft, latex, meaning)
+    return Meanings(parse_lexicon(draft.toml, "answers"), f"{known.origin}, and answers", draft)
 
 
 def left_open(draft: Proposal, question: Question) -> Proposal:

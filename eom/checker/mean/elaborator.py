@@ -402,7 +402,7 @@ def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
     """Return that a symbol has no meaning, with the entry of a lexicon that would give it one."""
     power = bool(look.sup) and all(word.isdecimal() for word in look.sup)
     latex = latex_of(replace(look, sup=()) if power else look)
-    known = ", ".join(e.lexicon.known(look.name)[:3]).replace("<", "").replace(">", "")
+    known = ", ".join([k for k in e.lexicon.known(look.name) if "<" not in k][:3])
     wanted = f"words in the note, or a line of the lexicon: '{latex}' = ..."
     wanted += f" (known is {known})" if known else ""
     return refuse(UNDECIDED, "symbol without a meaning", span, latex, wanted)

@@ -10,7 +10,7 @@ from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eom.checker.infer.asking import Open, questions
+from eom.checker.infer.asking import Open, as_entry, questions, with_said
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
@@ -62,7 +62,7 @@ from eom.checker.report.findings import (
     Settings,
     decided_by,
 )
-from eom.checker.report.questions import Question
+from eom.checker.report.questions import Candidate, Question
 from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
@@ -110,6 +110,7 @@ def check(
     system: str | System | AnyScene | None = None,
     seconds: float = FORMULA_SECONDS,
     strict: bool = False,
+    answers: Mapping[str, str | Candidate] | None = None,
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.
 
@@ -134,6 +135,9 @@ def check(
     strict : bool, default False
         Whether a line counts as wrong, and not as unsure, that is so by a meaning which neither words
         nor another line make sure.
+    answers : mapping, optional
+        What symbols mean, by their LaTeX: one of the candidates of `Report.questions`, or a meaning as a
+        lexicon spells it, such as ``"scalar q"``. They go before the draft; a lexicon takes none.
 
     Returns
     -------
@@ -161,7 +165,10 @@ def check(
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
     'holds under'
     """
-    settings = Settings(notation, str(lexicon), tuple(given), kind, system, seconds, strict=strict)
+    said = tuple(map(as_entry, (answers or {}).items()))
+    settings = Settings(
+        notation, str(lexicon), tuple(given), kind, system, seconds, strict=strict, answers=said
+    )
     return check_note(note_of(note), settings)
 
 
@@ -207,6 +214,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
     closure(settings.given)
     with seldom_collected(), deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
+        known = with_said(known, settings.answers)
         if settings.system is not None:
             drafted = known.draft is not None
             known = replace(known, lexicon=about(known.lexicon, settings.system, first=drafted))

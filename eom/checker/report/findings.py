@@ -44,7 +44,8 @@ class Settings:
     ``system``: what scalar lines are about, a name, a scene file or an object, None for what the note says;
     ``seconds`` of processor time: for the meaning of a formula, and again for its judgement;
     ``note_seconds``: for a note; ``strict``: whether a line counts as wrong, and not as unsure, that is so
-    by a meaning which neither words nor another line make sure.
+    by a meaning which neither words nor another line make sure; ``answers``: what symbols mean, pairs of
+    patterns and meanings that go before what a draft says.
     """
 
     notation: str = ""
@@ -55,6 +56,7 @@ class Settings:
     seconds: float = FORMULA_SECONDS
     note_seconds: float = NOTE_SECONDS
     strict: bool = False
+    answers: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 class Candidate:
     """A meaning that a symbol may have, as an entry of a lexicon.
 
+    It may be given to `eom.check` as an answer.
+
     ``latex``: its pattern; ``meaning``: as a lexicon spells it; ``why``: what speaks for it; ``words``: the
     meaning in plain words.
     """
@@ -25,7 +27,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Question:
-    """A symbol whose meaning is open.
+    """A symbol whose meaning is open: say it in the note, in a lexicon, or by ``answers`` of `eom.check`.
 
     ``latex``: the symbol; ``lines``: numbers of the lines that hang on it, from 1; ``candidates``: what it
     may mean, the likeliest first; ``guess``: what it was taken to mean, unconfirmed, as a lexicon spells

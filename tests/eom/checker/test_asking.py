@@ -144,3 +144,27 @@ def test_a_guess_that_nobody_confirms_stays_only_where_lines_hold_with_it():
     assert "'A' = " not in asking.left_open(draft, asked).toml
     held = replace(asked, holds=(3, 7))
     assert asking.left_open(draft, held) is draft
+
+
+def test_answers_in_python_decide_more_lines():
+    first, *_ = eom.check(NOTE).questions
+    report = eom.check(NOTE, answers={first.latex: first.candidates[0], "A": "system E"})
+    verdicts = {f.line: f.verdict for f in report.findings if f.kind == "display"}
+    assert (verdicts[3], verdicts[7], verdicts[9]) == ("holds", "holds", "holds")
+    assert report.lexicon.endswith("and answers")
+    assert not {"q", "A"} & {q.latex for q in report.questions}
+
+
+@pytest.mark.parametrize(
+    ("answers", "settings", "match"),
+    [
+        ({"q": "speedy"}, {}, "unknown quantity"),
+        ({"q": "system nothing"}, {}, "unknown quantity"),
+        ({"q q": "scalar q"}, {}, "."),
+        ({"q": "scalar q"}, {"notation": "kane"}, "answers go before a draft"),
+        ({"q": 3}, {}, "answers"),
+    ],
+)
+def test_answers_that_are_none(answers, settings, match):
+    with pytest.raises(InputError, match=match):
+        eom.check(NOTE, answers=answers, **settings)

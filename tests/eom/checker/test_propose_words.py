@@ -48,7 +48,8 @@ def test_a_draft_is_toml_whatever_its_headings_hold(sign):
         f"## A pendulum {sign} of mine\n\nA pendulum of length $l$ hangs; $\\theta$ is its angle from the "
         "vertical.\n\n$$ \\ddot\\theta = -\\frac gl\\sin\\theta $$\n\n"
         "$$ T = 2\\pi\\sqrt{\\frac lg} $$\n\n"
-        f"## A block {sign}\n\nA force $F$ acts on a block of mass $m$, which gets the acceleration $a$.\n\n"
+        f"## A block {sign}\n\nA force $F$ acts on a block of mass $m$, which gets the acceleration "
+        "$a$.\n\n"
         "$$ F = m a $$\n"
     )
     draft = propose(read_document(text))
