@@ -38,15 +38,11 @@ _SILENT = frozenset({"d", "t", "pi", "infty"})
 
 @dataclass(frozen=True)
 class Open:
-    """A formula that is open, with the lexicon that holds there, below some ``headings``.
-
-    ``unsure``: whether it is open because of guesses.
-    """
+    """A formula that is open, with the lexicon that holds there; ``unsure``: whether because of guesses."""
 
     formula: Formula
     lexicon: Lexicon
     unsure: bool
-    headings: tuple[str, ...] = ()
 
 
 def questions(
@@ -62,7 +58,7 @@ def questions(
     said |= {t.latex for s in draft.systems for t in s.ties if t.words == ANSWERED}
     for one in lines:
         for look in dict.fromkeys(operands_of(one.formula, one.lexicon)):
-            guess = _guess(look, draft)
+            guess = _guess(look, [one], draft)
             entry = one.lexicon.find(look)
             enough = CONFIRMED if one.unsure else 1
             doubted = bool(guess) and len(held.get(latex_of(look), ())) < enough
@@ -77,9 +73,14 @@ def _names(draft: Proposal) -> Names:
     return names_of(draft.systems, draft.drafts)
 
 
-def _guess(look: Look, draft: Proposal) -> str:
-    """Return what a symbol was taken for by its letter or custom alone."""
-    for one in draft.systems:
+def _here(lines: Sequence[Open], draft: Proposal) -> tuple[Guess, ...]:
+    """Return the systems that some lines are about."""
+    return tuple(s for s in draft.systems if any(s.holds_in(line.lexicon) for line in lines))
+
+
+def _guess(look: Look, lines: Sequence[Open], draft: Proposal) -> str:
+    """Return what a symbol was taken for in some lines, by its letter or custom alone."""
+    for one in _here(lines, draft):
         for tie in one.ties:
             if tie.look == look and tie.words == USUAL:
                 return f"{SYSTEM}{tie.means}"
@@ -89,7 +90,7 @@ def _guess(look: Look, draft: Proposal) -> str:
 
 
 def _question(look: Look, lines: Sequence[Open], draft: Proposal, held: Sequence[int]) -> Question:
-    guess = _guess(look, draft)
+    guess = _guess(look, lines, draft)
     return Question(
         latex_of(look),
         tuple(one.formula.piece.line for one in lines),
@@ -105,7 +106,7 @@ def _candidates(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[
     latex, names = latex_of(look), _names(draft)
     done: set[str] = set()
     for pattern, means, why in (
-        *_said(look, draft),
+        *_said(look, lines, draft),
         *_of_systems(look, lines, draft),
         *_by_note(look, lines),
         *_of_books(look, lines, draft),
@@ -119,9 +120,9 @@ _Row = tuple[str, str, str]
 """Pattern, "" for the symbol itself; meaning; what speaks for it."""
 
 
-def _said(look: Look, draft: Proposal) -> Iterator[_Row]:
+def _said(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[_Row]:
     """Yield what a symbol was taken for, and what words say of it elsewhere."""
-    guess = _guess(look, draft)
+    guess = _guess(look, lines, draft)
     if guess:
         yield "", guess, "as it was taken"
     for other in draft.others:
@@ -150,8 +151,7 @@ def _of_books(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[_R
 
 def _of_systems(look: Look, lines: Sequence[Open], draft: Proposal) -> Iterator[_Row]:
     """Yield the quantities of systems that a symbol may be, those first with which lines hold."""
-    above = {heading for line in lines for heading in line.headings}
-    here = [s for s in draft.systems if set(s.headings) <= above]
+    here = _here(lines, draft)
     rows = [(one, m) for one in here for m in _free(one, look)]
     tried = [(_tried(one, means, look, lines, draft), one, means) for one, means in rows]
     least = min((row[0].misfits for row in tried), default=0)

@@ -150,6 +150,11 @@ class Guess:
         """Return the system."""
         return _model(_key(self.table))
 
+    def holds_in(self, lexicon: Lexicon) -> bool:
+        """Return whether lines with a lexicon are about this system."""
+        here = lexicon.system
+        return here is not None and here.system is self.model().system
+
     def noun(self, means: str) -> str:
         """Return what a quantity is called, such as "length"; else its name in the system."""
         called = next((x.noun for x in self.letters if x.means == means), "")

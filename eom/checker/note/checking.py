@@ -236,7 +236,7 @@ def _open(found: Sequence[Found]) -> Iterator[Open]:
     for one in found:
         if one.finding.verdict in {UNDECIDED, UNSURE} and one.finding.kind == "display":
             here, unsure = one.understood, one.finding.verdict == UNSURE
-            yield Open(here.formula, here.lexicon, unsure, here.headings)
+            yield Open(here.formula, here.lexicon, unsure)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:

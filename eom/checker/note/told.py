@@ -92,7 +92,7 @@ def passage(here: Lexicon, draft: Proposal) -> int:
 
     ``here``: the lexicon that holds in the place that is asked about.
     """
-    return next((s.begins for s in draft.systems if s.after and s.model() is here.system), 0)
+    return next((s.begins for s in draft.systems if s.after and s.holds_in(here)), 0)
 
 
 def sliced(one: Understood) -> list[str]:

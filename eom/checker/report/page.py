@@ -215,7 +215,8 @@ def _question(one: Question) -> str:
     taken = f", taken for {_worded(one.taken or one.guess)}" if one.guess else ""
     numbers = ", ".join(map(str, one.lines))
     lines = f"line{'s' * (len(one.lines) > 1)} {numbers}"
-    may = "; ".join(_worded(str(c)) for c in one.candidates[:PERHAPS])
+    others = [c for c in one.candidates if c.meaning != one.guess]
+    may = "; ".join(_worded(str(c)) for c in others[:PERHAPS])
     perhaps = f"<br><small>perhaps {may}</small>" if may else ""
     return f"What is {mathml(one.latex)}{taken}? ({lines}){perhaps}"
 
@@ -402,7 +403,7 @@ _LEVELS = {"part": "#", "chapter": "#", "section": "##", "subsection": "###"}
 _LATEX: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"(?<!\\)%[^\n]*"), ""),
     (
-        re.compile(r"\\(part|chapter|section|subsection|subsubsection)\*?\s*\{([^{}]*)\}"),
+        re.compile(r"\\(part|chapter|section|subsection|subsubsection)(?:\\\*)?\s*\{([^{}]*)\}"),
         lambda m: f"\n\n{_LEVELS.get(m[1], '####')} {m[2]}\n\n",
     ),
     (re.compile(r"\\(?:emph|textit|textsl)\s*\{([^{}]*)\}"), r"*\1*"),

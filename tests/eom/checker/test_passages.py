@@ -87,3 +87,12 @@ $$ S = m g\cos\theta + m l\dot\theta^2 $$
 """
     (system,) = propose(read_document(text)).systems
     assert system.whole_note
+
+
+def test_a_line_of_a_passage_is_wrong_by_two_others_of_it_alone():
+    """Lines that hold with the rod do not make the pendulum sure."""
+    slip = r"\ddot\theta + \frac{g}{l}\sin\theta = 0"
+    text = NOTE.replace(
+        slip, f"{slip} $$\n\n$$ " + r"\frac{d}{dt}\dot\theta = \frac{2 g}{l}\sin\theta"
+    )
+    assert verdicts(text % r"\frac12") == ["holds", "holds", "unsure", *["holds"] * 3]
