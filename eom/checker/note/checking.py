@@ -45,7 +45,7 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
-from eom.checker.note.told import doubt_in_words, passage, sliced, taken
+from eom.checker.note.told import doubt_in_words, passage, sliced, system_in_words, taken
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
@@ -489,7 +489,8 @@ def _taken(
     """
     taken = [doubt_in_words(d, draft) for d in guessed[:SHOWN]]
     if system and (lines < CREDIBLE or guessed):
-        taken = [f"the note is about {s.name}" for s in draft.systems[:1]] + taken
+        here = [s for s in draft.systems if s.holds_in(one.understood.lexicon)]
+        taken = [system_in_words(s) for s in (here or draft.systems)[:1]] + taken
     if system:
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]

@@ -58,6 +58,12 @@ def doubt_in_words(doubt: Doubt, draft: Proposal, no: str = "") -> str:
     return f"${doubt.latex}$ is{no} {means} ({_custom(doubt.why)})"
 
 
+def system_in_words(one: Guess) -> str:
+    """Return that a note is about a system; one that its sentences compose is told by them."""
+    read = f"the system is as read from line {min(one.lines)} ({one.name})" if one.lines else ""
+    return read or f"the note is about {one.name}"
+
+
 def _custom(why: str) -> str:
     """Return why a meaning was taken; a preset is a notation of books."""
     name = why.removeprefix("preset ")
