@@ -610,8 +610,14 @@ def candidates(
         if share >= (SHARE if words.strip() else MOST if several else 1):
             by_share = match is not None or several
             order = (-share, number) if by_share else (_size(row, tied), number)
-            found.append((order, row, tied, "" if match is None else match[0]))
+            found.append((order, row, tied, "" if match is None else _said_by(match)))
     return [(row, tied, name) for _, row, tied, name in sorted(found, key=lambda f: f[0])]
+
+
+def _said_by(match: re.Match[str]) -> str:
+    """Return the words that name a system, the last one whole."""
+    rest = re.match(r"\w*", match.string[match.end() :])
+    return match[0] + (rest[0] if rest else "")
 
 
 def _size(row: Row, tied: Sequence[Tie]) -> int:

@@ -47,6 +47,8 @@ from eom.errors import InputError
 
 ENOUGH = 2
 """Lines that have to hold for a system to be taken; one, where fewer fail."""
+FEW = 4
+"""Lines of a passage of which also those count that are about what is derived of a system."""
 UNNAMED = 3
 """Lines that have to hold for a system that no words name."""
 SILENT = frozenset({"t", "pi", "infty"})
@@ -168,10 +170,14 @@ class Trial:
 
 @dataclass
 class Trials:
-    """The systems that are tried in a part, under the lexicon of its words; each line read once."""
+    """The systems that are tried in a part, under the lexicon of its words; each line read once.
+
+    ``deep``: whether lines on what is derived of a system count, which takes longer.
+    """
 
     part: Part
     lexicon: Lexicon
+    deep: bool = False
     done: dict[str, Trial] = field(default_factory=dict)
 
     def best(self, *, named: bool = True) -> Trial | None:
@@ -260,7 +266,7 @@ class Trials:
                 lexicon = guess.added(self.lexicon)
             except InputError:
                 return None
-            self.done[key] = trial(guess, self.part, lexicon, lines, deep=deep)
+            self.done[key] = trial(guess, self.part, lexicon, lines, deep=deep or self.deep)
         return self.done[key]
 
 
@@ -367,13 +373,18 @@ def _divided(whole: Trials, best: Trial | None, found: Sequence[Guess]) -> tuple
 
 
 def _passages(document: Document, lexicon: Lexicon, found: Sequence[Guess]) -> Iterator[Trial]:
-    """Yield what holds with systems of single passages, in sections that are about none as a whole."""
+    """Yield what holds with systems of single passages, in sections that are about none as a whole.
+
+    One line that holds is enough beside one that fails: what fails in a passage is a question as long as
+    not two hold.
+    """
     for titles, pieces in _regions(document.pieces):
         if any({*titles} & {*one.headings} for one in found):
             continue
         for phrase, line, own in passages(pieces):
-            best = Trials(Part((), replace(document, pieces=own)), lexicon).best()
-            if best is not None and _enough(best):
+            part = Part((), replace(document, pieces=own))
+            best = Trials(part, lexicon, deep=len(part.lines) <= FEW).best()
+            if best is not None and best.held >= max(1, len(best.failed)):
                 guess = replace(best.guess, headings=titles[-1:], after=phrase, begins=line)
                 yield replace(best, guess=guess)
 

@@ -96,3 +96,34 @@ def test_a_line_of_a_passage_is_wrong_by_two_others_of_it_alone():
         slip, f"{slip} $$\n\n$$ " + r"\frac{d}{dt}\dot\theta = \frac{2 g}{l}\sin\theta"
     )
     assert verdicts(text % r"\frac12") == ["holds", "holds", "unsure", *["holds"] * 3]
+
+
+SHEET = r"""# Week 3
+
+A block of mass $m$ slides down an incline of angle $\alpha$ with friction coefficient $\mu$. Its acceleration is
+
+$$ a = g(\sin\alpha - \mu\cos\alpha) $$
+
+A ball is thrown with the speed $v_0$ at the angle $\beta$. It reaches the height
+
+$$ H = \frac{v_0^2\sin^2\beta}{2 g} $$
+
+and flies as far as
+
+$$ R = \frac{v_0^2\sin\beta}{g} $$
+
+Two masses $m_1$ and $m_2$ hang on a string over a pulley:
+
+$$ a = \frac{m_1 - m_2}{m_1 + m_2} g $$
+
+A satellite of mass $m$ moves on a circular orbit of radius $r$ about the earth of mass $M$ with the speed
+
+$$ v = \sqrt{\frac{G M}{r}} $$
+"""
+
+
+def test_a_sheet_of_exercises_on_what_is_derived_of_systems():
+    report = eom.check(SHEET)
+    found = [f.verdict for f in report.findings if f.kind == "display"]
+    assert found == ["holds", "holds", "unsure", "holds", "holds"]
+    assert any("(the note says 'incline')" in str(d) for d in report.drafts)
