@@ -100,7 +100,8 @@ def test_a_line_of_a_passage_is_wrong_by_two_others_of_it_alone():
 
 SHEET = r"""# Week 3
 
-A block of mass $m$ slides down an incline of angle $\alpha$ with friction coefficient $\mu$. Its acceleration is
+A block of mass $m$ slides down an incline of angle $\alpha$ with friction coefficient $\mu$. Its
+acceleration is
 
 $$ a = g(\sin\alpha - \mu\cos\alpha) $$
 
