@@ -205,7 +205,7 @@ def _eom(folder):
         "Derivation": (eom.Derivation, {
             "name": "d", "title": "", "group": "", "assumed": ("rigid",),
         }),
-        "check": (eom.check, {"note": note_file, **note, "system": None, "seconds": 0.5,
+        "check": (eom.check, {"note": note_file, **note, "system": None, "seconds": 0.5, "answers": None,
                               "strict": False}),
         "check_files": (eom.check_files, {
             "notes": [], "settings": Settings(), "workers": 0, "progress": lambda _: None,

@@ -188,7 +188,7 @@ def test_a_draft_says_so_and_propose_prints_it(check, note, tmp_path):
     assert done.exit_code == 0
     assert "  meanings: draft on preset " in done.output
     assert "Nobody has confirmed these meanings" in done.output
-    assert r"\mathbf{y}: angular_velocity B I (line 1:" in done.output
+    assert r"\mathbf{y}: angular velocity of the frame of the body" in done.output
     assert r"without a meaning: \mathbf{z}" in done.output
     proposed = check("--propose", note)
     assert proposed.exit_code == 0

@@ -112,12 +112,12 @@ class Proposal:
             rows = [d for d in self.drafts if d.table == table]
             lines += ["", f"[{table}]"] if rows else []
             lines += [_row(d) for d in rows]
-        whole = [one for one in self.systems if not one.headings]
+        whole = [one for one in self.systems if one.whole_note]
         lines += [line for one in whole for line in _described(one)]
         for heading, own in self.parts:
-            lines += ["", "[[scope]]", f"heading = {json.dumps(heading)}", "[scope.symbols]"]
+            lines += ["", "[[scope]]", f"heading = {_text(heading)}", "[scope.symbols]"]
             lines += [_row(d) for d in own]
-        own_systems = [one for one in self.systems if one.headings]
+        own_systems = [one for one in self.systems if not one.whole_note]
         lines += [line for one in own_systems for line in _described(one)]
         if self.defined:
             lines += ["", "# defined by the note itself:"]
@@ -131,9 +131,12 @@ class Proposal:
 def _described(one: Guess) -> Iterator[str]:
     """Yield the lines of the table of a system, at the top or of the part that is about it."""
     for heading in one.headings or ("",):
-        scope = "scope." if heading else ""
-        if heading:
-            yield from ("", "[[scope]]", f"heading = {json.dumps(heading)}")
+        scope = "" if one.whole_note else "scope."
+        if scope:
+            yield from ("", "[[scope]]")
+        yield from (
+            f"{k} = {_text(v)}" for k, v in (("heading", heading), ("after", one.after)) if v
+        )
         why = f"the note says: {printable(one.words)}" if one.words else USUAL
         yield from ("", f"[{scope}system]  # {one.name}; {why}")
         yield from (f"{k} = {_inline(v)}" for k, v in one.table.items())
@@ -148,18 +151,23 @@ def _inline(value: Any) -> str:
         return f"{{ {rows} }}"
     if isinstance(value, list):
         return f"[{', '.join(map(_inline, value))}]"
-    return json.dumps(value)
+    return _text(value) if isinstance(value, str) else json.dumps(value)
+
+
+def _text(value: str) -> str:
+    """Return a text as TOML: JSON without halves of characters beyond 16 bits, and without DEL."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", r"\u007f")
 
 
 def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name)
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 
 def _row(draft: Draft) -> str:
     """Return an entry as a line of TOML; patterns stand in simple quotes where they can."""
-    words, meaning = printable(draft.words), json.dumps(draft.meaning)
+    words, meaning = printable(draft.words), _text(draft.meaning)
     plain = draft.latex.isprintable() and "'" not in draft.latex
-    pattern = f"'{draft.latex}'" if plain else json.dumps(draft.latex)
+    pattern = f"'{draft.latex}'" if plain else _text(draft.latex)
     where = f"line {draft.line}: " if draft.line else ""
     return f"{pattern} = {meaning}  # {where}{words}"
 
@@ -195,7 +203,10 @@ def _proposed(document: Document) -> Proposal:
         other.by_words()
     found = [(note, note.finished()) for note in (first, *others)]
     note, new = min(found, key=lambda f: f[0].cost)
-    unknown = {note.lexicon.notation.plain(k): n for k, n in note.unknown().items()}
+    tied = {t.look for one in note.systems for t in one.ties}
+    unknown = {
+        note.lexicon.notation.plain(k): n for k, n in note.unknown().items() if k not in tied
+    }
     return Proposal(
         note.preset,
         tuple(note.drafts.values()),

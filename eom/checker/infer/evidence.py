@@ -189,8 +189,13 @@ def evidence(
     lexicon: Lexicon,
     draft: Proposal,
     fails: Sequence[frozenset[str]] = (),
+    here: Sequence[Lexicon] = (),
 ) -> Evidence:
-    """Return what speaks for the meanings in formulas; ``hold``: which do, ``fails``: see `Evidence`."""
+    """Return what speaks for the meanings in formulas; ``hold``: which do, ``fails``: see `Evidence`.
+
+    ``here``: the lexica that hold where the formulas stand, which parts of the note may have their own.
+    """
+    places = here or [lexicon] * len(formulas)
     said = {
         (MARK if d.table == "marks" else "") + d.latex: d
         for d in (*draft.drafts, *(d for _, rows in draft.parts for d in rows))
@@ -198,16 +203,12 @@ def evidence(
     }
     guessed = {d.latex: d.words for d in draft.drafts if d.words in GUESSED}
     ties = [t for one in draft.systems for t in one.ties]
-    less = any(_simplified(formulas, one) for one in draft.systems)
-    told = {t.latex for t in ties if t.words != USUAL}
-    told -= {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
+    told = _told(formulas, draft)
     guessed |= {t.latex: USUAL for t in ties if t.latex not in told}
-    used = tuple(_whole([dict(_used(f, lexicon)) for f in formulas], formulas, lexicon))
+    entries = [dict(entries_in(f, x)) for f, x in zip(formulas, places, strict=True)]
+    used = tuple(_whole(entries, formulas, lexicon))
     every = {p: f for u in used for p, f in u.items()}
-    looks = (k for f in formulas for k in operands_of(f, lexicon))
-    families = {p: p for p in every} | {
-        f.entry.latex: _family(f) for k in looks if (f := _entry(k, lexicon)) is not None
-    }
+    families = {p: p for p in every} | dict(_families(formulas, places))
     own = {p for p in every if p not in said and p not in guessed and not p.startswith(MARK)}
     whole = draft.words and sum(hold) >= TRUSTED and len(own) >= WHOLE * len(every)
     firm = {*said, *told, *draft.confirmed, *(_placed(own, every, draft) if whole else ())}
@@ -217,13 +218,29 @@ def evidence(
         families,
         frozenset(firm),
         guessed,
-        {t.latex: f"the {t.means} of the system" for t in ties},
+        {t.latex: f"the {s.noun(t.means)} of the system" for s in draft.systems for t in s.ties},
         dict(_bases(draft, lexicon, every)),
         draft.preset,
         tuple(fails),
         frozenset({*said, *told, *draft.confirmed}),
         draft.confirmed,
     )
+
+
+def _told(formulas: Sequence[Formula], draft: Proposal) -> set[str]:
+    """Return the symbols of which words say what they are of a system."""
+    ties = [t for one in draft.systems for t in one.ties]
+    less = any(_simplified(formulas, one) for one in draft.systems)
+    told = {t.latex for t in ties if t.words != USUAL}
+    return told - {t.latex for t in ties if less and IN_A_MOTION.search(t.means)}
+
+
+def _families(formulas: Sequence[Formula], places: Sequence[Lexicon]) -> Iterator[tuple[str, str]]:
+    """Yield entries of formulas with their families."""
+    for formula, lexicon in zip(formulas, places, strict=True):
+        for look in operands_of(formula, lexicon):
+            if (found := _entry(look, lexicon)) is not None:
+                yield found.entry.latex, _family(found)
 
 
 def _placed(own: set[str], every: Mapping[str, tuple[str, str]], draft: Proposal) -> Iterator[str]:
@@ -425,7 +442,7 @@ def _entry(look: Look, lexicon: Lexicon) -> Found | None:
     return found
 
 
-def _used(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
+def entries_in(formula: Formula, lexicon: Lexicon) -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield the entries that symbols of a formula have, by pattern: symbol and meaning; marks as well."""
     for node in symbols_in(formula):
         found_whole = seen(node) or Seen(Look(""))

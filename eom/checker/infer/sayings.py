@@ -116,8 +116,9 @@ def prose(document: Document) -> Prose:
             text.append(_plain(piece.body))
         elif piece.kind != "inline":
             so_far = "".join(text)
+            start = max(0, len(so_far) - MAX_SENTENCE)
             led = _LED.search(_END.split(text[-1].rstrip())[-1]) if text else None
-            taken = next((m for p in _LEADING if (m := p.search(so_far))), None)
+            taken = next((m for p in _LEADING if (m := p.search(so_far, start))), None)
             led = None if taken and MARKS.search(taken["what"]) else led
             taken = None if led else taken
             left = _left(shown.get(id(piece)), mentions) if led else ""
@@ -132,7 +133,7 @@ def prose(document: Document) -> Prose:
             text.append(_marks(formula, mentions, cases if CASE.search(lead) else formulas))
     whole = _ROW.sub(_told, _LISTED.sub(_spelt_out, "".join(text)))
     whole = re.sub(r"[ \t]*\n(?![ \t]*\n)[ \t]*", " ", whole)
-    sentences = tuple(re.sub(r"\s+", " ", s.strip()) for s in _END.split(whole) if s.strip())
+    sentences = tuple(part for s in _END.split(whole) if s.strip() for part in _bounded(s))
     return Prose(
         sentences,
         tuple(mentions),
@@ -141,6 +142,21 @@ def prose(document: Document) -> Prose:
         tuple(cases),
         any(_WORD.search(_plain(p.body)) for p in document.pieces if p.kind in _WORDY),
     )
+
+
+MAX_SENTENCE = 2000
+"""Characters of a sentence; a longer one is read in parts: what ends nowhere is no sentence."""
+
+
+def _bounded(sentence: str) -> Iterator[str]:
+    """Yield a sentence, or parts of one without an end, divided between words."""
+    words = re.sub(r"\s+", " ", sentence.strip())
+    while len(words) > MAX_SENTENCE:
+        cut = words.rfind(" ", 0, MAX_SENTENCE) + 1 or MAX_SENTENCE
+        yield words[:cut].strip()
+        words = words[cut:]
+    if words.strip():
+        yield words.strip()
 
 
 _LISTED = re.compile(rf"((?:^|[.;,:\n]|- )\s*)({LIST})\s*:\s+(?:the |an? )?(?=[a-z])")

@@ -39,11 +39,12 @@ IN_A_MOTION = re.compile(r" (?:at|before|after) |^impulse ")
 
 @dataclass(frozen=True)
 class Letter:
-    """A quantity of a system with the letters that are usual for it, and words beside it."""
+    """A quantity of a system with the letters that are usual for it, words beside it, and its noun."""
 
     means: str
     usual: tuple[Look, ...]
     words: re.Pattern[str]
+    noun: str = ""
 
     @property
     def derived(self) -> bool:
@@ -113,7 +114,8 @@ class Guess:
     """A system with the letters of a note: its description as a lexicon has it, and its evidence.
 
     ``words``: by which the note names it; ``headings``: the part that is about it, none for the whole
-    note; ``rivals``: others under which as many lines hold; ``letters``: what it has names for; ``lines``:
+    note; ``after``: the phrase from which on the note, or that part, is about it, in line ``begins``;
+    ``rivals``: others under which as many lines hold; ``letters``: what it has names for; ``lines``:
     where its parts were read, ``until``: from which line on the note changes it, 0 for none.
     """
 
@@ -126,6 +128,13 @@ class Guess:
     letters: tuple[Letter, ...] = ()
     lines: tuple[int, ...] = ()
     until: int = 0
+    after: str = ""
+    begins: int = 0
+
+    @property
+    def whole_note(self) -> bool:
+        """Whether the whole note is about it, and no part alone."""
+        return not self.headings and not self.after
 
     @property
     def symbols(self) -> Mapping[str, str]:
@@ -141,6 +150,20 @@ class Guess:
         """Return the system."""
         return _model(_key(self.table))
 
+    def holds_in(self, lexicon: Lexicon) -> bool:
+        """Return whether lines with a lexicon are about this system."""
+        here = lexicon.system
+        return here is not None and here.system is self.model().system
+
+    def noun(self, means: str) -> str:
+        """Return what a quantity is called, such as "length"; else its name in the system."""
+        called = next((x.noun for x in self.letters if x.means == means), "")
+        moment = re.fullmatch(r"([pQ])_(\w+)", means)
+        if called or moment is None:
+            return called or means
+        kind = {"p": "generalised momentum", "Q": "generalised force"}[moment[1]]
+        return f"{kind} of {self.noun(moment[2])}"
+
     def added(self, lexicon: Lexicon) -> Lexicon:
         """Return a lexicon about this system; its letters go first."""
         return about(lexicon, self.model(), self.symbols, first=True, usual=False)
@@ -149,12 +172,12 @@ class Guess:
 def with_systems(lexicon: Lexicon, systems: Iterable[Guess]) -> Lexicon:
     """Return a lexicon about the systems of a note, each in its part."""
     for one in systems:
-        if not one.headings:
+        if one.whole_note:
             lexicon = one.added(lexicon)
             continue
         made = one.added(Lexicon(lexicon.notation))
-        for heading in one.headings:
-            scope = Scope(heading, "", (), {}, {}, made.system, made.layers)
+        for heading in one.headings or ("",):
+            scope = Scope(heading, one.after, (), {}, {}, made.system, made.layers)
             lexicon = replace(lexicon, scopes=(*lexicon.scopes, scope))
     return lexicon
 
@@ -183,9 +206,33 @@ def _row(data: Mapping[str, Any], energies: Mapping[str, Any]) -> Row:
 
 def _letters(rows: Mapping[str, Sequence[str]]) -> tuple[Letter, ...]:
     return tuple(
-        Letter(k, tuple(_look(w) for w in usual.split()), re.compile(words, re.IGNORECASE))
-        for k, (usual, words) in rows.items()
+        Letter(
+            k,
+            tuple(_look(w) for w in usual.split()),
+            re.compile(words, re.IGNORECASE),
+            _noun(k, *noun or (words,)),
+        )
+        for k, (usual, words, *noun) in rows.items()
     )
+
+
+_GROUPS = ((r"\(\?<?![^()]*\)", ""), (r"\((?:\?:)?([^|()]*)[^()]*\)", r"\1"), (r"s\?|\|.*", ""))
+"""What makes a pattern its first words: no lookarounds, first alternatives, the singular."""
+_STEMS = {"gravit": "acceleration of gravity", "frequenc": "angular frequency", "energ": "energy"}
+_NUMBERED = re.compile(r"_([123])$|_([123])_dot")
+_ORDINALS = {"1": "first", "2": "second", "3": "third"}
+
+
+def _noun(means: str, words: str) -> str:
+    """Return what a quantity is called: the first of its words, or the name; with its number in front."""
+    first = words
+    for pattern, put in _GROUPS:
+        first = re.sub(pattern, put, first)
+    plain = re.match(r"[A-Za-z][A-Za-z' -]*[A-Za-z]", first)
+    noun = _STEMS.get(plain[0], plain[0]) if plain else ""
+    number = _NUMBERED.search(means)
+    told = not noun or any(w in noun.split() for w in _ORDINALS.values())
+    return noun if told or number is None else f"{_ORDINALS[number[1] or number[2]]} {noun}"
 
 
 def table_row(name: str, letters: Mapping[str, Sequence[str]], table: Mapping[str, Any]) -> Row:
@@ -563,8 +610,14 @@ def candidates(
         if share >= (SHARE if words.strip() else MOST if several else 1):
             by_share = match is not None or several
             order = (-share, number) if by_share else (_size(row, tied), number)
-            found.append((order, row, tied, "" if match is None else match[0]))
+            found.append((order, row, tied, "" if match is None else _said_by(match)))
     return [(row, tied, name) for _, row, tied, name in sorted(found, key=lambda f: f[0])]
+
+
+def _said_by(match: re.Match[str]) -> str:
+    """Return the words that name a system, the last one whole."""
+    rest = re.match(r"\w*", match.string[match.end() :])
+    return match[0] + (rest[0] if rest else "")
 
 
 def _size(row: Row, tied: Sequence[Tie]) -> int:

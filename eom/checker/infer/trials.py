@@ -6,11 +6,12 @@ taken only where lines of the note hold with it. No line that fails counts again
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import islice
+from itertools import islice, pairwise
 
 from eom.checker.infer.composed import rows as composed
 from eom.checker.infer.sayings import Prose, look_of, prose, said
@@ -25,6 +26,7 @@ from eom.checker.infer.systems import (
     choices,
     guesses,
     led,
+    rows,
     spoken,
     ties,
 )
@@ -45,6 +47,8 @@ from eom.errors import InputError
 
 ENOUGH = 2
 """Lines that have to hold for a system to be taken; one, where fewer fail."""
+FEW = 4
+"""Lines of a passage of which also those count that are about what is derived of a system."""
 UNNAMED = 3
 """Lines that have to hold for a system that no words name."""
 SILENT = frozenset({"t", "pi", "infty"})
@@ -95,7 +99,8 @@ class Part:
         for formula in read(self.document):
             if formula.piece.kind != "display":
                 continue
-            for look in _looks(m for s in formula.statements for m in s.members):
+            members = [m for s in formula.statements for m in s.members]
+            for look in (*_looks(members), *_instants(members)):
                 count[look] += 1
                 lines.setdefault(look, formula.piece.line)
         return count, lines
@@ -110,6 +115,18 @@ def _looks(nodes: Iterable[Node]) -> Iterator[Look]:
                 yield look
             continue
         yield from _looks(children(node))
+
+
+def _instants(members: Sequence[Node]) -> Iterator[Look]:
+    """Yield the letter of time where it stands for an instant: alone on one side, and nowhere else."""
+    alone = [m for m in members if look_of(m) == _TIME]
+    if len(alone) == 1 and all(
+        look_of(n) != _TIME for m in members if m is not alone[0] for n in walk(m)
+    ):
+        yield _TIME
+
+
+_TIME = Look("t")
 
 
 def parts(document: Document) -> tuple[Part, ...]:
@@ -153,10 +170,14 @@ class Trial:
 
 @dataclass
 class Trials:
-    """The systems that are tried in a part, under the lexicon of its words; each line read once."""
+    """The systems that are tried in a part, under the lexicon of its words; each line read once.
+
+    ``deep``: whether lines on what is derived of a system count, which takes longer.
+    """
 
     part: Part
     lexicon: Lexicon
+    deep: bool = False
     done: dict[str, Trial] = field(default_factory=dict)
 
     def best(self, *, named: bool = True) -> Trial | None:
@@ -208,7 +229,7 @@ class Trials:
                     new = self.trial(guess, deep=True)
                     if new is not None and new.held == len(self.part.lines):
                         return new
-                    if new is not None and new.failed:
+                    if new is not None and (new.failed or new.misfits):
                         failed = min((t for t in (failed, new) if t), key=lambda t: t.misfits)
         return failed
 
@@ -245,7 +266,7 @@ class Trials:
                 lexicon = guess.added(self.lexicon)
             except InputError:
                 return None
-            self.done[key] = trial(guess, self.part, lexicon, lines, deep=deep)
+            self.done[key] = trial(guess, self.part, lexicon, lines, deep=deep or self.deep)
         return self.done[key]
 
 
@@ -269,14 +290,14 @@ def trial(
             new = claims(statement, lexicon, known)
             known |= defined(new)
             rows += [c for c in new if c.kind == STATEMENT]
-        found[_verdict(rows, deep)].add(number)
+        found[judged_rows(rows, deep)].add(number)
         misfits += any(c.findings and c.verdict in GRAVE for c in rows)
     held, failed = len(found["held"]), frozenset(found["failed"])
     return Trial(guess, held, failed, len(found["open"]), lines, misfits)
 
 
-def _verdict(rows: Sequence[Claim], deep: bool) -> str:
-    """Return what is to be said of the claims of a line about a system."""
+def judged_rows(rows: Sequence[Claim], deep: bool = False) -> str:
+    """Return what is to be said of the claims of a line about a system: held, failed or open."""
     about = [c for c in rows if covered(c)]
     if not about:
         return "open"
@@ -320,18 +341,113 @@ def systems(document: Document, lexicon: Lexicon) -> tuple[Guess, ...]:
     if not whole.part.words.strip() and len(whole.part.lines) < ENOUGH:
         alone = whole.alone()
         return (alone.guess,) if alone is not None else ()
-    found = [t.guess for t in (whole.best(),) if t is not None and _enough(t)]
-    if not found:
+    best = whole.best()
+    if best is None or not _enough(best):
         by_letters = whole.best(named=False)
-        found += [by_letters.guess] if by_letters and by_letters.held >= UNNAMED else []
+        best = by_letters if by_letters and by_letters.held >= UNNAMED else None
+    found = [best.guess] if best is not None else []
     for part in parts(document):
         if len(part.document.pieces) < len(document.pieces) - 1:
             own = Trials(part, lexicon)
-            best = own.best()
+            of_part = own.best()
             known = own.trial(found[0]) if found else None
-            if best is not None and _enough(best) and (known is None or best.cost < known.cost):
-                found.append(replace(best.guess, headings=part.headings))
-    return tuple(found)
+            if of_part and _enough(of_part) and (known is None or of_part.cost < known.cost):
+                found.append(replace(of_part.guess, headings=part.headings))
+    return _divided(whole, best, found)
+
+
+def _divided(whole: Trials, best: Trial | None, found: Sequence[Guess]) -> tuple[Guess, ...]:
+    """Return the systems, with those of passages where none is known, or where more lines hold with them.
+
+    ``best``: the trial of the whole note, whose system is the first of those ``found``, if there is one.
+    """
+    lines = len(whole.part.lines)
+    if best is not None and lines - best.held < ENOUGH:
+        return tuple(found)
+    of_parts = [one for one in found if not one.whole_note]
+    several = list(_passages(whole.part.document, whole.lexicon, of_parts))
+    if best is None:
+        return (*found, *(t.guess for t in several))
+    better = len(several) > 1 and sum(t.held for t in several) > best.held
+    return (*of_parts, *(t.guess for t in several)) if better else tuple(found)
+
+
+def _passages(document: Document, lexicon: Lexicon, found: Sequence[Guess]) -> Iterator[Trial]:
+    """Yield what holds with systems of single passages, in sections that are about none as a whole.
+
+    One line that holds is enough beside one that fails: what fails in a passage is a question as long as
+    not two hold.
+    """
+    for titles, pieces in _regions(document.pieces):
+        if any({*titles} & {*one.headings} for one in found):
+            continue
+        for phrase, line, own in passages(pieces):
+            part = Part((), replace(document, pieces=own))
+            best = Trials(part, lexicon, deep=len(part.lines) <= FEW).best()
+            if best is not None and best.held >= max(1, len(best.failed)):
+                guess = replace(best.guess, headings=titles[-1:], after=phrase, begins=line)
+                yield replace(best, guess=guess)
+
+
+def _regions(pieces: Sequence[Piece]) -> Iterator[tuple[tuple[str, ...], tuple[Piece, ...]]]:
+    """Yield what stands below each heading down to the next, with the headings above.
+
+    Only where nothing else stands below the heading, and no other is called so: a part of a lexicon is
+    found by its heading.
+    """
+    places = [k for k, p in enumerate(pieces) if p.kind == "heading"]
+    titles = [_title(pieces[k]) for k in places]
+    if not places or (len(places) == 1 and places[0] == 0):
+        yield tuple(titles), tuple(pieces[len(places) :])
+        return
+    for n, (k, end) in enumerate(pairwise([*places, len(pieces)])):
+        leaf = end == len(pieces) or pieces[end].level <= pieces[k].level
+        above = [t for m, t in enumerate(titles[:n]) if pieces[places[m]].level < pieces[k].level]
+        if leaf and titles.count(titles[n]) == 1:
+            yield (*above, titles[n]), tuple(pieces[k + 1 : end])
+
+
+def passages(pieces: Sequence[Piece]) -> Iterator[tuple[str, int, tuple[Piece, ...]]]:
+    """Yield pieces from words that name a system to the next that do, with the phrase that begins them.
+
+    Its line stands between.
+    """
+    runs: list[list[Piece]] = []
+    for piece, before in zip(pieces, (None, *pieces), strict=False):
+        begins = before is None or (before.kind == "display" and piece.kind != "display")
+        runs += [[]] if begins else []
+        runs[-1].append(piece)
+    joined: list[list[Piece]] = []
+    for run in runs:
+        words = " ".join(p.body for p in run if p.kind == "prose")
+        named = any(row.named(words) for row in rows())
+        if named or not joined:
+            joined.append(run)
+        else:
+            joined[-1] += run
+    for run in joined:
+        phrase = _phrase(run)
+        if phrase:
+            yield phrase, run[0].line, tuple(run)
+
+
+PHRASE = 60
+"""Characters of a phrase that begins a passage."""
+
+
+def _phrase(run: Sequence[Piece]) -> str:
+    """Return the first words of a passage, as they stand; "" where the same stand before."""
+    shown = next((p for p in run if p.kind == "display"), None)
+    if shown is None or run[0] is shown:
+        return ""
+    text, start = shown.source.text, run[0].span.start
+    words = text[start : min(start + PHRASE, shown.span.start)].split()
+    words = words if start + PHRASE > shown.span.start else words[:-1]
+    words = [w for w in words if w not in {"$$", r"\[", r"\begin{equation}", r"\begin{align}"}]
+    pattern = r"\s+".join(map(re.escape, words))
+    match = re.search(pattern, text, re.IGNORECASE) if len(words) > 1 else None
+    begins = match is not None and start <= match.start() and match.end() <= shown.span.start
+    return " ".join(words) if begins else ""
 
 
 def _enough(one: Trial) -> bool:

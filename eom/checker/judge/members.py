@@ -156,11 +156,13 @@ class InField(AtInstants):
         """Return an impulse, or the only frequency, as the root of its square."""
         if what == "impulse" and len(self.impulses) >= max(place, 1):
             return self.impulses[max(place - 1, 0)]
-        if what not in {"frequency", "period"} or place > 1:
+        if what not in {"frequency", "period", "cycles"} or place > 1:
             raise InputError("this has no value in a field", got=what)
         motion = self.instants[label]
         found = RESIDUES.root(stiffness(self.models.model.system, motion))
         turn = motion.series(2 * sp.pi).coefficients[0]
+        if what == "cycles":
+            return int(found * RESIDUES.inverse(turn) % PRIME)
         return int(found if what == "frequency" else turn * RESIDUES.inverse(found) % PRIME)
 
 
@@ -223,6 +225,8 @@ class Member(AtInstants):
         if what == "eigenvalue":
             return sorted(values, key=lambda v: (abs(v), v.real, v.imag))
         turning = sorted(v.imag for v in values if v.imag > EXACT)
+        if what == "cycles":
+            return [w / (2 * MP.pi) for w in turning]
         return turning if what == "frequency" else [2 * MP.pi / w for w in turning]
 
     def approached(self, e: Expr, symbol: Expr, goal: Expr, side: Expr) -> Number:

@@ -604,13 +604,25 @@ def labels_in(terms: Iterable[Term]) -> frozenset[str]:
 def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
     """Yield the contexts in which terms may have values, the simplest first.
 
-    Angles exist by the assumption of their sequence, a single particle by that of one.
+    Angles exist by the assumption of their sequence, a single particle by that of one. Raises `InputError`
+    where a body stands beside that: all that is said of a body would be zero.
     """
     found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
     sequences = tuple(dict.fromkeys(map(sequence_of, found)))
     single = [("one_particle",)] if "P" in labels_in(terms) else []
+    if single and any(_of_body(n) for t in terms for n in nodes(t)):
+        raise InputError(
+            "a body beside the single particle P",
+            got="P",
+            expected="a point of the body, such as O or C",
+            hint="in [points] of the lexicon say which point of the body the note calls P: 'P' = \"O\"",
+        )
     for general in [*single, *CONTEXTS]:
         yield (*sequences, *general)
+
+
+def _of_body(node: Term) -> bool:
+    return node.head == "atom" and (node.data[0] == "inertia" or "body" in node.data[1:])
 
 
 def filled(base: frozenset[str], names: Iterable[str]) -> frozenset[str]:

@@ -400,10 +400,11 @@ def _between_points(e: Elaborator, look: Look, span: Span) -> Value | None:
 
 def without_meaning(e: Elaborator, look: Look, span: Span) -> Exception:
     """Return that a symbol has no meaning, with the entry of a lexicon that would give it one."""
-    latex, known = latex_of(look), ", ".join(e.lexicon.known(look.name)[:5])
-    wanted = f"a line of the lexicon: '{latex}' = ..."
-    if known:
-        wanted += f" (which has {known})"
+    power = bool(look.sup) and all(word.isdecimal() for word in look.sup)
+    latex = latex_of(replace(look, sup=()) if power else look)
+    known = ", ".join([k for k in e.lexicon.known(look.name) if "<" not in k][:3])
+    wanted = f"words in the note, or a line of the lexicon: '{latex}' = ..."
+    wanted += f" (known is {known})" if known else ""
     return refuse(UNDECIDED, "symbol without a meaning", span, latex, wanted)
 
 

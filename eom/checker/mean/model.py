@@ -283,7 +283,7 @@ VECTORS: Mapping[str, tuple[str, int]] = {
 }  # fmt: skip
 """Vectors of a system: their units, and how often what is stated is differentiated."""
 DERIVED: Mapping[str, str] = {
-    "t": "s", "frequency": "rad/s", "period": "s", "eigenvalue": "rad/s", "impulse": "",
+    "t": "s", "frequency": "rad/s", "cycles": "1/s", "period": "s", "eigenvalue": "rad/s", "impulse": "",
 }  # fmt: skip
 """Quantities of particular motions alone, and their units."""
 FIRST = ".start"

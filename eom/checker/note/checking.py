@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eom.checker.infer.asking import questions
+from eom.checker.infer.asking import Open, as_entry, questions, with_said
 from eom.checker.infer.draft import Meanings, Proposal, meanings
 from eom.checker.infer.evidence import (
     DECISIVE,
     UNFIT,
     Doubt,
     Evidence,
+    entries_in,
     evidence,
     is_amiss,
     is_turned,
@@ -28,9 +29,9 @@ from eom.checker.infer.evidence import (
 from eom.checker.infer.letters import ANY
 from eom.checker.infer.lists import PRODUCT
 from eom.checker.infer.sayings import look_of
-from eom.checker.infer.shown import bare, operands_of, symbols_of
+from eom.checker.infer.shown import operands_of
 from eom.checker.infer.slots import guessed_labels, labels_of
-from eom.checker.infer.systems import USUAL, is_claimed, led
+from eom.checker.infer.systems import is_claimed, led
 from eom.checker.judge.coordinates import covered
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.judge.models import equations
@@ -45,11 +46,10 @@ from eom.checker.mean.lexicon_files import about
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.following import decided
 from eom.checker.note.review import Reviewed, review
+from eom.checker.note.told import doubt_in_words, passage, sliced, system_in_words, taken
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
 from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
-from eom.checker.read.symbol_shape import labels
-from eom.checker.read.syntax import Integral, walk
 from eom.checker.read.writing import latex_of
 from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import (
@@ -63,7 +63,7 @@ from eom.checker.report.findings import (
     Settings,
     decided_by,
 )
-from eom.checker.report.questions import Question
+from eom.checker.report.questions import Candidate, Question
 from eom.derivations.refuted import disagreement
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
@@ -111,6 +111,7 @@ def check(
     system: str | System | AnyScene | None = None,
     seconds: float = FORMULA_SECONDS,
     strict: bool = False,
+    answers: Mapping[str, str | Candidate] | None = None,
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.
 
@@ -135,6 +136,9 @@ def check(
     strict : bool, default False
         Whether a line counts as wrong, and not as unsure, that is so by a meaning which neither words
         nor another line make sure.
+    answers : mapping, optional
+        What symbols mean, by their LaTeX: one of the candidates of `Report.questions`, or a meaning as a
+        lexicon spells it, such as ``"scalar q"``. They go before the draft; a lexicon takes none.
 
     Returns
     -------
@@ -162,7 +166,10 @@ def check(
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
     'holds under'
     """
-    settings = Settings(notation, str(lexicon), tuple(given), kind, system, seconds, strict=strict)
+    said = tuple(map(as_entry, (answers or {}).items()))
+    settings = Settings(
+        notation, str(lexicon), tuple(given), kind, system, seconds, strict=strict, answers=said
+    )
     return check_note(note_of(note), settings)
 
 
@@ -170,14 +177,17 @@ def check(
 class Whole:
     """A note with the meanings of its symbols, its formulas with verdicts, what its words claim.
 
-    ``questions``: what may be asked so that more lines are decided.
+    ``open``: lines that meanings of the draft leave undecided or unsure; ``held``: lines that hold, by the
+    patterns of the entries of their symbols; ``questions``: what may be asked so that more are decided.
     """
 
     document: Document
     known: Meanings
     found: tuple[Found, ...]
     words: tuple[Finding, ...]
-    questions: tuple[Question, ...]
+    open: tuple[Open, ...] = ()
+    held: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    questions: tuple[Question, ...] = ()
 
 
 def check_note(note: Note, settings: Settings) -> Report:
@@ -190,7 +200,7 @@ def check_document(document: Document, settings: Settings, path: Path | None = N
     """Return the report on a document; ``path``: where it stands, if it is a file."""
     whole = judged_document(document, settings, path)
     found = [*(f.finding for f in whole.found), *whole.words]
-    report = _report(whole.document, whole.known, settings, found)
+    report = _report(whole.document, whole.known, settings, found, whole.held)
     return replace(report, questions=whole.questions)
 
 
@@ -205,6 +215,7 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
     closure(settings.given)
     with seldom_collected(), deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
+        known = with_said(known, settings.answers)
         if settings.system is not None:
             drafted = known.draft is not None
             known = replace(known, lexicon=about(known.lexicon, settings.system, first=drafted))
@@ -215,8 +226,11 @@ def judged_document(document: Document, settings: Settings, path: Path | None = 
         found = _following(found, document, known)
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
-        open_ = _questions(found, known)
-    return Whole(document, known, found, words, open_)
+        if known.draft is None:
+            return Whole(document, known, found, words)
+        left, held = tuple(_open(found)), _held(found)
+        asked = questions(left, known.draft, held)
+    return Whole(document, known, found, words, left, held, asked)
 
 
 def _following(found: tuple[Found, ...], document: Document, known: Meanings) -> tuple[Found, ...]:
@@ -229,16 +243,12 @@ def _following(found: tuple[Found, ...], document: Document, known: Meanings) ->
     return tuple(replace(f, finding=n) for f, n in zip(found, new, strict=True))
 
 
-def _questions(found: Sequence[Found], known: Meanings) -> tuple[Question, ...]:
-    """Return what may be asked so that more lines are decided; nothing where a lexicon was given."""
-    if known.draft is None:
-        return ()
-    lines = [
-        (f.understood.formula, f.understood.lexicon, f.finding.verdict == UNSURE)
-        for f in found
-        if f.finding.verdict in {UNDECIDED, UNSURE} and f.finding.kind == "display"
-    ]
-    return questions(lines, known.draft)
+def _open(found: Sequence[Found]) -> Iterator[Open]:
+    """Yield the displays that are undecided or unsure."""
+    for one in found:
+        if one.finding.verdict in {UNDECIDED, UNSURE} and one.finding.kind == "display":
+            here, unsure = one.understood, one.finding.verdict == UNSURE
+            yield Open(here.formula, here.lexicon, unsure)
 
 
 def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
@@ -340,14 +350,12 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
     if known.draft is None:
         yield from found
         return
-    formulas = [f.understood.formula for f in found]
     hold = [f.finding.verdict in {HOLDS, UNDER} for f in found]
     about = [any(covered(j.claim) for j in f.verdict.claims) for f in found]
-    fails = [misfit(f.understood, known.lexicon) for f in found]
-    firmly = [_supports(f.finding, words=known.draft.words) for f in found]
-    known_by = evidence(formulas, firmly, known.lexicon, known.draft, fails)
+    known_by = _evidence(found, known, known.draft)
     guessed = guessed_labels(known.draft.drafts)
-    lines = sum(h and a for h, a in zip(hold, about, strict=True))
+    of = [passage(f.understood.lexicon, known.draft) for f in found]
+    lines = Counter(k for k, h, a in zip(of, hold, about, strict=True) if h and a)
     named = settings.system is not None
     names = named_in(j.claim for f in found for j in f.verdict.claims)
     for number, (one, system) in enumerate(zip(found, about, strict=True)):
@@ -368,12 +376,25 @@ def _doubted(found: Sequence[Found], known: Meanings, settings: Settings) -> Ite
             amiss = is_amiss(one.understood, known.lexicon, known_by.doubted(number))
             doubts = () if amiss else known_by.doubts(number)
             placed = bool(guessed & labels_of(one.understood.formula))
-            taken = _taken(one, known.draft, doubts, system and not named, lines, labelled=placed)
+            own, held = system and not named, lines[of[number]]
+            taken = _taken(one, known.draft, doubts, own, held, labelled=placed)
             others = [f for f, h in zip(found, hold, strict=True) if h and f is not one]
             why = ", ".join(taken) or _excused(one, others, known.draft, settings, names)
             reason = f"if {why}, then: {one.finding.reason}"
             unsure = replace(one.finding, verdict=UNSURE, reason=reason)
             yield replace(one, finding=unsure) if why else one
+
+
+def _evidence(found: Sequence[Found], known: Meanings, draft: Proposal) -> Evidence:
+    """Return what speaks for the meanings of the draft in formulas."""
+    return evidence(
+        [f.understood.formula for f in found],
+        [_supports(f.finding, words=draft.words) for f in found],
+        known.lexicon,
+        draft,
+        [misfit(f.understood, known.lexicon) for f in found],
+        [f.understood.lexicon for f in found],
+    )
 
 
 def _supports(finding: Finding, *, words: bool) -> bool:
@@ -478,33 +499,20 @@ def _taken(
     ``system``: whether it is about the system of the draft, with which so many ``lines`` hold;
     ``labelled``: whether it has frames or points that only the places of their labels suggest.
     """
-    taken = [f"${d.latex}$ is {d.meaning} ({d.why})" for d in guessed[:SHOWN]]
+    taken = [doubt_in_words(d, draft) for d in guessed[:SHOWN]]
     if system and (lines < CREDIBLE or guessed):
-        taken = [f"the note is about {s.name}" for s in draft.systems[:1]] + taken
+        here = [s for s in draft.systems if s.holds_in(one.understood.lexicon)]
+        taken = [system_in_words(s) for s in (here or draft.systems)[:1]] + taken
     if system:
         free = dict.fromkeys(n for j in one.verdict.claims for n in uncounted(j.claim))
         taken += [f"{n} is counted from where the line needs it" for n in free]
         taken += _changed(one, draft)
-    taken += [] if one.finding.reason.startswith(DECISIVE) else _sliced(one)
+    taken += [] if one.finding.reason.startswith(DECISIVE) else sliced(one.understood)
     if any(map(is_turned, (j.claim for j in one.verdict.claims))):
         taken += ["the axis of the wheel may be any"]
     if _PLACED.search(one.finding.special) or labelled:
         taken += ["points and frames are as drafted"]
     return taken
-
-
-def _sliced(one: Found) -> list[str]:
-    """Return that letters below an integral over the mass which have no meaning are as they were taken."""
-    reading, lexicon = one.understood.formula.reading, one.understood.lexicon
-    for node in walk(reading.tree) if reading is not None else ():
-        if not isinstance(node, Integral) or node.integrand is None:
-            continue
-        over_mass = ("m",) in {labels(v) for v in node.variables}
-        for symbol in symbols_of([node.integrand]) if over_mass else ():
-            look = bare(symbol, lexicon)
-            if look is not None and lexicon.find(look) is None:
-                return [f"${latex_of(look)}$ is of the element of mass"]
-    return []
 
 
 def _changed(one: Found, draft: Proposal) -> list[str]:
@@ -542,7 +550,7 @@ def _excused(
                 if _saved(one, lexicon, given, names) and not _broken(
                     doubt, others, settings, names
                 ):
-                    return f"${doubt.latex}$ is not {doubt.meaning} ({doubt.why})"
+                    return doubt_in_words(doubt, draft, " not")
             rivals = (
                 r.added(here)
                 for s in draft.systems
@@ -670,24 +678,22 @@ def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
     return NOWHERE
 
 
-def _drafts(draft: Proposal) -> Iterator[str]:
-    """Yield the meanings that were taken, with the words or the custom that they come from."""
-    for one in draft.systems:
-        where = f", under {' and '.join(one.headings)}" if one.headings else ""
-        if one.lines:
-            first, last = min(one.lines), max(one.lines)
-            read = f"lines {first} to {last}" if last > first else f"line {first}"
-            yield f"system read from {read}{where}: {one.name} ({one.words})"
-        else:
-            yield f"the note is about {one.name}{where} ({one.words or USUAL})"
-        yield from (f"{t.latex}: {t.means} (line {t.line}: {t.words})" for t in one.ties)
-    tied = {t.latex for one in draft.systems for t in one.ties if not one.headings}
-    own = (d for d in draft.drafts if d.latex not in tied)
-    yield from (f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in own)
+def _held(found: Iterable[Found]) -> dict[str, list[int]]:
+    """Return the displays that hold, by the patterns of the entries that their symbols have."""
+    lines: dict[str, list[int]] = {}
+    for one in found:
+        if one.finding.verdict in {HOLDS, UNDER} and one.finding.kind == "display":
+            for pattern in dict(entries_in(one.understood.formula, one.understood.lexicon)):
+                lines.setdefault(pattern, []).append(one.finding.line)
+    return lines
 
 
 def _report(
-    document: Document, known: Meanings, settings: Settings, found: Sequence[Finding]
+    document: Document,
+    known: Meanings,
+    settings: Settings,
+    found: Sequence[Finding],
+    held: Mapping[str, Sequence[int]],
 ) -> Report:
     draft = known.draft
     sources = list(dict.fromkeys(p.source for p in document.pieces))
@@ -698,7 +704,7 @@ def _report(
         document.name,
         tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),
         known.origin,
-        tuple(_drafts(draft)) if draft else (),
+        tuple(taken(draft, held)) if draft else (),
         tuple(latex for latex, _ in draft.unplaced) if draft else (),
         settings.given,
         tuple(Remark("not read", f.what, f.line) for f in document.findings),

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.read.spans import NOWHERE, Source, Span, printable
-from eom.checker.report.questions import Question
+from eom.checker.report.questions import Question, Taken
 from eom.worlds.worlds import ASSUMPTIONS
 
 if TYPE_CHECKING:
@@ -44,7 +44,8 @@ class Settings:
     ``system``: what scalar lines are about, a name, a scene file or an object, None for what the note says;
     ``seconds`` of processor time: for the meaning of a formula, and again for its judgement;
     ``note_seconds``: for a note; ``strict``: whether a line counts as wrong, and not as unsure, that is so
-    by a meaning which neither words nor another line make sure.
+    by a meaning which neither words nor another line make sure; ``answers``: what symbols mean, pairs of
+    patterns and meanings that go before what a draft says.
     """
 
     notation: str = ""
@@ -55,6 +56,7 @@ class Settings:
     seconds: float = FORMULA_SECONDS
     note_seconds: float = NOTE_SECONDS
     strict: bool = False
+    answers: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,7 @@ DECIDES: dict[str, tuple[str, ...]] = {
     "": (  # says itself what would
         *("symbol without a meaning", "this mark has no meaning", "its condition", "unknown "),
         *("not a unit", "not read", "ill-formed if the draft", "a number that is given"),
-        "not exactly true",
+        *("not exactly true", "a body beside the single"),
     ),
     "a meaning of it in the lexicon, or a line above that defines it": (
         *("this is not defined yet", "no meaning is known", "the meanings of these symbols go"),
@@ -343,7 +345,7 @@ class Report:
     name: str
     findings: tuple[Finding, ...]
     lexicon: str = ""
-    drafts: tuple[str, ...] = ()
+    drafts: tuple[Taken, ...] = ()
     unplaced: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
     notices: tuple[Remark, ...] = ()
@@ -416,8 +418,8 @@ UNPLACED = 12
 INDENT = "    "
 
 UNCONFIRMED = (
-    "    Nobody has confirmed these meanings: what is called wrong may be misread. A preset is",
-    "    named by --notation; --propose prints the draft as a file for --lexicon.",
+    "    Nobody has confirmed these meanings: what is called wrong may be misread. --ask asks for",
+    "    what is open; --propose prints the draft as a file for --lexicon; --notation names a preset.",
 )
 
 
@@ -479,7 +481,7 @@ def _head(report: Report) -> Iterator[Line]:
     yield (("unsure" if draft else "faint", f"  meanings: {printable(report.lexicon)}"),)
     if draft:
         yield from map(_faint, UNCONFIRMED)
-        yield from (_faint(f"    {printable(d)}") for d in report.drafts)
+        yield from (_faint(f"    {printable(str(d))}") for d in report.drafts)
     if report.unplaced:
         names = ", ".join(report.unplaced[:UNPLACED])
         rest = len(report.unplaced) - UNPLACED
@@ -662,7 +664,7 @@ def note(graded: Graded) -> Data:
 def _report(report: Report) -> Data:
     return {
         "meanings": report.lexicon,
-        "drafts": list(report.drafts),
+        "drafts": list(map(str, report.drafts)),
         "unplaced": list(report.unplaced),
         "given": list(report.given),
         "notices": [{"text": n.text, "line": n.line} for n in report.notices],

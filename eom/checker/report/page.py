@@ -41,7 +41,7 @@ from eom.checker.report.findings import (
     Graded,
     Report,
 )
-from eom.checker.report.questions import Question
+from eom.checker.report.questions import Question, Taken
 from eom.typeset.markup import render
 from eom.worlds.worlds import ASSUMPTIONS
 
@@ -166,10 +166,10 @@ def _summary(report: Report) -> Iterator[str]:
     yield f"<table><caption>Equations by verdict</caption>{''.join(cells)}</table>"
     for title, text in (
         ("Meanings of symbols", html.escape(report.lexicon)),
-        ("Drafted from the words of the note", _list(map(html.escape, report.drafts), "ul")),
+        ("Meanings taken from the note, unconfirmed", _list(map(_taken, report.drafts), "ul")),
         ("Assumed throughout", _assumptions(report.given)),
         ("Symbols without a meaning", ", ".join(mathml(s) for s in report.unplaced)),
-        ("Meanings that would decide more lines", _list(map(_question, report.questions), "ul")),
+        ("Questions that would decide more lines", _questions(report.questions)),
         (
             "Not read",
             _list((f"line {n.line}: {html.escape(n.text)}" for n in report.notices), "ul"),
@@ -188,12 +188,37 @@ def _summary(report: Report) -> Iterator[str]:
     yield FILTER
 
 
+def _taken(one: Taken) -> str:
+    """Return a meaning that was taken, with its evidence."""
+    of = f"{mathml(one.latex)}: " if one.latex else ""
+    return f"{of}{_worded(one.words)} <small>({_worded(one.why)})</small>"
+
+
+def _questions(asked: Sequence[Question]) -> str:
+    """Return what is open, and how to answer."""
+    rows = _list(map(_question, asked), "ul")
+    return f"<p>{ANSWER}</p>{rows}" if rows else ""
+
+
+ANSWER = (
+    "Say it in the note, in words (<q>q is the speed of the bob</q>), or answer at a terminal: "
+    "<code>eom check NOTE --ask</code>."
+)
+
+
+PERHAPS = 3
+"""Meanings that a question shows on the page; at the terminal there are more."""
+
+
 def _question(one: Question) -> str:
     """Return an open meaning: the symbol, its lines, and what it may stand for."""
-    taken = f", taken for {html.escape(one.guess)}" if one.guess else ""
-    lines = ", ".join(map(str, one.lines))
-    may = "; ".join(html.escape(str(c)) for c in one.candidates)
-    return f"{mathml(one.latex)}{taken} (line {lines}){': perhaps ' + may if may else ''}"
+    taken = f", taken for {_worded(one.taken or one.guess)}" if one.guess else ""
+    numbers = ", ".join(map(str, one.lines))
+    lines = f"line{'s' * (len(one.lines) > 1)} {numbers}"
+    others = [c for c in one.candidates if c.meaning != one.guess]
+    may = "; ".join(_worded(str(c)) for c in others[:PERHAPS])
+    perhaps = f"<br><small>perhaps {may}</small>" if may else ""
+    return f"What is {mathml(one.latex)}{taken}? ({lines}){perhaps}"
 
 
 FILTER = """<fieldset><legend>Show findings</legend>
@@ -378,7 +403,7 @@ _LEVELS = {"part": "#", "chapter": "#", "section": "##", "subsection": "###"}
 _LATEX: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"(?<!\\)%[^\n]*"), ""),
     (
-        re.compile(r"\\(part|chapter|section|subsection|subsubsection)\*?\s*\{([^{}]*)\}"),
+        re.compile(r"\\(part|chapter|section|subsection|subsubsection)(?:\\\*)?\s*\{([^{}]*)\}"),
         lambda m: f"\n\n{_LEVELS.get(m[1], '####')} {m[2]}\n\n",
     ),
     (re.compile(r"\\(?:emph|textit|textsl)\s*\{([^{}]*)\}"), r"*\1*"),

@@ -96,7 +96,7 @@ def test_a_trolley_with_a_buffer_is_read_and_its_lines_are_judged():
     report = eom.check(TROLLEY)
     found = [f.verdict for f in report.findings if f.kind == "display"]
     assert found == [*["holds"] * 4, "wrong"]
-    said = report.drafts[0]
+    said = str(report.drafts[0])
     read = (
         "system read from lines 2 to 3: the trolley moves along a horizontal line; the bar swings"
     )

@@ -17,7 +17,7 @@ from eom.checker.report.findings import Settings
 SETS = Path(__file__).parents[3] / "benchmarks" / "notes"
 NOTES = sorted(
     path
-    for name in ("third", "fourth", "fifth")
+    for name in ("first", "second", "third", "fourth", "fifth", "sixth", "seventh")
     for path in (SETS / name).iterdir()
     if path.suffix in KINDS and path.suffix != ".py"
 )

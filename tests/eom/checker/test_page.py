@@ -299,3 +299,22 @@ def test_whatever_stands_in_a_formula_only_elements_of_mathml_come_out(latex):
     assert {tag for tag, _ in found.seen} <= {*ELEMENTS, "code"}
     for tag, attributes in found.seen:
         assert set(attributes) <= {*ELEMENTS.get(tag, ())}
+
+
+def test_headings_of_latex_may_have_a_star():
+    text = (
+        "\\documentclass{article}\\begin{document}\\section*{Problem 1: a ball}\nWords.\n"
+        "\\subsection{Part}\n$$ F = m a $$\n\\end{document}\n"
+    )
+    document = read_document(text, "latex")
+    shown = page(document, eom.check(text, kind="latex"))
+    assert "<h2>Problem 1: a ball</h2>" in shown
+    assert "<h3>Part</h3>" in shown
+
+
+def test_open_meanings_are_questions_with_an_answer():
+    text = "A pendulum of length $l$ swings by $\\theta$.\n\n$$ q = l\\dot\\theta $$\n\n$$ Z = 3 q $$\n"
+    shown = page(read_document(text), eom.check(text))
+    assert "What is <math" in shown
+    assert "eom check NOTE --ask" in shown
+    assert "system v" not in shown, "no words of a lexicon"

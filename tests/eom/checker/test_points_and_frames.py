@@ -2,6 +2,7 @@ r"""Vectors between two points, points that are fixed in any frame, frames with 
 
 import pytest
 
+import eom
 from eom.checker.mean.lexicon_files import parse_lexicon
 from tests.eom.checker.system_lines import judged
 
@@ -124,3 +125,18 @@ def test_bodies_whose_mass_changes(line):
     assert found.verdict == ("holds under" if OPEN_LINES[line] else "wrong")
     if OPEN_LINES[line]:
         assert found.claims[0].judgement.sets == OPEN_LINES[line]
+
+
+@pytest.mark.parametrize("line", [r"\vec h = 2 I_P \vec\omega", r"\vec k = 3\vec h"])
+def test_a_body_beside_a_single_particle_is_no_world(tmp_path, line):
+    r"""What is said of a body whose mass is one particle is zero: all would hold."""
+    lexicon = tmp_path / "lexicon.toml"
+    lexicon.write_text(
+        'preset = "arrow-tilde"\n[symbols]\n'
+        "'I_P' = \"inertia P\"\n'\\vec h' = \"angular_momentum body C\"\n"
+        "'\\vec k' = \"angular_momentum body P\"\n"
+    )
+    (found,) = eom.check(line, lexicon=lexicon).findings
+    assert found.verdict == "undecided"
+    assert "single particle P" in found.reason
+    assert "[points]" in found.reason

@@ -20,6 +20,9 @@ from eom.errors import InputError
 from tests.eom.rows import only
 
 ELEMENTARY = Path("benchmarks/notes/elementary")
+STUDENTS = Path("benchmarks/notes/students")
+LEFT = {"line:12", "line:25", "slip:4", "slip:8"}
+"""Lines of students that are undecided."""
 
 PENDULUM = r"""
 # A pendulum
@@ -47,7 +50,7 @@ def test_a_pendulum_is_found_from_words_whatever_its_letters():
     report = eom.check(PENDULUM % "-")
     assert [f.verdict for f in report.findings][-5:] == [*["holds"] * 4, "undecided"]
     assert "the bob swings about a fixed pivot on a string" in report.lexicon
-    assert any(d.startswith(r"\chi: theta (line 4: the angle") for d in report.drafts)
+    assert any(str(d).startswith(r"\chi: angle (line 4: 'the angle") for d in report.drafts)
     assert verdicts(PENDULUM % "+")[3] == "wrong"
 
 
@@ -152,6 +155,32 @@ def test_elementary_lines_need_no_setup(strict):
         (found,) = eom.check(entry.latex, kind="formula", strict=strict).findings
         wrong = "wrong" if strict else "unsure"
         assert found.verdict == (wrong if entry.verdict == "wrong" else "holds"), entry.latex
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_lines_of_students(strict):
+    entries = [e for e in read_truth(STUDENTS / "truth.json").values() if e.name not in LEFT]
+    for entry in entries[:: 5 if strict else 11]:
+        (found,) = eom.check(entry.latex, kind="formula", strict=strict).findings
+        wrong = "wrong" if strict else "unsure"
+        assert found.verdict == (wrong if entry.verdict == "wrong" else "holds"), entry.latex
+
+
+@pytest.mark.slow
+def test_all_lines_of_students():
+    found = [r for r in alone(STUDENTS, strict=True) if not r.right]
+    assert {r.entry.name for r in found} <= LEFT
+    assert not [r for r in found if r.false_alarm]
+
+
+def test_time_alone_on_a_side_is_an_instant():
+    for latex, verdict in (
+        (r"t = \frac{2 v_0\sin\alpha}{g}", "holds"),
+        (r"t = \sqrt{\frac{2 h}{g}}", "holds"),
+        (r"t = \frac{v_0\sin\alpha}{3 g}", "unsure"),
+    ):
+        (found,) = eom.check(latex).findings
+        assert found.verdict == verdict, latex
 
 
 @pytest.mark.slow
