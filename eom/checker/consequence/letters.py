@@ -79,6 +79,11 @@ def jet(name: str, order: int = 0, kind: str = CHANGES) -> Expr:
     return sp.Symbol(_BETWEEN.join((name, "'" * order, kind)), real=True)
 
 
+def lettered(symbols: Iterable[Expr]) -> dict[Expr, Letter]:
+    """Return the symbols that are letters of a note, with what they stand for."""
+    return {s: known for s in symbols if (known := letter(s)) is not None}
+
+
 def derived(symbol: Expr, order: int) -> Expr:
     """Return the symbol of a derivative of a letter, of which any symbol is given."""
     known = letter(symbol)

@@ -1,8 +1,8 @@
 """Frequencies: numbers by which the solutions of linear equations of motion go.
 
 Letters whose rules are linear in them, with constants before them, make a linear system, and others one
-for small motions about a state of rest; a letter that is one of its eigenvalues s, or i s, s^2 or the period
-of it, whatever the constants are, is that.
+for small motions about a state of rest; a letter that is one of its eigenvalues s, or i s, s^2 or the
+period of it, whatever the constants are, is that.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ def systems(rules: Rules) -> list[Linear]:
     """Return the linear systems with constant coefficients that rules make."""
     if "systems" not in rules.kept:
         rules.kept["systems"] = _systems(rules)
-    return rules.kept["systems"]
+    known: list[Linear] = rules.kept["systems"]
+    return known
 
 
 def _systems(rules: Rules) -> list[Linear]:

@@ -326,7 +326,9 @@ def _alone(zero: Expr, s: Expr) -> tuple[Expr, bool] | None:
         return None
     others = Point(Rules(), 0)
     try:
-        low, zeroth, one, two = (others.of(zero.xreplace({s: sp.Integer(k)})) for k in (-1, 0, 1, 2))
+        low, zeroth, one, two = (
+            others.of(zero.xreplace({s: sp.Integer(k)})) for k in (-1, 0, 1, 2)
+        )
     except (InputError, ZeroDivisionError):
         return None
     slope = one - zeroth

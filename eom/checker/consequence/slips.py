@@ -72,9 +72,7 @@ def slip(
     return min(found, key=_simplicity, default=None)
 
 
-def _of_whole(
-    q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Expr]
-) -> Slip | None:
+def _of_whole(q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Expr]) -> Slip | None:
     """Return the simplest slip in what is written of an equation with vectors, one for all components."""
     sides = (s for e in whole.equations for s in (e.left, e.right))
     key = ("slip", whole.link, tuple(at[0].rules.normal(s)[0] for s in sides))
@@ -115,7 +113,9 @@ def _mends(equations: Sequence[Equal], at: Sequence[Point]) -> bool:
     """Return whether all components agree at points, and not by themselves."""
     loose = points(Rules())
     with suppress(InputError, ZeroDivisionError, ValueError, TypeError):
-        return all(agrees(e, at) for e in equations) and not all(agrees(e, loose) for e in equations)
+        return all(agrees(e, at) for e in equations) and not all(
+            agrees(e, loose) for e in equations
+        )
     return False
 
 
@@ -253,10 +253,7 @@ def _atoms(q: Equal) -> frozenset[Expr]:
 def _number(values: Sequence[Number], most: int = MAX_NUMBER) -> Expr | None:
     """Return the small rational that all values are, but 0 and 1 by itself; None for none."""
     first = values[0]
-    if (
-        any(abs(v - first) > TINY * abs(first) for v in values)
-        or abs(MP.im(first)) > 1e-20
-    ):
+    if any(abs(v - first) > TINY * abs(first) for v in values) or abs(MP.im(first)) > 1e-20:
         return None
     near = Fraction(float(MP.re(first))).limit_denominator(most)
     small = abs(near.numerator) <= most and near != 0

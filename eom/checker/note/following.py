@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from eom.checker.consequence.known import FIRST_ORDER, RATE, Followed
 from eom.checker.consequence.letters import Letters, letters_of
-from eom.checker.consequence.lines import FIRST_ORDER, RATE, Followed, followed
+from eom.checker.consequence.lines import followed
 from eom.checker.consequence.slips import Slip
 from eom.checker.infer.sayings import prose
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG
@@ -107,7 +108,9 @@ def _reason(what: Followed, rests: str) -> str:
     if what.how == FIRST_ORDER:
         return f"it follows from {rests} for small motions"
     if what.how == RATE:
-        return f"its derivative by the time follows from {rests}; what it is at one time is as it says"
+        return (
+            f"its derivative by the time follows from {rests}; what it is at one time is as it says"
+        )
     if what.how:
         return f"it is the {what.how} of what moves as {rests} say{'s' * (' and ' not in rests)}"
     return FOLLOWS.format(rests) if rests else CALCULATED

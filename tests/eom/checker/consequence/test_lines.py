@@ -186,7 +186,10 @@ def test_a_number_that_is_no_frequency_is_one_only_where_words_say_so():
     assert found(r"m\ddot x = -kx", r"u = \sqrt{\frac{2k}{m}}") == {}
 
 
-ARM = ["#Here $c_1 = \\cos q_1$, $s_{12} = \\sin(q_1 + q_2)$ and so on.", "#The lengths are $l$, $h$."]
+ARM = [
+    "#Here $c_1 = \\cos q_1$, $s_{12} = \\sin(q_1 + q_2)$ and so on.",
+    "#The lengths are $l$, $h$.",
+]
 PLACE = r"x_2 = lc_1 + hc_{12}, \quad y_2 = ls_1 + hs_{12}"
 
 
@@ -199,7 +202,9 @@ def test_shorthands_are_used_by_their_pattern():
 def test_a_speed_is_that_of_the_coordinates_with_its_label():
     square = r"v_2^2 = l^2\dot q_1^2 + h^2(\dot q_1+\dot q_2)^2 + 2lhc_2\dot q_1(\dot q_1+\dot q_2)"
     assert found(*ARM, PLACE, square) == {2: "follows"}
-    assert found(*ARM, PLACE, square.replace("c_2", "c_{12}") + ", \\quad b = c_2") != {2: "follows"}
+    assert found(*ARM, PLACE, square.replace("c_2", "c_{12}") + ", \\quad b = c_2") != {
+        2: "follows"
+    }
 
 
 def test_primes_make_other_letters():
@@ -212,7 +217,12 @@ def test_a_value_at_an_instant_is_no_function():
 
 
 def test_a_later_condition_on_the_same_letters_takes_the_place_of_the_earlier_one():
-    lines = ["Q = a\\ddot x + b\\ddot y", "#For $x = y$", "Q = (a + b)\\ddot y", "#and for $x = -y$"]
+    lines = [
+        "Q = a\\ddot x + b\\ddot y",
+        "#For $x = y$",
+        "Q = (a + b)\\ddot y",
+        "#and for $x = -y$",
+    ]
     assert found(*lines, "Q = (b - a)\\ddot y").get(3) in {"follows", "under"}
     assert found(*lines, "Q = (b + a)\\ddot y").get(3) in {"unsure", "wrong", None}
 
@@ -251,7 +261,11 @@ HOOP = r"\ddot\theta = (\Omega^2\cos\theta - \frac gR)\sin\theta"
     ],
 )
 def test_frequencies_of_small_motions_about_a_state_of_rest(line, expected):
-    words = ["#It rests where", r"\cos\theta_0 = \frac{g}{R\Omega^2}", "#and swings at the frequency"]
+    words = [
+        "#It rests where",
+        r"\cos\theta_0 = \frac{g}{R\Omega^2}",
+        "#and swings at the frequency",
+    ]
     assert found(HOOP, *words, line).get(3) == expected
 
 
