@@ -123,7 +123,7 @@ class _Shown:
     transposed: set[Look] = field(default_factory=set)
     inverted: set[Look] = field(default_factory=set)
     alone: set[Look] = field(default_factory=set)
-    called: set[Look] = field(default_factory=set)
+    called: dict[Look, set[tuple[Look, ...]]] = field(default_factory=dict)
     sizes: dict[Look, tuple[int, int]] = field(default_factory=dict)
     marks: frozenset[str] = frozenset()
 
@@ -223,7 +223,7 @@ def _note_factors(found: _Shown, factors: Sequence[Node]) -> None:
         if given is None:
             continue
         if _is_called(following):
-            found.called.add(given.look)
+            found.called.setdefault(given.look, set()).add(_variables(following))
             continue
         look, nexts = found.look(given), seen(following)
         turned = any(set(_words(n)) & {*TRANSPOSES, "times"} for n in given.raised)
@@ -235,13 +235,21 @@ def _words(node: Node) -> tuple[str, ...]:
     return node.names if isinstance(node, Marks) else labels(node)
 
 
+def _inside(node: Group) -> list[Seen | None]:
+    items = node.body.items if isinstance(node.body, Items) else (node.body,)
+    return [seen(i.members[0] if isinstance(i, Relation) else i) for i in items]
+
+
+def _variables(node: Node) -> tuple[Look, ...]:
+    """Return the letters in the brackets behind a function."""
+    return tuple(s.look for s in _inside(node) if s is not None) if isinstance(node, Group) else ()
+
+
 def _is_called(node: Node) -> bool:
     """Return whether brackets hold letters alone, as those of the variables of a function do."""
     if not isinstance(node, Group) or node.open != "(":
         return False
-    body = node.body
-    items = body.items if isinstance(body, Items) else (body,)
-    inside = [seen(i.members[0] if isinstance(i, Relation) else i) for i in items]
+    inside = _inside(node)
     return all(s is not None and (not dressed(s.look) or s.look.name in VARIABLES) for s in inside)
 
 
@@ -571,6 +579,7 @@ def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dres
         k: kind
         for k in shown.looks
         if k.name.isalpha()
+        and len(shown.called.get(k, ())) < 2
         and not _accented(k, lexicon, shown.looks)
         and (kind := _kind(k, shown, lexicon, others)) is not None
     }

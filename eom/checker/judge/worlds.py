@@ -554,10 +554,16 @@ class Worlds(Models):
         return [n for n in names if n not in unmeant]
 
     def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:
-        """Yield worlds where terms have values: without more than is given, and one of each level."""
+        """Yield worlds where terms have values: without more than is given, and one of each level.
+
+        None where what may stand for a term has none beside the line.
+        """
         own = [*terms, *(a for t in terms for a in atoms_in(t, self.scalars))]
         labels = labels_in(own)
-        for context in contexts(own):
+        known: Iterable[tuple[str, ...]] = ()
+        with suppress(InputError):
+            known = list(contexts(own))
+        for context in known:
             try:
                 base = closure([*self.given, *context])
             except InputError:
