@@ -134,6 +134,10 @@ class _Shown:
             return one.look
         return one.with_label() or one.look
 
+    def is_several(self, look: Look) -> bool:
+        """Return whether a letter is a function of several things: at each it is another matrix."""
+        return len(self.called.get(look, ())) > 1
+
     def looks_of(self, nodes: Iterable[Node]) -> set[Look]:
         """Return the looks of those that are letters."""
         return {self.look(s) for n in nodes if (s := seen(_bare(n))) is not None}
@@ -559,6 +563,8 @@ MAX_OPEN = 5
 def _may_be_other(look: Look, dress: Dress) -> bool:
     if not look.name.isalpha() or look in dress.triads or look in dress.shown.sizes:
         return False
+    if dress.shown.is_several(look):
+        return False
     return not look.accents or dressed(look)
 
 
@@ -579,7 +585,7 @@ def dress_of(formulas: Sequence[Formula], text: Prose, lexicon: Lexicon) -> Dres
         k: kind
         for k in shown.looks
         if k.name.isalpha()
-        and len(shown.called.get(k, ())) < 2
+        and not shown.is_several(k)
         and not _accented(k, lexicon, shown.looks)
         and (kind := _kind(k, shown, lexicon, others)) is not None
     }

@@ -154,3 +154,8 @@ def test_labels_on_the_left_tell_letters_apart():
     lines = [rf"{{}}^{{0}}_{{1}}R = {turned}", rf"{{}}^{{0}}_{{2}}R = {turned.replace('a ', 'b ')}"]
     assert found(*lines, r"\det {}^{0}_{2}R = 1").get(3) in {"follows", "under"}
     assert found(*lines, r"{}^{0}_{2}R = {}^{0}_{1}R").get(3) not in {"follows", "under", "wrong"}
+
+
+def test_a_function_of_two_things_is_two_matrices():
+    lines = [r"\dot{\mathbf R} = \mathbf S(a)\mathbf R", r"\dot{\mathbf R} = \mathbf S(b)\mathbf R"]
+    assert found(*lines) == {}
