@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 
 import sympy as sp
 
-from eom.checker.consequence.letters import (
+from eom.checker.consequence.jets import (
     MAY,
     Equal,
     Expr,

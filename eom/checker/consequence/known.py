@@ -14,13 +14,7 @@ from eom.checker.consequence.customs import (
     lagrange,
     meant,
 )
-from eom.checker.consequence.letters import (
-    MAY,
-    Equal,
-    Expr,
-    derived,
-    lettered,
-)
+from eom.checker.consequence.jets import MAY, Equal, Expr, derived, lettered
 from eom.checker.consequence.rules import Rule, Rules, lone, solved
 from eom.checker.consequence.slips import Slip
 from eom.errors import InputError

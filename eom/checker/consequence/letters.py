@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -28,6 +27,20 @@ from eom.checker.consequence.arrays import (
     times,
 )
 from eom.checker.consequence.dress import AXES, Arrays, Dress, dress_of, kept
+from eom.checker.consequence.jets import (
+    AXIS,
+    CHANGES,
+    MAY,
+    STAYS,
+    TIME,
+    Equal,
+    Expr,
+    Letter,
+    jet,
+    letter,
+    partial,
+    rate,
+)
 from eom.checker.consequence.whole import FACTOR, Whole
 from eom.checker.infer.sayings import Prose, said
 from eom.checker.mean.claims import CONSTANT, EQUALITIES, Claim, claims
@@ -42,102 +55,11 @@ from eom.system import System
 from eom.terms.terms import Term
 from eom.terms.vocabulary import described
 
-Expr = Any
-
 NEAR = "approx"
-TIME = sp.Symbol("t", real=True)
 MOVING, STILL = "coordinate", "scalar"
 PLAIN = frozenset({"", "cal", "calligraphic", "roman", "script"})
 """Styles of letters for scalars."""
 IMAGINARY = Look("i")
-
-
-@dataclass(frozen=True)
-class Letter:
-    """A letter of a note, or one of its derivatives by the time; ``kind``: `STAYS`, `CHANGES`, `MAY`."""
-
-    name: str
-    order: int
-    kind: str
-
-    @property
-    def moving(self) -> bool:
-        """Whether it has derivatives."""
-        return self.kind != STAYS
-
-
-STAYS, CHANGES, MAY = "", "t", "q"
-"""Letters of constants, letters with dots, and those that change only where they are given by such."""
-
-
-_BETWEEN = "|"
-
-
-@lru_cache(maxsize=4096)
-def jet(name: str, order: int = 0, kind: str = CHANGES) -> Expr:
-    """Return the symbol of a letter, or of its derivative; constants have none."""
-    return sp.Symbol(_BETWEEN.join((name, "'" * order, kind)), real=True)
-
-
-def lettered(symbols: Iterable[Expr]) -> dict[Expr, Letter]:
-    """Return the symbols that are letters of a note, with what they stand for."""
-    return {s: known for s in symbols if (known := letter(s)) is not None}
-
-
-def derived(symbol: Expr, order: int) -> Expr:
-    """Return the symbol of a derivative of a letter, of which any symbol is given."""
-    known = letter(symbol)
-    assert known is not None
-    return jet(known.name, order, known.kind)
-
-
-@lru_cache(maxsize=4096)
-def letter(symbol: Expr) -> Letter | None:
-    """Return what a symbol stands for, None for all but letters of a note."""
-    parts = symbol.name.rsplit(_BETWEEN, 2) if symbol.is_Symbol else []
-    return Letter(parts[0], len(parts[1]), parts[2]) if len(parts) == 3 else None
-
-
-AXIS = "turn"
-"""Name of the angular velocity of axes that turn."""
-
-
-def is_component(symbol: Expr) -> bool:
-    """Return whether a letter is a component of a vector or matrix."""
-    known = letter(symbol)
-    return known is not None and bool(_COMPONENT.search(known.name))
-
-
-_COMPONENT = re.compile(r" [123]{1,2}$")
-
-
-def rate(e: Expr) -> Expr:
-    """Return the derivative by the time of an expression in letters, or that it is to be worked out."""
-    if e.has(partial, timed):
-        return timed(e)
-    parts = [e.diff(TIME)]
-    for s in e.free_symbols:
-        known = letter(s)
-        if known is not None and known.moving:
-            parts.append(e.diff(s) * derived(s, known.order + 1))
-    return sp.Add(*parts)
-
-
-@dataclass(frozen=True)
-class Equal:
-    """Two sides that a formula says are equal, in letters."""
-
-    left: Expr
-    right: Expr
-    near: bool = False
-    """Whether they are so for small motions alone."""
-    whole: Whole | None = field(default=None, compare=False, repr=False)
-    """The statement that this is a part of, where vectors stand in it."""
-
-    @property
-    def letters(self) -> frozenset[Expr]:
-        """The symbols of both sides."""
-        return frozenset(s for e in (self.left, self.right) for s in e.free_symbols if letter(s))
 
 
 @dataclass(frozen=True)
@@ -167,6 +89,10 @@ class Letters:
     def _spelt(self, one: Letter) -> str:
         plain = self.spellings.get(one.name, one.name)
         return rf"\{'d' * one.order}ot{{{plain}}}" if one.order else plain
+
+    def is_entry(self, name: str) -> bool:
+        """Return whether a letter is an entry of a column or matrix of any size."""
+        return self.arrays.has_entry(name)
 
     def _kind(self, name: str) -> str:
         return STAYS if name in self.still else MAY if name in self.quiet else CHANGES
@@ -309,14 +235,6 @@ def _rotation(a: Expr, b: Expr, c: Expr) -> Array:
     square = times(skewed, skewed)
     whole = 1 + a**2 + b**2 + c**2
     return added(UNIT, each(lambda s, q: 2 * (s + q) / whole, skewed, square))
-
-
-class partial(sp.Function):  # type: ignore[misc]  # noqa: N801 - it is printed as it is called
-    """The derivative of an expression by one of its letters, worked out once all letters are known."""
-
-
-class timed(sp.Function):  # type: ignore[misc]  # noqa: N801
-    """The derivative by the time of an expression with such derivatives."""
 
 
 _CONSTANT = re.compile(

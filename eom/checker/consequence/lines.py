@@ -14,13 +14,9 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+from eom.checker.consequence.jets import Equal, is_component, partial
 from eom.checker.consequence.known import FIRST_ORDER, RATE, Followed, Known
-from eom.checker.consequence.letters import (
-    Equal,
-    Letters,
-    is_component,
-    partial,
-)
+from eom.checker.consequence.letters import Letters
 from eom.checker.consequence.rules import lone
 from eom.checker.consequence.ways import found, frequency
 from eom.checker.judge.judge import HOLDS, UNDER

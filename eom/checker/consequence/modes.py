@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eom.checker.consequence.letters import CHANGES, MAY, STAYS, Equal, Expr, jet, letter
+from eom.checker.consequence.jets import CHANGES, MAY, STAYS, Equal, Expr, jet, letter
 from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points, size
 from eom.errors import InputError
 

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from eom.checker.consequence.letters import (
+from eom.checker.consequence.jets import (
     CHANGES,
     MAY,
     Equal,

@@ -14,10 +14,9 @@ from fractions import Fraction
 
 import sympy as sp
 
-from eom.checker.consequence.letters import STAYS, Equal, Expr, is_component, jet, letter
+from eom.checker.consequence.jets import STAYS, Equal, Expr, Together, is_component, jet, letter
 from eom.checker.consequence.rules import MP, POINTS, Number, Point, Rules, agrees, points
 from eom.checker.consequence.whole import FACTOR as WRITTEN
-from eom.checker.consequence.whole import Whole
 from eom.errors import InputError
 from eom.limits import check
 
@@ -72,23 +71,26 @@ def slip(
     return min(found, key=_simplicity, default=None)
 
 
-def _of_whole(q: Equal, whole: Whole, at: Sequence[Point], letters: frozenset[Expr]) -> Slip | None:
+def _of_whole(
+    q: Equal, whole: Together, at: Sequence[Point], letters: frozenset[Expr]
+) -> Slip | None:
     """Return the simplest slip in what is written of an equation with vectors, one for all components."""
     sides = (s for e in whole.equations for s in (e.left, e.right))
     key = ("slip", whole.link, tuple(at[0].rules.normal(s)[0] for s in sides))
     if key not in whole.memo:
-        has_entry = whole.letters.arrays.has_entry
         atoms = [
             a
             for a in (*_atoms(q), *letters)
-            if not any(is_component(s) or has_entry(s.name.split("|")[0]) for s in a.free_symbols)
+            if not any(
+                is_component(s) or whole.is_entry(s.name.split("|")[0]) for s in a.free_symbols
+            )
         ]
         whole.memo[key] = min(_written(whole, atoms, at), key=_simplicity, default=None)
     known: Slip | None = whole.memo[key]
     return known
 
 
-def _written(whole: Whole, atoms: Sequence[Expr], at: Sequence[Point]) -> Iterator[Slip]:
+def _written(whole: Together, atoms: Sequence[Expr], at: Sequence[Point]) -> Iterator[Slip]:
     """Yield slips in the parts of what is written."""
     values = _values(atoms, at)
     for latex, read in whole.scaled():

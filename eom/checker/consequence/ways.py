@@ -14,6 +14,7 @@ from itertools import product
 
 import sympy as sp
 
+from eom.checker.consequence.jets import CHANGES, TIME, Equal, Expr, Letter, derived, lettered, rate
 from eom.checker.consequence.known import (
     FAILS,
     FIRST_ORDER,
@@ -22,16 +23,6 @@ from eom.checker.consequence.known import (
     Known,
     held,
     sources,
-)
-from eom.checker.consequence.letters import (
-    CHANGES,
-    TIME,
-    Equal,
-    Expr,
-    Letter,
-    derived,
-    lettered,
-    rate,
 )
 from eom.checker.consequence.modes import mode, modes
 from eom.checker.consequence.rules import (

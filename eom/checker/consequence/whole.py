@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
+from eom.checker.consequence.jets import Equal
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import (
@@ -30,8 +31,16 @@ from eom.checker.read.syntax import (
 )
 from eom.checker.read.writing import latex
 
-if TYPE_CHECKING:
-    from eom.checker.consequence.letters import Equal, Letters
+
+class Reader(Protocol):
+    """How a statement is read."""
+
+    def linked(self, statement: Statement, claim: int, link: int) -> tuple[Equal, ...]:
+        """Return the components of one of the links of one of the claims of a statement."""
+
+    def is_entry(self, name: str) -> bool:
+        """Return whether a letter is an entry of a column or matrix of any size."""
+
 
 FACTOR = Look("slipfactor")
 """A letter that no note has, by which a part is multiplied."""
@@ -43,7 +52,7 @@ _OPEN = (Addition, Product, Fraction, Group, Root, Matrix, Quotient, Derivative)
 class Whole:
     """A claim of a statement, one of its links, one of its components; ``letters``: how it is read."""
 
-    letters: Letters
+    letters: Reader
     statement: Statement
     claim: int
     link: int = 0
@@ -57,6 +66,10 @@ class Whole:
             self.memo[self.link] = self._read(self.statement)
         found: tuple[Equal, ...] = self.memo[self.link]
         return found
+
+    def is_entry(self, name: str) -> bool:
+        """Return whether a letter is an entry of a column or matrix of any size."""
+        return self.letters.is_entry(name)
 
     def scaled(self) -> Iterator[tuple[str, tuple[Equal, ...]]]:
         """Yield parts in LaTeX, and the components with a factor at them."""
