@@ -345,7 +345,7 @@ class Phrases:
 
     def _frames(self, words: str) -> dict[str, list[str]]:
         """Return the frames behind prepositions, in order."""
-        named = rf"{_ARTICLES}(?P<what>{MARK}|body(?: frame)?|inertial\b|space)"
+        named = rf"{_ARTICLES}(?P<what>{MARK}|{_BODY}(?: frame)?|{_SPACE})"
         return {
             key: [
                 n for m in re.finditer(rf"{lead}\s+{named}", words) if (n := self._frame(m["what"]))
@@ -354,22 +354,27 @@ class Phrases:
         }
 
     def _taken(self, words: str) -> dict[str, list[str]]:
-        """Return the frames of components that something takes into others, in this order."""
+        """Return the frames of components that something takes into others, in this order.
+
+        They are unknown, and so is the rotation, where words do not name the two of them.
+        """
         match = _TAKES.search(words)
         if match is None:
             return {}
         named = [
             n
-            for m in re.finditer(rf"{MARK}|\b(?:body|inertial|space)\b", match["what"])
+            for m in re.finditer(rf"{MARK}|{_BODY}|{_SPACE}", match["what"])
             if (n := self._frame(m[0]))
         ]
         both = list(dict.fromkeys(named))
-        return {"in": both[:1], "into": both[1:], "of": []} if len(both) == 2 else {}
+        if len(both) != 2:
+            both = ["", ""] if _COMPONENTS.search(match["what"]) else []
+        return {"in": both[:1], "into": both[1:], "of": []} if both else {}
 
     def _frame(self, words: str) -> str:
         if words.startswith("⟦"):
             return self.places.frames.get(as_label(self.text.marked(words)[0].look), "")
-        return "B" if words.startswith("body") else "I"
+        return "B" if re.match(_BODY, words) else "I"
 
     def _particle(self, mention: Mention, sentence: str) -> str:
         labels = mention.look.sub
@@ -418,6 +423,10 @@ _OF_WHAT = re.compile(
     r"(?P<other>forces?|velocity|acceleration|momentum|angular momentum|position|moment of momentum))"
 )
 """Of which vector components are, in words."""
+_BODY = r"\b(?:body|vehicle|airframe|spacecraft|aircraft)\b"
+_SPACE = r"\b(?:inertial|space|world|global|ground|lab(?:oratory)?|earth|navigation)\b"
+"""How frames are called that turn with the body, and that do not turn."""
+_COMPONENTS = re.compile(r"\b(?:components|coordinates|columns?)\b")
 _TAKES = re.compile(r"\b(?:takes|maps|turns|brings|carries|transforms|converts)\b(?P<what>[^.;]*)")
 """What a rotation does with components of one frame: it takes them into those of another."""
 COUNTERS = frozenset({"a", "s", "p", "alpha", "mu", "nu"})
