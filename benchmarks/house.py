@@ -25,8 +25,8 @@ BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 531,
-    "lines of code": 108_100,
+    "modules": 547,
+    "lines of code": 110_750,
     "modules in the fullest folder": 23,
     "folders of more than 25 modules": 0,
     "circles of files": 0,

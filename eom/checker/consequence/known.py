@@ -56,7 +56,8 @@ class Known:
 
     ``rules``: what lines say that bring a letter in; ``aside``: what sentences say; ``weak``: what lines
     say of letters that stand before, which may be meant of a special case. ``words``: what stands before
-    each formula; ``letters``: of all formulas, but components of vectors.
+    each formula; ``letters``: of all formulas, but components of vectors; ``earlier``: letters that an
+    earlier part gives, and this one may give anew.
     """
 
     words: Sequence[str] = ()
@@ -69,6 +70,7 @@ class Known:
     brought: set[int] = field(default_factory=set)
     vectors: set[int] = field(default_factory=set)
     found: dict[int, list[Followed | None]] = field(default_factory=dict)
+    earlier: frozenset[str] = frozenset()
     lagrangian: tuple[Expr, int] | None = None
     made: list[Rules] | None = None
 
@@ -77,6 +79,7 @@ class Known:
         kept = {n: r for n, r in self.rules.known.items() if r.given and not r.order}
         self.rules = Rules(kept, list(self.rules.signs))
         self.weak, self.made = [], None
+        self.earlier = frozenset(kept)
 
     def begin_display(self, first: int, kept: set[int]) -> None:
         """Forget what sentences said before the last display, but for conditions that are in use."""

@@ -75,7 +75,8 @@ def _take(known: Known, number: int, q: Equal, *, display: bool, judged: bool) -
     known.brought |= {number} if brings else set()
     what = frequency(known, number, q, new)
     if what is None and not brings:
-        what = found(known, number, q, new, judged=judged)
+        anew = not known.earlier.isdisjoint(lone(q))
+        what = found(known, number, q, new, judged=judged and not anew)
     if what is not None or not brings or not _is_slope(q):
         known.found.setdefault(number, []).append(what)
     _keep(known, number, q, new, what)

@@ -223,6 +223,8 @@ def _values(atoms: Iterable[Expr], at: Sequence[Point]) -> Values:
 
 def _factors(needed: Sequence[Number], values: Values) -> Iterator[Expr]:
     """Yield numbers, and numbers times quotients of letters and functions, that are what is needed."""
+    if all(abs(n - 1) < TINY for n in needed):
+        return
     number = _number(needed)
     if number is not None:
         yield number

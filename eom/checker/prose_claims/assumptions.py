@@ -110,7 +110,7 @@ NOTE, SECTION, PARAGRAPH = "note", "section", "paragraph"
 
 APPROXIMATE: tuple[tuple[str, str], ...] = (
     ((r"small[- ](?:angle|displacement|deviation|oscillation|perturbation|motion|vibration)s?|"
-      r"lineari[sz]"), SECTION),
+      r"small(?=\s*[).,;:])|lineari[sz]"), SECTION),
     ((r"(?:is|are|remains?|stays?|for) (?:sufficiently |very )?small\b|"
       r"to (?:the )?first order|first[- ]order (?:in|approx)|"
       r"\bapproximat(?:ely|ion|ed?)\b|negligib|neglect|higher[- ]order terms"), PARAGRAPH),
