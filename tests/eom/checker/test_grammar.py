@@ -49,6 +49,8 @@ def notes(text):
         (r"\mathbf{a\cdot b}", "⟦[*a . *b]⟧"),
         (r"a \boldsymbol{\times} b", "[a x b]"),
         (r"\omega_{\mathrm{rel}, i\neq j}", "omega{_rm:rel, i != j}"),
+        (r"v_{\rm rel}", "v{_rm:rel}"),
+        (r"\omega_{\pm}^2", "omega{_!pm ^2}"),
         (r"\frac{d\,(m v)}{d t}", "D(([m v]))/t"),
     ],
 )

@@ -140,3 +140,23 @@ def test_a_body_beside_a_single_particle_is_no_world(tmp_path, line):
     assert found.verdict == "undecided"
     assert "single particle P" in found.reason
     assert "[points]" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("frames", "expected"),
+    [
+        (("body", "world"), "holds"),
+        (("vehicle", "ground"), "holds"),
+        (("world", "body"), "undecided"),
+        (("old", "new"), "undecided"),
+    ],
+)
+def test_what_a_rotation_takes_into_what_is_as_words_say_or_unknown(frames, expected):
+    note = (
+        f"The matrix $R$ takes {frames[0]} components to {frames[1]} components, $\\vec\\omega$ is the "
+        "angular velocity of the body in body axes. Writing $[\\vec\\omega]_\\times$ for the matrix with "
+        "$[\\vec\\omega]_\\times\\vec a=\\vec\\omega\\times\\vec a$,\n\n"
+        "$$\\dot R = R\\,[\\vec\\omega]_\\times$$\n"
+    )
+    (found,) = (f for f in eom.check(note).findings if f.kind == "display")
+    assert found.verdict == expected

@@ -281,3 +281,19 @@ def test_frequencies_of_small_motions_about_a_state_of_rest(line, expected):
 )
 def test_lines_for_small_motions(line, expected):
     assert found(HOOP, "#For small angles", line).get(2) == expected
+
+
+def test_a_power_of_the_time_is_read_as_it_stands():
+    assert found(
+        r"\dot v = b", r"v = bt + v_0", r"\dot x = v", r"x = \frac12bt^2 + v_0t + x_0"
+    ) == {
+        2: "under",
+        4: "under",
+    }
+    assert found(r"\dot v = bt", r"v = \frac12bt^2 + v_0") == {2: "under"}
+    assert found(r"\dot v = bt", r"v = bt + v_0").get(2) in {None, "unsure"}
+
+
+def test_a_letter_given_anew_in_another_part_is_no_slip():
+    parts = "# One\n\n$$\nJ = 2sa\n$$\n\n# Two\n\n$$\nJ = 3sa\n$$"
+    assert shown(parts) == {}
