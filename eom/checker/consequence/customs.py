@@ -27,6 +27,13 @@ from eom.checker.consequence.rules import Rule, Rules
 LAGRANGIANS = ("L", "cal L", "calligraphic L", "script L")
 KINETIC = ("T", "K", "E_kin", "E_k", "E_K", "T_kin", "E_c", "W_kin")
 POTENTIAL = ("V", "U", "P", "E_pot", "E_p", "E_P", "V_pot", "W_pot", "Pi")
+LAW, SPEED, SHORTHAND = -1, -2, -3
+CUSTOMS = {
+    LAW: "the energies or the Lagrangian are all that acts",
+    SPEED: "a speed is that of the coordinates with its label",
+    SHORTHAND: "shorthands go on by their pattern",
+}
+"""What is taken for granted, by numbers that stand beside those of formulas, with words for it."""
 _NUMBERED = re.compile(r"(.+_)(\d+|[ijk])")
 
 
@@ -58,7 +65,7 @@ def _alike(like: Rule, name: str, label: str) -> Rule:
     angle = next(iter(lettered(like.value.free_symbols).values()))
     base = angle.name.rpartition("_")[0]
     terms = [jet(f"{base}_{n}", 0, angle.kind) for n in label]
-    return Rule(name, 0, like.value.func(sp.Add(*terms)), like.sources)
+    return Rule(name, 0, like.value.func(sp.Add(*terms)), like.sources | {SHORTHAND})
 
 
 def _speed(rules: Rules, known: Letter) -> Iterator[Rule]:
@@ -68,7 +75,7 @@ def _speed(rules: Rules, known: Letter) -> Iterator[Rule]:
         rates = [jet(n, 1) for n in names]
         sources = frozenset[int]().union(*(rules.normal(r)[1] for r in rates))
         squares = sp.Add(*(r**2 for r in rates))
-        yield Rule(known.name, 0, sp.sqrt(squares), sources, squared=True)
+        yield Rule(known.name, 0, sp.sqrt(squares), sources | {SPEED}, squared=True)
 
 
 def is_moving(rule: Rule) -> bool:
@@ -76,14 +83,14 @@ def is_moving(rule: Rule) -> bool:
     return any(k.order for k in lettered(rule.value.free_symbols).values())
 
 
-def energies(rules: Rules, letters: Iterable[Expr]) -> tuple[Expr, int] | None:
-    """Return the kinetic less the potential energy with the line of the first, where lines give both."""
+def energies(rules: Rules, letters: Iterable[Expr]) -> Expr | None:
+    """Return the kinetic less the potential energy, where lines give both."""
     kinetic = next((r for n in KINETIC if (r := rules.known.get(n)) and is_moving(r)), None)
     potential = next((r for n in POTENTIAL if (r := rules.known.get(n))), None)
     if kinetic is None or potential is None:
         return None
     of = {known.name: derived(s, 0) for s, known in lettered(letters).items()}
-    return of[kinetic.name] - of[potential.name], max(kinetic.sources)
+    return of[kinetic.name] - of[potential.name]
 
 
 def lagrange(rules: Rules, function: Expr) -> Iterator[Equal]:

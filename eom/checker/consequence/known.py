@@ -9,6 +9,7 @@ from itertools import groupby
 
 from eom.checker.consequence.customs import (
     LAGRANGIANS,
+    LAW,
     energies,
     is_moving,
     lagrange,
@@ -29,8 +30,8 @@ class Followed:
     """What is found of a line: the formulas that it follows from, and its slip, if it has one.
 
     ``sure``: whether no line that it rests on is likelier to have the slip; ``under``: those of the
-    formulas that nothing decides; ``held``: letters that are taken not to change; ``how``: `RATE`,
-    `FIRST_ORDER`, or what of a linear system a letter is.
+    formulas that nothing decides, and customs; ``held``: letters that are taken not to change; ``how``:
+    `RATE`, `FIRST_ORDER`, or what of a linear system a letter is.
     """
 
     sources: frozenset[int]
@@ -71,7 +72,7 @@ class Known:
     vectors: set[int] = field(default_factory=set)
     found: dict[int, list[Followed | None]] = field(default_factory=dict)
     earlier: frozenset[str] = frozenset()
-    lagrangian: tuple[Expr, int] | None = None
+    lagrangian: Expr | None = None
     made: list[Rules] | None = None
 
     def begin_part(self) -> None:
@@ -114,7 +115,7 @@ class Known:
             self._add(replace(rule, given=rule.name in set(lone(q))))
             if rule.name in LAGRANGIANS and is_moving(rule):
                 own = next(s for s, k in lettered(q.letters).items() if k.name == rule.name)
-                self.lagrangian = (own, number)
+                self.lagrangian = own
 
     def weaken(self, number: int, q: Equal) -> None:
         """Take in a premise that may be meant of a special case."""
@@ -142,7 +143,7 @@ class Known:
         function = self.lagrangian or energies(self.rules, self.letters)
         laws: list[Said] = []
         with suppress(*FAILS):
-            laws = [(function[1], q) for q in lagrange(self.rules, function[0])] if function else []
+            laws = [(LAW, q) for q in lagrange(self.rules, function)] if function else []
         weak = [list(ws) for _, ws in groupby(self.weak, lambda w: w[0])][-MAX_WEAK:]
         last = [w for ws in weak[::-1] for w in ws[::-1]]
         more = (self.aside, *weak[::-1], laws, [*self.aside, *last], [*self.aside, *laws])

@@ -124,12 +124,20 @@ def _settled(
             continue
         others = what.sources - {n}
         if what.slip is not None:
-            firm = (verdicts[s] == DEFINITION or supports[s] >= max(1, against[s]) for s in others)
+            firm = (
+                (s >= 0 and verdicts[s] == DEFINITION) or supports[s] >= max(1, against[s])
+                for s in others
+            )
             kept[n] = replace(what, sure=all(firm))
         elif n in whole:
-            open_ = (s for s in others if verdicts[s] not in SETTLED and s not in known.brought)
+            open_ = (s for s in others if s < 0 or _is_open(known, s, verdicts))
             kept[n] = replace(what, under=frozenset(open_))
     return kept
+
+
+def _is_open(known: Known, number: int, verdicts: Sequence[str]) -> bool:
+    """Return whether nothing decides a line, which does not say what a letter is either."""
+    return verdicts[number] not in SETTLED and number not in known.brought
 
 
 def _balance(known: Known) -> tuple[Counter[int], Counter[int]]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from eom.checker.consequence.customs import CUSTOMS
 from eom.checker.consequence.known import FIRST_ORDER, RATE, Followed
 from eom.checker.consequence.letters import Letters, letters_of
 from eom.checker.consequence.lines import followed
@@ -85,18 +86,22 @@ def _told(
 ) -> Finding:
     """Return a finding with what follows."""
     rests, open_ = (
-        _lines(found[n].line for n in ns - {number}) for ns in (what.sources, what.under)
+        _lines(found[n].line for n in ns - {number} if n >= 0) for ns in (what.sources, what.under)
     )
+    customs = " and ".join(CUSTOMS[n] for n in sorted(what.sources) if n < 0)
     if what.slip is None:
         reason = _reason(what, rests)
         if what.held:
             held = ", ".join(sorted(f"${letters.latex(s)}$" for s in what.held))
             reason = f"if {held} do{'es' * (len(what.held) == 1)} not change, {reason}"
+        if customs:
+            reason = f"if {customs}: {reason}"
         if open_:
             reason = f"what stands in {open_} is true: {reason}"
-        verdict = UNDER if open_ or what.held or what.how in {RATE, FIRST_ORDER} else HOLDS
+        verdict = UNDER if what.under or what.held or what.how in {RATE, FIRST_ORDER} else HOLDS
         return replace(finding, verdict=verdict, reason=reason)
     said = _slip(what.slip, letters)
+    rests += f", if {customs}" * bool(customs and rests)
     if what.sure:
         return replace(finding, verdict=WRONG, reason=f"{said}, by {rests}" if rests else said)
     return replace(
